@@ -1,0 +1,170 @@
+"""Makes Python classes of interface descriptions, with the surface of rosidl's own.
+
+`BatteryStatus(percentage=87.5)`, checked assignment, `==`, `repr`, `get_fields_and_field_types()`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from operator import attrgetter
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+from . import fields as rules
+from .idl import Field, Section
+
+Resolve = Callable[[Section, Field], Any]
+
+
+class Message:
+    """Base of every generated message, request, goal and so on."""
+
+    __slots__ = ()
+    __type_name__: ClassVar[str]
+    __field_types__: ClassVar[dict[str, str]]
+    __defaults__: ClassVar[dict[str, Callable[[], Any]]]
+    __copiers__: ClassVar[tuple[tuple[str, Callable[[Any], Any] | None], ...]]
+
+    def __init__(self, **values: Any) -> None:
+        for name, default in self.__defaults__.items():
+            setattr(self, name, values.pop(name) if name in values else default())
+        if values:
+            raise AssertionError(f"Invalid arguments passed to constructor: {', '.join(values)}")
+
+    @classmethod
+    def get_fields_and_field_types(cls) -> dict[str, str]:
+        """Field names and their IDL types, in the file's order."""
+        return dict(cls.__field_types__)
+
+    def __received__(self) -> Any:
+        """A copy that shares nothing, as if it had been sent and received."""
+        new = object.__new__(type(self))
+        for slot, copy in self.__copiers__:
+            value = getattr(self, slot)
+            setattr(new, slot, value if copy is None else copy(value))
+        return new
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return False
+        return all(getattr(self, name) == getattr(other, name) for name in self.__field_types__)
+
+    __hash__ = None  # type: ignore[assignment]  # mutable, as rosidl's
+
+    def __repr__(self) -> str:
+        package, kind, name = self.__type_name__.split("/")
+        inside = ", ".join(f"{field}={getattr(self, field)!r}" for field in self.__field_types__)
+        return f"{package}.{kind}.{name}({inside})"
+
+
+def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Message]:
+    """A message class for `type_name` ("package/msg/Name"), nested types found by `resolve`."""
+    package, kind, name = type_name.split("/")
+    body: dict[str, Any] = {
+        "__slots__": tuple(f"_{field.name}" for field in section.fields),
+        "__module__": f"{package}.{kind}",
+        "__type_name__": type_name,
+        "__field_types__": {field.name: str(field.type) for field in section.fields},
+        **dict(section.constants),
+    }
+    defaults: dict[str, Callable[[], Any]] = {}
+    copiers: list[tuple[str, Callable[[Any], Any] | None]] = []
+    for field in section.fields:
+        nested = resolve(section, field) if "/" in field.type.base else None
+        check = rules.scalar_check(field.name, field.type.base, field.type.string_bound, nested)
+        if field.type.is_array:
+            check = rules.array_check(field.name, field.type, check)
+        slot = f"_{field.name}"
+        body[field.name] = property(attrgetter(slot), _setter(slot, check))
+        defaults[field.name] = _default(field, nested)
+        copiers.append((slot, rules.copier(field.type, check, nested)))
+    body["__defaults__"] = defaults
+    body["__copiers__"] = tuple(copiers)
+    return type(name, (Message,), body)
+
+
+def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:
+    """A service class with `Request` and `Response`."""
+    parts = {
+        part: make_message(f"{type_name}_{part}", section, resolve)
+        for part, section in zip(("Request", "Response"), sections, strict=True)
+    }
+    return _holder(type_name, parts)
+
+
+def make_action(
+    type_name: str, sections: list[Section], resolve: Resolve, load: Callable[[str], Any]
+) -> type:
+    """An action class with `Goal`, `Result`, `Feedback` and the services and messages in `Impl`."""
+    parts: dict[str, Any] = {
+        part: make_message(f"{type_name}_{part}", section, resolve)
+        for part, section in zip(("Goal", "Result", "Feedback"), sections, strict=True)
+    }
+    parts["Impl"] = SimpleNamespace(
+        SendGoalService=_wrapped_service(
+            f"{type_name}_SendGoal", load,
+            {"goal_id": "unique_identifier_msgs/msg/UUID", "goal": parts["Goal"]},
+            {"accepted": bool, "stamp": "builtin_interfaces/msg/Time"},
+        ),
+        GetResultService=_wrapped_service(
+            f"{type_name}_GetResult", load,
+            {"goal_id": "unique_identifier_msgs/msg/UUID"},
+            {"status": int, "result": parts["Result"]},
+        ),
+        FeedbackMessage=_wrapped(
+            f"{type_name}_FeedbackMessage", load,
+            {"goal_id": "unique_identifier_msgs/msg/UUID", "feedback": parts["Feedback"]},
+        ),
+        CancelGoalService=load("action_msgs/srv/CancelGoal"),
+        GoalStatusMessage=load("action_msgs/msg/GoalStatusArray"),
+    )  # fmt: skip
+    return _holder(type_name, parts)
+
+
+def _wrapped_service(
+    type_name: str, load: Callable[[str], Any], request: dict[str, Any], response: dict[str, Any]
+) -> type:
+    parts = {
+        "Request": _wrapped(f"{type_name}_Request", load, request),
+        "Response": _wrapped(f"{type_name}_Response", load, response),
+    }
+    return _holder(type_name, parts)
+
+
+def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
+    """A message whose field types are given as classes, as ROS derives them for actions."""
+    from pathlib import Path
+
+    from .idl import FieldType
+
+    primitives = {bool: "bool", int: "int8"}
+    classes = {
+        name: load(member) if isinstance(member, str) else member
+        for name, member in members.items()
+    }
+    fields = tuple(
+        Field(FieldType(primitives.get(member) or _base(member)), name, None, 0)
+        for name, member in classes.items()
+    )
+    section = Section(Path(type_name), fields, ())
+    return make_message(type_name, section, lambda _, field: classes[field.name])
+
+
+def _base(member: type[Message]) -> str:
+    package, _, name = member.__type_name__.split("/")
+    return f"{package}/{name}"
+
+
+def _holder(type_name: str, parts: dict[str, Any]) -> type:
+    package, kind, name = type_name.split("/")
+    return type(name, (), {"__module__": f"{package}.{kind}", "__type_name__": type_name, **parts})
+
+
+def _setter(slot: str, check: Callable[[Any], Any]) -> Callable[[Any, Any], None]:
+    return lambda self, value: setattr(self, slot, check(value))
+
+
+def _default(field: Field, nested: Any) -> Callable[[], Any]:
+    if field.default is not None:
+        return lambda: field.default
+    return lambda: rules.default_of(field.type, nested)

@@ -1,0 +1,119 @@
+"""The embedded engine's `rclpy`: the part of ROS 2's Python client library that nodes use, in one
+process, without ROS. Smaller than rclpy, never kinder: what would fail there fails here the same way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from rclpy.context import Context
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future
+from rclpy.utilities import get_default_context, get_rmw_implementation_identifier, ok
+
+if TYPE_CHECKING:
+    from rclpy.executors import Executor
+    from rclpy.node import Node
+
+__all__ = [
+    "create_node",
+    "get_global_executor",
+    "get_rmw_implementation_identifier",
+    "init",
+    "ok",
+    "shutdown",
+    "spin",
+    "spin_once",
+    "spin_until_future_complete",
+    "try_shutdown",
+]
+
+_executor: Executor | None = None
+
+
+def init(
+    *,
+    args: Sequence[str] | None = None,
+    context: Context | None = None,
+    domain_id: int | None = None,
+    signal_handler_options: SignalHandlerOptions | None = None,
+) -> Context:
+    """Begin to use rclpy. Arguments behind `--ros-args` hold for every node of the context."""
+    context = context or get_default_context()
+    context.init(args, domain_id=domain_id)
+    return context
+
+
+def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """End. Raises RCLError when not begun."""
+    (context or get_default_context()).shutdown()
+    _reset_executor()
+
+
+def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
+    """End if begun."""
+    (context or get_default_context()).try_shutdown()
+    _reset_executor()
+
+
+def create_node(node_name: str, **options: Any) -> Node:
+    """A plain Node; options as `Node`'s."""
+    from rclpy.node import Node
+
+    return Node(node_name, **options)
+
+
+def get_global_executor() -> Executor:
+    """The executor that `spin` uses when none is given."""
+    global _executor
+    if _executor is None:
+        from rclpy.executors import SingleThreadedExecutor
+
+        _executor = SingleThreadedExecutor()
+    return _executor
+
+
+def spin(node: Node, executor: Executor | None = None) -> None:
+    """Run the node's callbacks until the context is shut down; what one raises leaves this call."""
+    executor = executor or get_global_executor()
+    executor.add_node(node)
+    try:
+        while executor.context.ok():
+            executor.spin_once()
+    finally:
+        executor.remove_node(node)
+
+
+def spin_once(
+    node: Node, *, executor: Executor | None = None, timeout_sec: float | None = None
+) -> None:
+    """Run one callback of the node, waiting for it up to `timeout_sec` (s)."""
+    executor = executor or get_global_executor()
+    executor.add_node(node)
+    try:
+        executor.spin_once(timeout_sec=timeout_sec)
+    finally:
+        executor.remove_node(node)
+
+
+def spin_until_future_complete(
+    node: Node,
+    future: Future[Any],
+    executor: Executor | None = None,
+    timeout_sec: float | None = None,
+) -> None:
+    """Run the node's callbacks until the future is done or `timeout_sec` (s) have passed."""
+    executor = executor or get_global_executor()
+    executor.add_node(node)
+    try:
+        executor.spin_until_future_complete(future, timeout_sec)
+    finally:
+        executor.remove_node(node)
+
+
+def _reset_executor() -> None:
+    global _executor
+    if _executor is not None:
+        _executor.shutdown(0)
+        _executor = None

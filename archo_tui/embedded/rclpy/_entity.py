@@ -1,0 +1,71 @@
+"""What an executor can have work from: subscriptions, clients, services and timers."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from rclpy.callback_groups import CallbackGroup
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class Entity:
+    """Something of a node with callbacks to run."""
+
+    def __init__(self, node: Node, callback_group: CallbackGroup) -> None:
+        self._node = node
+        self.callback_group = callback_group
+        self._destroyed = False
+
+    def _take(self) -> Callable[[], Any] | None:
+        """The next piece of work as a function (or coroutine function), None when there is none."""
+        raise NotImplementedError
+
+    def _waiting(self) -> int:
+        """How many pieces of work wait."""
+        return 0
+
+    def _notify(self) -> None:
+        """Tell the executor that there is work. Without one it stays until the node gets one."""
+        executor = self._node.executor
+        if executor is not None:
+            executor._make_ready(self)
+
+
+class QueueEntity(Entity):
+    """An entity with a bounded queue; when it is full the oldest item is lost.
+
+    Its executor is told once for every item that is kept, so that a node handles what it is sent
+    in the order it came, whatever topic or service it came by.
+    """
+
+    def __init__(self, node: Node, callback_group: CallbackGroup, size: int | None) -> None:
+        super().__init__(node, callback_group)
+        self._queue: deque[Any] = deque(maxlen=size)
+        self._queue_lock = threading.Lock()
+
+    def _deliver(self, item: Any) -> None:
+        if self._destroyed:
+            return
+        with self._queue_lock:
+            replaces = len(self._queue) == self._queue.maxlen
+            self._queue.append(item)
+        if not replaces:
+            self._notify()
+
+    def _take(self) -> Callable[[], Any] | None:
+        with self._queue_lock:
+            if not self._queue or self._destroyed:
+                return None
+            item = self._queue.popleft()
+        return lambda: self._handle(item)
+
+    def _handle(self, item: Any) -> Any:
+        raise NotImplementedError
+
+    def _waiting(self) -> int:
+        return len(self._queue)

@@ -1,0 +1,160 @@
+"""What all nodes of one ROS domain in this process share: who offers what, and who gets it.
+
+Topics and services are the only primitives. A publisher keeps a tuple of the subscriptions that
+match it, made anew when an endpoint of its topic comes or goes: publishing touches nobody else.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import defaultdict
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from rclpy.qos import incompatible_policy
+
+if TYPE_CHECKING:
+    from rclpy.client import Client
+    from rclpy.node import Node
+    from rclpy.publisher import Publisher
+    from rclpy.service import Service
+    from rclpy.subscription import Subscription
+
+
+class Topic:
+    """The endpoints of one topic name."""
+
+    def __init__(self) -> None:
+        self.publishers: list[Publisher[Any]] = []
+        self.subscriptions: list[Subscription[Any]] = []
+
+
+class Graph:
+    """One domain. `lock` guards every list; delivery happens without it."""
+
+    def __init__(self) -> None:
+        self.lock = threading.RLock()
+        self.changed = threading.Condition(self.lock)
+        self.nodes: list[Node] = []
+        self.topics: dict[str, Topic] = defaultdict(Topic)
+        self.services: dict[str, list[Service[Any, Any]]] = defaultdict(list)
+        self.clients: dict[str, list[Client[Any, Any]]] = defaultdict(list)
+
+    def add_publisher(self, publisher: Publisher[Any]) -> None:
+        """Connect a new publisher with the subscriptions that match."""
+        with self.changed:
+            topic = self.topics[publisher.topic_name]
+            topic.publishers.append(publisher)
+            warnings = self._match(publisher, topic.subscriptions)
+            self.changed.notify_all()
+        _run(warnings)
+
+    def add_subscription(self, subscription: Subscription[Any]) -> None:
+        """Connect a new subscription; matching publishers hand over what they keep for it."""
+        warnings: list[Callable[[], None]] = []
+        with self.changed:
+            topic = self.topics[subscription.topic_name]
+            topic.subscriptions.append(subscription)
+            for publisher in topic.publishers:
+                warnings += self._match(publisher, topic.subscriptions, only=subscription)
+                if subscription in publisher._matched:
+                    publisher._replay(subscription)
+            self.changed.notify_all()
+        _run(warnings)
+
+    def remove_publisher(self, publisher: Publisher[Any]) -> None:
+        """Take a publisher off the graph."""
+        with self.changed:
+            topic = self.topics[publisher.topic_name]
+            if publisher in topic.publishers:
+                topic.publishers.remove(publisher)
+            publisher._matched = ()
+            self._forget_if_empty(publisher.topic_name)
+            self.changed.notify_all()
+
+    def remove_subscription(self, subscription: Subscription[Any]) -> None:
+        """Take a subscription off the graph; nothing is delivered to it any more."""
+        with self.changed:
+            topic = self.topics[subscription.topic_name]
+            if subscription in topic.subscriptions:
+                topic.subscriptions.remove(subscription)
+            for publisher in topic.publishers:
+                publisher._matched = tuple(s for s in publisher._matched if s is not subscription)
+            self._forget_if_empty(subscription.topic_name)
+            self.changed.notify_all()
+
+    def add_named(self, table: dict[str, list[Any]], name: str, item: Any) -> None:
+        """Put a service or client into its table."""
+        with self.changed:
+            table[name].append(item)
+            self.changed.notify_all()
+
+    def remove_named(self, table: dict[str, list[Any]], name: str, item: Any) -> None:
+        """Take a service or client out of its table."""
+        with self.changed:
+            if item in table.get(name, ()):
+                table[name].remove(item)
+                if not table[name]:
+                    del table[name]
+            self.changed.notify_all()
+
+    def servers(self, name: str, srv_type: type) -> list[Service[Any, Any]]:
+        """The services of that name and type."""
+        with self.lock:
+            return [s for s in self.services.get(name, ()) if s.srv_type is srv_type]
+
+    def _match(
+        self,
+        publisher: Publisher[Any],
+        subscriptions: list[Subscription[Any]],
+        only: Subscription[Any] | None = None,
+    ) -> list[Callable[[], None]]:
+        matched, warnings = list(publisher._matched), []
+        for subscription in subscriptions if only is None else [only]:
+            if subscription.msg_type is not publisher.msg_type:
+                continue  # as in DDS: other types do not see each other
+            policy = incompatible_policy(publisher.qos_profile, subscription.qos_profile)
+            if policy is None:
+                matched.append(subscription)
+            else:
+                warnings.append(_incompatible(publisher, subscription, policy))
+        publisher._matched = tuple(matched)
+        return warnings
+
+    def _forget_if_empty(self, name: str) -> None:
+        topic = self.topics[name]
+        if not topic.publishers and not topic.subscriptions:
+            del self.topics[name]
+
+
+_graphs: dict[int, Graph] = {}
+_graphs_lock = threading.Lock()
+
+
+def graph_of(domain_id: int) -> Graph:
+    """The graph of a domain; contexts of the same domain share it."""
+    with _graphs_lock:
+        return _graphs.setdefault(domain_id, Graph())
+
+
+def _incompatible(
+    publisher: Publisher[Any], subscription: Subscription[Any], policy: str
+) -> Callable[[], None]:
+    def warn() -> None:
+        subscription._node.get_logger().warning(
+            f"New publisher discovered on topic '{subscription.topic_name}', offering "
+            f"incompatible QoS. No messages will be received from it. "
+            f"Last incompatible policy: {policy}"
+        )
+        publisher._node.get_logger().warning(
+            f"New subscription discovered on topic '{publisher.topic_name}', requesting "
+            f"incompatible QoS. No messages will be sent to it. "
+            f"Last incompatible policy: {policy}"
+        )
+
+    return warn
+
+
+def _run(functions: list[Callable[[], None]]) -> None:
+    for function in functions:
+        function()

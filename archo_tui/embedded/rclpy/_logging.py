@@ -1,0 +1,61 @@
+"""Where log lines go: standard error in ROS's format, and the /rosout of their node."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import Any
+
+Publish = Callable[[Any], None]
+
+_stdout_logs = True
+_default_level = 20  # INFO
+_levels: dict[str, int] = {}
+_rosout: dict[str, Publish] = {}
+
+
+def configure(stdout_logs: bool, level: int) -> None:
+    """Take over `--disable-stdout-logs` and `--log-level` (0: leave as it is)."""
+    global _stdout_logs, _default_level
+    _stdout_logs = stdout_logs
+    _default_level = level or _default_level
+
+
+def set_level(name: str, level: int) -> None:
+    """Set the level of a logger and its children; 0 inherits again."""
+    _levels[name] = level
+
+
+def effective_level(name: str) -> int:
+    """The level of the nearest logger above that has one."""
+    while name:
+        if _levels.get(name):
+            return _levels[name]
+        name = name.rpartition(".")[0]
+    return _levels.get("") or _default_level
+
+
+def connect(name: str, publish: Publish) -> None:
+    """Publish lines of that logger and its children with `publish`."""
+    _rosout[name] = publish
+
+
+def disconnect(name: str, publish: Publish) -> None:
+    """Undo `connect`."""
+    if _rosout.get(name) == publish:
+        del _rosout[name]
+
+
+def write(line: str) -> None:
+    """To standard error, unless that was switched off."""
+    if _stdout_logs:
+        print(line, file=sys.stderr, flush=True)
+
+
+def rosout(name: str) -> Publish | None:
+    """How the logger's node publishes on /rosout; None for a logger without a node."""
+    while name:
+        if name in _rosout:
+            return _rosout[name]
+        name = name.rpartition(".")[0]
+    return None

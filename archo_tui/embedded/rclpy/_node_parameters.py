@@ -1,0 +1,276 @@
+"""The half of `rclpy.node.Node` that keeps parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from rcl_interfaces.msg import (
+    ListParametersResult,
+    ParameterDescriptor,
+    ParameterEvent,
+    SetParametersResult,
+)
+from rcl_interfaces.msg import Parameter as ParameterMsg
+from rclpy._parameter_rules import check
+from rclpy.exceptions import (
+    InvalidParameterException,
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterAlreadyDeclaredException,
+    ParameterImmutableException,
+    ParameterNotDeclaredException,
+    ParameterUninitializedException,
+)
+from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter
+
+if TYPE_CHECKING:
+    from rclpy.clock import Clock
+    from rclpy.publisher import Publisher
+
+PreSet = Callable[[list[Parameter[Any]]], list[Parameter[Any]]]
+OnSet = Callable[[list[Parameter[Any]]], SetParametersResult]
+PostSet = Callable[[list[Parameter[Any]]], None]
+
+
+class NodeParameters:
+    """Declares, checks, sets and lists parameters; says on /parameter_events what changed."""
+
+    _clock: Clock
+    _parameter_events: Publisher[ParameterEvent] | None
+
+    def _init_parameters(
+        self, overrides: dict[str, Any], allow_undeclared: bool, automatically_declare: bool
+    ) -> None:
+        self._parameters: dict[str, Parameter[Any]] = {}
+        self._descriptors: dict[str, ParameterDescriptor] = {}
+        self._parameter_overrides = overrides
+        self._allow_undeclared_parameters = allow_undeclared
+        self._pre_set: list[PreSet] = []
+        self._on_set: list[OnSet] = []
+        self._post_set: list[PostSet] = []
+        self._declare_on_start = automatically_declare
+
+    def get_fully_qualified_name(self) -> str:
+        raise NotImplementedError
+
+    def declare_parameter(
+        self,
+        name: str,
+        value: Any = None,
+        descriptor: ParameterDescriptor | None = None,
+        ignore_override: bool = False,
+    ) -> Parameter[Any]:
+        """Declare with a default or a `Parameter.Type`; an override given at the start wins.
+
+        Raises ParameterAlreadyDeclaredException, InvalidParameterException,
+        InvalidParameterTypeException, InvalidParameterValueException, ValueError.
+        """
+        if not name:
+            raise InvalidParameterException(name)
+        if name in self._parameters:
+            raise ParameterAlreadyDeclaredException([name])
+        descriptor = ParameterDescriptor() if descriptor is None else descriptor.__received__()
+        descriptor.name = name
+        if isinstance(value, Parameter.Type):
+            descriptor.type, value = int(value), None
+        elif not descriptor.dynamic_typing:
+            descriptor.type = int(Parameter.Type.from_parameter_value(value))
+        if not descriptor.dynamic_typing and descriptor.type == Parameter.Type.NOT_SET:
+            raise ValueError(
+                "Cannot declare a statically typed parameter with default value of type "
+                "PARAMETER_NOT_SET"
+            )
+        if not ignore_override:
+            value = self._parameter_overrides.get(name, value)
+        parameter: Parameter[Any] = Parameter(name, value=value)
+        result = self._apply([parameter], {name: descriptor})
+        if not result.successful:
+            if result.reason.startswith("Wrong parameter type"):
+                raise InvalidParameterTypeException(
+                    parameter, Parameter.Type(descriptor.type).name
+                )
+            raise InvalidParameterValueException(name, value, result.reason)
+        return self._parameters[name]
+
+    def declare_parameters(
+        self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
+    ) -> list[Parameter[Any]]:
+        """Declare several `(name, value, descriptor)` under a prefix."""
+        prefix = f"{namespace}{PARAMETER_SEPARATOR_STRING}" if namespace else ""
+        return [
+            self.declare_parameter(prefix + name, *rest, ignore_override=ignore_override)
+            for name, *rest in parameters
+        ]
+
+    def undeclare_parameter(self, name: str) -> None:
+        """Forget a parameter. Raises ParameterNotDeclaredException, ParameterImmutableException."""
+        self._require(name)
+        if self._descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        del self._parameters[name], self._descriptors[name]
+
+    def has_parameter(self, name: str) -> bool:
+        """True when declared."""
+        return name in self._parameters
+
+    def get_parameter(self, name: str) -> Parameter[Any]:
+        """Raises ParameterNotDeclaredException, ParameterUninitializedException."""
+        if name not in self._parameters and self._allow_undeclared_parameters:
+            return Parameter(name)
+        self._require(name)
+        parameter = self._parameters[name]
+        if parameter.type_ == Parameter.Type.NOT_SET and not self._descriptors[name].dynamic_typing:
+            raise ParameterUninitializedException(name)
+        return parameter
+
+    def get_parameters(self, names: Sequence[str]) -> list[Parameter[Any]]:
+        """`get_parameter` for each name."""
+        return [self.get_parameter(name) for name in names]
+
+    def get_parameter_or(
+        self, name: str, alternative_value: Parameter[Any] | None = None
+    ) -> Parameter[Any]:
+        """The parameter, or the alternative when it is not declared."""
+        if name in self._parameters:
+            return self._parameters[name]
+        return Parameter(name) if alternative_value is None else alternative_value
+
+    def set_parameters(self, parameter_list: list[Parameter[Any]]) -> list[SetParametersResult]:
+        """Set one by one. Raises ParameterNotDeclaredException; refusals are in the results."""
+        return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
+
+    def set_parameters_atomically(
+        self, parameter_list: list[Parameter[Any]]
+    ) -> SetParametersResult:
+        """Set all or none. Raises ParameterNotDeclaredException; a refusal is in the result."""
+        for callback in self._pre_set:
+            parameter_list = callback(parameter_list)
+        if self._pre_set and not parameter_list:
+            return SetParametersResult(
+                successful=False, reason="parameter list cannot be empty"
+            )
+        unknown = [p.name for p in parameter_list if p.name not in self._parameters]
+        if unknown and not self._allow_undeclared_parameters:
+            raise ParameterNotDeclaredException(unknown)
+        return self._apply(parameter_list, None)
+
+    def describe_parameter(self, name: str) -> ParameterDescriptor:
+        """A copy of the descriptor. Raises ParameterNotDeclaredException."""
+        self._require(name)
+        descriptor: ParameterDescriptor = self._descriptors[name].__received__()
+        return descriptor
+
+    def describe_parameters(self, names: Sequence[str]) -> list[ParameterDescriptor]:
+        """`describe_parameter` for each name."""
+        return [self.describe_parameter(name) for name in names]
+
+    def get_parameter_type(self, name: str) -> Parameter.Type:
+        """Raises ParameterNotDeclaredException."""
+        self._require(name)
+        return self._parameters[name].type_
+
+    def get_parameter_types(self, names: Sequence[str]) -> list[Parameter.Type]:
+        """`get_parameter_type` for each name."""
+        return [self.get_parameter_type(name) for name in names]
+
+    def list_parameters(self, prefixes: Sequence[str], depth: int) -> ListParametersResult:
+        """Names below the prefixes (all when there is none), `depth` levels deep (0: any)."""
+        result = ListParametersResult()
+        names, found = [], []
+        dot = PARAMETER_SEPARATOR_STRING
+        for name in self._parameters:
+            inside = [p for p in prefixes if name == p or name.startswith(p + dot)]
+            if prefixes and not inside:
+                continue
+            base = len(inside[0]) + 1 if inside else 0
+            if depth and name[base:].count(dot) >= depth:
+                continue
+            names.append(name)
+            prefix = name.rpartition(dot)[0]
+            if prefix and prefix not in found:
+                found.append(prefix)
+        result.names, result.prefixes = names, found
+        return result
+
+    def add_pre_set_parameters_callback(self, callback: PreSet) -> None:
+        """May change the list before it is checked."""
+        self._pre_set.insert(0, callback)
+
+    def add_on_set_parameters_callback(self, callback: OnSet) -> None:
+        """May refuse; also asked when a parameter is declared."""
+        self._on_set.insert(0, callback)
+
+    def add_post_set_parameters_callback(self, callback: PostSet) -> None:
+        """Told after the values are set."""
+        self._post_set.insert(0, callback)
+
+    def remove_pre_set_parameters_callback(self, callback: PreSet) -> None:
+        """Raises ValueError when it was not added."""
+        self._pre_set.remove(callback)
+
+    def remove_on_set_parameters_callback(self, callback: OnSet) -> None:
+        """Raises ValueError when it was not added."""
+        self._on_set.remove(callback)
+
+    def remove_post_set_parameters_callback(self, callback: PostSet) -> None:
+        """Raises ValueError when it was not added."""
+        self._post_set.remove(callback)
+
+    def _require(self, name: str) -> None:
+        if name not in self._parameters:
+            raise ParameterNotDeclaredException(name)
+
+    def _apply(
+        self,
+        parameters: list[Parameter[Any]],
+        new: dict[str, ParameterDescriptor] | None,
+    ) -> SetParametersResult:
+        """Check all, ask the callbacks, set all, tell; `new` holds descriptors of a declaration."""
+        for parameter in parameters:
+            descriptor = (self._descriptors if new is None else new).get(parameter.name)
+            if descriptor is not None:
+                reason = check(parameter, descriptor, declaring=new is not None)
+                if reason:
+                    return SetParametersResult(successful=False, reason=reason)
+        for callback in self._on_set:
+            result = callback(parameters)
+            if not isinstance(result, SetParametersResult):
+                return SetParametersResult(
+                    successful=False, reason="Callback returned an invalid type"
+                )
+            if not result.successful:
+                return result
+        self._store(parameters, new)
+        for told in self._post_set:
+            told(parameters)
+        return SetParametersResult(successful=True)
+
+    def _store(
+        self, parameters: list[Parameter[Any]], new: dict[str, ParameterDescriptor] | None
+    ) -> None:
+        event: dict[str, list[ParameterMsg]] = {"new": [], "changed": [], "deleted": []}
+        for parameter in parameters:
+            name = parameter.name
+            if new is None and parameter.type_ == Parameter.Type.NOT_SET:
+                self._parameters.pop(name, None)
+                self._descriptors.pop(name, None)
+                event["deleted"].append(parameter.to_parameter_msg())
+                continue
+            was_set = self.get_parameter_or(name).type_ != Parameter.Type.NOT_SET
+            event["changed" if was_set else "new"].append(parameter.to_parameter_msg())
+            if new is not None:
+                self._descriptors[name] = new[name]
+            elif name not in self._descriptors:
+                self._descriptors[name] = ParameterDescriptor(name=name, dynamic_typing=True)
+            if self._descriptors[name].dynamic_typing:
+                self._descriptors[name].type = int(parameter.type_)
+            self._parameters[name] = parameter
+        if self._parameter_events is not None:
+            self._parameter_events.publish(
+                ParameterEvent(
+                    stamp=self._clock.now().to_msg(),
+                    node=self.get_fully_qualified_name(),
+                    **{f"{kind}_parameters": messages for kind, messages in event.items()},
+                )
+            )

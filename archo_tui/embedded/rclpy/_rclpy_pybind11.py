@@ -1,0 +1,21 @@
+"""The errors that rclpy raises from its C layer, under the name they have there."""
+
+
+class RCLError(RuntimeError):
+    """The client library refused an operation."""
+
+
+class InvalidHandle(RuntimeError):
+    """The object behind this handle has been destroyed."""
+
+
+class UnknownROSArgsError(RuntimeError):
+    """An argument behind `--ros-args` that ROS does not know."""
+
+
+class RCLInvalidROSArgsError(RCLError):
+    """An argument behind `--ros-args` that cannot be read."""
+
+
+class NodeNameNonExistentError(RCLError):
+    """No node of that name is on the graph."""

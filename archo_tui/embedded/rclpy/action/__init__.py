@@ -1,0 +1,17 @@
+"""Actions: three services and two topics under `<name>/_action/`, as in ROS 2."""
+
+from rclpy.action.client import ActionClient
+from rclpy.action.graph import (
+    get_action_names_and_types,
+    get_action_server_names_and_types_by_node,
+)
+from rclpy.action.server import ActionServer, CancelResponse, GoalResponse
+
+__all__ = [
+    "ActionClient",
+    "ActionServer",
+    "CancelResponse",
+    "GoalResponse",
+    "get_action_names_and_types",
+    "get_action_server_names_and_types_by_node",
+]

@@ -1,0 +1,44 @@
+"""The states of a goal and what leads from one to another (ROS 2's action design)."""
+
+from __future__ import annotations
+
+from action_msgs.msg import GoalStatus
+from rclpy._rclpy_pybind11 import RCLError
+
+EXECUTE, CANCEL_GOAL, SUCCEED, ABORT, CANCELED = (
+    "EXECUTE",
+    "CANCEL_GOAL",
+    "SUCCEED",
+    "ABORT",
+    "CANCELED",
+)
+
+_NEXT = {
+    (GoalStatus.STATUS_ACCEPTED, EXECUTE): GoalStatus.STATUS_EXECUTING,
+    (GoalStatus.STATUS_ACCEPTED, CANCEL_GOAL): GoalStatus.STATUS_CANCELING,
+    (GoalStatus.STATUS_EXECUTING, CANCEL_GOAL): GoalStatus.STATUS_CANCELING,
+    (GoalStatus.STATUS_EXECUTING, SUCCEED): GoalStatus.STATUS_SUCCEEDED,
+    (GoalStatus.STATUS_EXECUTING, ABORT): GoalStatus.STATUS_ABORTED,
+    (GoalStatus.STATUS_CANCELING, SUCCEED): GoalStatus.STATUS_SUCCEEDED,
+    (GoalStatus.STATUS_CANCELING, ABORT): GoalStatus.STATUS_ABORTED,
+    (GoalStatus.STATUS_CANCELING, CANCELED): GoalStatus.STATUS_CANCELED,
+}
+
+ACTIVE = (
+    GoalStatus.STATUS_ACCEPTED,
+    GoalStatus.STATUS_EXECUTING,
+    GoalStatus.STATUS_CANCELING,
+)
+
+
+def next_state(state: int, event: str) -> int:
+    """The state after an event. Raises RCLError when the event is not allowed in that state."""
+    try:
+        return _NEXT[state, event]
+    except KeyError:
+        raise RCLError(f"goal_handle attempted invalid transition from state {state}: {event}") from None
+
+
+def is_cancelable(state: int) -> bool:
+    """True when a cancel request can still be taken."""
+    return (state, CANCEL_GOAL) in _NEXT

@@ -1,0 +1,192 @@
+"""`rclpy.action.ActionClient`."""
+
+from __future__ import annotations
+
+import threading
+import uuid
+import weakref
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from action_msgs.msg import GoalInfo, GoalStatus
+from action_msgs.srv import CancelGoal
+from rclpy.action._goal_states import ACTIVE
+from rclpy.callback_groups import CallbackGroup
+from rclpy.qos import QoSProfile, qos_profile_action_status_default
+from rclpy.task import Future
+from unique_identifier_msgs.msg import UUID
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class ClientGoalHandle:
+    """One goal that was sent, as its client sees it."""
+
+    def __init__(self, client: ActionClient, goal_id: UUID, response: Any) -> None:
+        self._client = client
+        self.goal_id = goal_id
+        self._response = response
+        self._status = GoalStatus.STATUS_UNKNOWN
+
+    @property
+    def accepted(self) -> bool:
+        """True when the server took the goal."""
+        return bool(self._response.accepted)
+
+    @property
+    def stamp(self) -> Any:
+        """When the server took the goal."""
+        return self._response.stamp
+
+    @property
+    def status(self) -> int:
+        """The last status heard, one of GoalStatus's constants."""
+        return self._status
+
+    def get_result_async(self) -> Future[Any]:
+        """Ask for the result; the future gets a response with `status` and `result`."""
+        request = self._client._action_type.Impl.GetResultService.Request(goal_id=self.goal_id)
+        future: Future[Any] = self._client._result_client.call_async(request)
+        key = bytes(self.goal_id.uuid)
+        callbacks = self._client._feedback_callbacks
+        future.add_done_callback(lambda _: callbacks.pop(key, None))
+        return future
+
+    def cancel_goal_async(self) -> Future[CancelGoal.Response]:
+        """Ask to cancel; an empty `goals_canceling` in the response means refused."""
+        info = GoalInfo(goal_id=self.goal_id)
+        return self._client._cancel_client.call_async(CancelGoal.Request(goal_info=info))
+
+    def get_result(self) -> Any:
+        """Like `get_result_async`, blocking; another thread must spin the node."""
+        return _wait(self.get_result_async())
+
+    def cancel_goal(self) -> Any:
+        """Like `cancel_goal_async`, blocking; another thread must spin the node."""
+        return _wait(self.cancel_goal_async())
+
+
+class ActionClient:
+    """Sends goals of one action."""
+
+    def __init__(
+        self,
+        node: Node,
+        action_type: Any,
+        action_name: str,
+        *,
+        callback_group: CallbackGroup | None = None,
+    ) -> None:
+        self._node = node
+        self._action_type = action_type
+        self._goals: weakref.WeakValueDictionary[bytes, ClientGoalHandle] = (
+            weakref.WeakValueDictionary()
+        )
+        self._feedback_callbacks: dict[bytes, Callable[[Any], Any]] = {}
+        impl, prefix = action_type.Impl, f"{action_name}/_action"
+        self._goal_client, self._cancel_client, self._result_client = self._clients = [
+            node.create_client(srv_type, f"{prefix}/{name}", callback_group=callback_group)
+            for srv_type, name in (
+                (impl.SendGoalService, "send_goal"),
+                (impl.CancelGoalService, "cancel_goal"),
+                (impl.GetResultService, "get_result"),
+            )
+        ]
+        self._subscriptions = [
+            node.create_subscription(
+                kind, f"{prefix}/{name}", callback, qos, callback_group=callback_group
+            )
+            for kind, name, callback, qos in (
+                (impl.FeedbackMessage, "feedback", self._on_feedback, QoSProfile(depth=10)),
+                (
+                    impl.GoalStatusMessage,
+                    "status",
+                    self._on_status,
+                    qos_profile_action_status_default,
+                ),
+            )
+        ]
+
+    def send_goal_async(
+        self,
+        goal: Any,
+        feedback_callback: Callable[[Any], Any] | None = None,
+        goal_uuid: UUID | None = None,
+    ) -> Future[ClientGoalHandle]:
+        """Send a goal; the future gets its handle when the server has accepted or refused.
+
+        `feedback_callback` gets messages with `.feedback`. Raises TypeError for another goal type.
+        """
+        if not isinstance(goal, self._action_type.Goal):
+            raise TypeError(
+                f"Expected goal type ({self._action_type.Goal}) but received ({type(goal)})"
+            )
+        goal_id = goal_uuid or UUID(uuid=list(uuid.uuid4().bytes))
+        if feedback_callback is not None:
+            self._feedback_callbacks[bytes(goal_id.uuid)] = feedback_callback
+        request = self._action_type.Impl.SendGoalService.Request(goal_id=goal_id, goal=goal)
+        accepted: Future[ClientGoalHandle] = Future(executor=self._node.executor)
+
+        def on_response(future: Future[Any]) -> None:
+            handle = ClientGoalHandle(self, goal_id, future.result())
+            if handle.accepted:
+                self._goals[bytes(goal_id.uuid)] = handle
+            else:
+                self._feedback_callbacks.pop(bytes(goal_id.uuid), None)
+            accepted.set_result(handle)
+
+        answer = self._goal_client.call_async(request)
+        answer._set_executor(None)  # at once: the goal's status may be next in the queue
+        answer.add_done_callback(on_response)
+        accepted.add_done_callback(
+            lambda future: answer.cancel() if future.cancelled() else None
+        )
+        return accepted
+
+    def send_goal(self, goal: Any, **options: Any) -> Any:
+        """Like `send_goal_async` and its result, blocking; another thread must spin the node."""
+        handle = _wait(self.send_goal_async(goal, **options))
+        return handle.get_result() if handle.accepted else None
+
+    def server_is_ready(self) -> bool:
+        """True when a server offers the action and its feedback and status reach this client."""
+        return all(client.service_is_ready() for client in self._clients) and all(
+            subscription.get_publisher_count() for subscription in self._subscriptions
+        )
+
+    def wait_for_server(self, timeout_sec: float | None = None) -> bool:
+        """Block until the action is offered; False when `timeout_sec` (s) passed before."""
+        graph = self._node._graph
+        with graph.changed:
+            graph.changed.wait_for(
+                lambda: self.server_is_ready() or not self._node.context.ok(), timeout_sec
+            )
+            return self.server_is_ready()
+
+    def destroy(self) -> None:
+        """Leave the graph."""
+        for client in self._clients:
+            self._node.destroy_client(client)
+        for subscription in self._subscriptions:
+            self._node.destroy_subscription(subscription)
+
+    def _on_feedback(self, message: Any) -> Any:
+        callback = self._feedback_callbacks.get(bytes(message.goal_id.uuid))
+        return callback(message) if callback is not None else None
+
+    def _on_status(self, message: Any) -> None:
+        for entry in message.status_list:
+            key = bytes(entry.goal_info.goal_id.uuid)
+            handle = self._goals.get(key)
+            if handle is not None:
+                handle._status = entry.status
+            if entry.status not in ACTIVE:
+                self._goals.pop(key, None)
+
+
+def _wait(future: Future[Any]) -> Any:
+    done = threading.Event()
+    future.add_done_callback(lambda _: done.set())
+    done.wait()
+    return future.result()

@@ -1,0 +1,34 @@
+"""Which actions are on the graph: every topic `<name>/_action/feedback` is one."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rclpy._node_graph import NamesAndTypes
+    from rclpy.node import Node
+
+_SUFFIX = "/_action/feedback"
+_TYPE_SUFFIX = "_FeedbackMessage"
+
+
+def get_action_names_and_types(node: Node) -> NamesAndTypes:
+    """Every action that has a server or a client."""
+    return _actions(node.get_topic_names_and_types())
+
+
+def get_action_server_names_and_types_by_node(
+    node: Node, remote_node_name: str, remote_node_namespace: str
+) -> NamesAndTypes:
+    """The actions that one node serves. Raises NodeNameNonExistentError."""
+    return _actions(
+        node.get_publisher_names_and_types_by_node(remote_node_name, remote_node_namespace)
+    )
+
+
+def _actions(topics: NamesAndTypes) -> NamesAndTypes:
+    return [
+        (name.removesuffix(_SUFFIX), [kind.removesuffix(_TYPE_SUFFIX) for kind in types])
+        for name, types in topics
+        if name.endswith(_SUFFIX)
+    ]

@@ -1,0 +1,278 @@
+"""`rclpy.action.ActionServer`."""
+
+from __future__ import annotations
+
+import inspect
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
+from action_msgs.srv import CancelGoal
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.action import _goal_states as states
+from rclpy.callback_groups import CallbackGroup
+from rclpy.qos import (
+    QoSProfile,
+    qos_profile_action_status_default,
+    qos_profile_services_default,
+)
+from rclpy.service import DeferredService, RequestHeader, Service
+from rclpy.task import Future
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class GoalResponse(Enum):
+    """A goal callback's answer."""
+
+    REJECT = 1
+    ACCEPT = 2
+
+
+class CancelResponse(Enum):
+    """A cancel callback's answer."""
+
+    REJECT = 1
+    ACCEPT = 2
+
+
+class ServerGoalHandle:
+    """One accepted goal, as its server sees it."""
+
+    def __init__(self, server: ActionServer, info: GoalInfo, request: Any) -> None:
+        self._server = server
+        self._info = info
+        self._request = request
+        self._status = GoalStatus.STATUS_ACCEPTED
+        self._lock = threading.Lock()
+        self._result: Future[Any] = Future()
+        self._expires: float | None = None  # monotonic s
+
+    @property
+    def request(self) -> Any:
+        """The goal message."""
+        return self._request
+
+    @property
+    def goal_id(self) -> Any:
+        """The goal's UUID."""
+        return self._info.goal_id
+
+    @property
+    def status(self) -> int:
+        """One of GoalStatus's constants."""
+        return self._status
+
+    @property
+    def is_active(self) -> bool:
+        """True until the goal has succeeded, was aborted or canceled."""
+        return self._status in states.ACTIVE
+
+    @property
+    def is_cancel_requested(self) -> bool:
+        """True once a cancel was accepted, until the goal has ended."""
+        return self._status == GoalStatus.STATUS_CANCELING
+
+    def execute(self, execute_callback: Callable[[ServerGoalHandle], Any] | None = None) -> None:
+        """Have the goal executed, in a later turn of the executor."""
+        if not self.is_cancel_requested:
+            self._update(states.EXECUTE)
+        self._server._start(self, execute_callback)
+
+    def publish_feedback(self, feedback: Any) -> None:
+        """Send feedback to the clients. Raises TypeError for another type."""
+        if not isinstance(feedback, self._server.action_type.Feedback):
+            raise TypeError
+        message = self._server.action_type.Impl.FeedbackMessage(
+            goal_id=self.goal_id, feedback=feedback
+        )
+        self._server._feedback.publish(message)
+
+    def succeed(self) -> None:
+        """End the goal as SUCCEEDED. Raises RCLError when it has ended."""
+        self._update(states.SUCCEED)
+
+    def abort(self) -> None:
+        """End the goal as ABORTED. Raises RCLError when it has ended."""
+        self._update(states.ABORT)
+
+    def canceled(self) -> None:
+        """End the goal as CANCELED. Raises RCLError unless a cancel was accepted."""
+        self._update(states.CANCELED)
+
+    def _update(self, event: str) -> None:
+        with self._lock:
+            self._status = states.next_state(self._status, event)
+        self._server._publish_status()
+
+
+class ActionServer:
+    """Serves one action. Cancels are rejected unless `cancel_callback` accepts them."""
+
+    def __init__(
+        self,
+        node: Node,
+        action_type: Any,
+        action_name: str,
+        execute_callback: Callable[[ServerGoalHandle], Any],
+        *,
+        callback_group: CallbackGroup | None = None,
+        goal_callback: Callable[[Any], Any] = lambda goal: GoalResponse.ACCEPT,
+        handle_accepted_callback: Callable[[ServerGoalHandle], Any] = ServerGoalHandle.execute,
+        cancel_callback: Callable[[ServerGoalHandle], Any] = lambda goal: CancelResponse.REJECT,
+        result_timeout: float = 10,
+    ) -> None:
+        """`result_timeout` is how long a result is kept after the goal has ended, in s."""
+        self._node = node
+        self.action_type = action_type
+        self._execute_callback = execute_callback
+        self._goal_callback = goal_callback
+        self._handle_accepted_callback = handle_accepted_callback
+        self._cancel_callback = cancel_callback
+        self._result_timeout = result_timeout
+        self._goals: dict[bytes, ServerGoalHandle] = {}
+        self._logger = node.get_logger().get_child("action_server")
+        impl, qos = action_type.Impl, qos_profile_services_default
+
+        def serve(kind: Any, srv_type: Any, name: str, callback: Any) -> Service[Any, Any]:
+            full = f"{action_name}/_action/{name}"
+            return node._add_service(kind, srv_type, full, callback, callback_group, qos)
+
+        self._services = [
+            serve(Service, impl.SendGoalService, "send_goal", self._on_goal),
+            serve(Service, impl.CancelGoalService, "cancel_goal", self._on_cancel),
+            serve(DeferredService, impl.GetResultService, "get_result", self._on_result),
+        ]
+        self._feedback = node.create_publisher(
+            impl.FeedbackMessage, f"{action_name}/_action/feedback", QoSProfile(depth=10)
+        )
+        self._status = node.create_publisher(
+            impl.GoalStatusMessage,
+            f"{action_name}/_action/status",
+            qos_profile_action_status_default,
+        )
+
+    def destroy(self) -> None:
+        """Offer the action no more."""
+        for service in self._services:
+            self._node.destroy_service(service)
+        self._node.destroy_publisher(self._feedback)
+        self._node.destroy_publisher(self._status)
+
+    async def _on_goal(self, request: Any, response: Any) -> Any:
+        self._forget_expired()
+        goal_id = bytes(request.goal_id.uuid)
+        answer = GoalResponse.REJECT
+        if goal_id not in self._goals:
+            answer = await _value(self._goal_callback(request.goal))
+            if not isinstance(answer, GoalResponse):
+                self._logger.warning(
+                    "Goal request callback did not return a GoalResponse type. Rejecting goal."
+                )
+        response.accepted = answer == GoalResponse.ACCEPT
+        if response.accepted:
+            response.stamp = self._node.get_clock().now().to_msg()
+            info = GoalInfo(goal_id=request.goal_id, stamp=response.stamp)
+            goal = ServerGoalHandle(self, info, request.goal)
+            self._goals[goal_id] = goal
+            # in a later turn, so that the client hears of the acceptance first
+            self._create_task(self._begin, goal)
+        return response
+
+    async def _begin(self, goal: ServerGoalHandle) -> None:
+        self._publish_status()
+        await _value(self._handle_accepted_callback(goal))
+
+    def _start(self, goal: ServerGoalHandle, callback: Any) -> None:
+        self._create_task(self._execute, goal, callback or self._execute_callback)
+
+    async def _execute(self, goal: ServerGoalHandle, callback: Any) -> None:
+        try:
+            result = await _value(callback(goal))
+        except Exception as error:
+            result = self.action_type.Result()
+            self._logger.error(f"Error raised in execute callback: {error}")
+            traceback.print_exc()
+        if goal.is_active:
+            self._logger.warning(
+                f"Goal state not set, assuming aborted. Goal ID: {goal.goal_id.uuid}"
+            )
+            goal.abort()
+        goal._expires = time.monotonic() + self._result_timeout
+        goal._result.set_result(
+            self.action_type.Impl.GetResultService.Response(status=goal.status, result=result)
+        )
+
+    async def _on_cancel(self, request: CancelGoal.Request, response: Any) -> Any:
+        self._forget_expired()
+        response.return_code, goals = self._asked_to_cancel(request.goal_info)
+        accepted = []
+        for goal in goals:
+            if await _value(self._cancel_callback(goal)) == CancelResponse.ACCEPT:
+                try:
+                    goal._update(states.CANCEL_GOAL)
+                    accepted.append(goal._info)
+                except RCLError:
+                    self._logger.debug("the goal ended before it could be canceled")
+        response.goals_canceling = accepted
+        return response
+
+    def _asked_to_cancel(self, info: GoalInfo) -> tuple[int, list[ServerGoalHandle]]:
+        """The goals that a cancel request names: all, those until a time, or one of them too."""
+        goal_id, until = bytes(info.goal_id.uuid), _ns(info.stamp)
+        if any(goal_id) and not until:
+            goal = self._goals.get(goal_id)
+            if goal is None:
+                return CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, []
+            if not states.is_cancelable(goal.status):
+                return CancelGoal.Response.ERROR_GOAL_TERMINATED, []
+            return CancelGoal.Response.ERROR_NONE, [goal]
+        named = [
+            goal
+            for key, goal in self._goals.items()
+            if states.is_cancelable(goal.status)
+            and (key == goal_id or not until or _ns(goal._info.stamp) <= until)
+        ]
+        return CancelGoal.Response.ERROR_NONE, named
+
+    def _on_result(self, request: Any, header: RequestHeader) -> None:
+        self._forget_expired()
+        goal = self._goals.get(bytes(request.goal_id.uuid))
+        service = self._services[2]
+        if goal is None:
+            unknown = self.action_type.Impl.GetResultService.Response()
+            service.send_response(unknown, header)
+            return
+        goal._result.add_done_callback(
+            lambda future: service.send_response(future.result(), header)
+        )
+
+    def _publish_status(self) -> None:
+        statuses = [
+            GoalStatus(goal_info=goal._info, status=goal.status) for goal in self._goals.values()
+        ]
+        self._status.publish(GoalStatusArray(status_list=statuses))
+
+    def _forget_expired(self) -> None:
+        now = time.monotonic()
+        for key, goal in list(self._goals.items()):
+            if goal._expires is not None and goal._expires < now:
+                del self._goals[key]
+
+    def _create_task(self, callback: Any, *args: Any) -> None:
+        if self._node.executor is not None:
+            self._node.executor.create_task(callback, *args)
+
+
+async def _value(result: Any) -> Any:
+    """What a callback returned, awaited when it was a coroutine."""
+    return await result if inspect.iscoroutine(result) else result
+
+
+def _ns(stamp: Any) -> int:
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)

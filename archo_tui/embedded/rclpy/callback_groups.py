@@ -1,0 +1,57 @@
+"""Which callbacks of a node may run at the same time."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+
+class CallbackGroup:
+    """Entities that share a rule about running at the same time."""
+
+    def can_execute(self, entity: Any) -> bool:
+        """True when the entity's callback may start now."""
+        raise NotImplementedError
+
+    def beginning_execution(self, entity: Any) -> bool:
+        """Claim the group for the entity; False when it is taken."""
+        raise NotImplementedError
+
+    def ending_execution(self, entity: Any) -> None:
+        """Give the group back."""
+        raise NotImplementedError
+
+
+class ReentrantCallbackGroup(CallbackGroup):
+    """Callbacks run whenever a thread is free."""
+
+    def can_execute(self, entity: Any) -> bool:
+        return True
+
+    def beginning_execution(self, entity: Any) -> bool:
+        return True
+
+    def ending_execution(self, entity: Any) -> None:
+        return None
+
+
+class MutuallyExclusiveCallbackGroup(CallbackGroup):
+    """One callback at a time, until it has returned: a coroutine holds it while it awaits."""
+
+    def __init__(self) -> None:
+        self._active: Any = None
+        self._lock = threading.Lock()
+
+    def can_execute(self, entity: Any) -> bool:
+        return self._active is None
+
+    def beginning_execution(self, entity: Any) -> bool:
+        with self._lock:
+            if self._active is not None:
+                return False
+            self._active = entity
+            return True
+
+    def ending_execution(self, entity: Any) -> None:
+        with self._lock:
+            self._active = None

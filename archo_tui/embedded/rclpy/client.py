@@ -1,0 +1,108 @@
+"""`rclpy.client.Client`."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from rclpy._entity import QueueEntity
+from rclpy._rclpy_pybind11 import InvalidHandle
+from rclpy.callback_groups import CallbackGroup
+from rclpy.qos import QoSProfile
+from rclpy.service import RequestHeader
+from rclpy.task import Future
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+SrvRequestT = TypeVar("SrvRequestT")
+SrvResponseT = TypeVar("SrvResponseT")
+
+
+class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
+    """Calls a service. Made by `Node.create_client`."""
+
+    def __init__(
+        self,
+        node: Node,
+        srv_type: Any,
+        srv_name: str,
+        callback_group: CallbackGroup,
+        qos_profile: QoSProfile,
+    ) -> None:
+        super().__init__(node, callback_group, qos_profile.queue_size)
+        self.srv_type = srv_type
+        self.service_name = srv_name
+        self._lock = threading.Lock()
+        self._sequence_number = 0
+        self._pending: dict[int, Future[Any]] = {}
+
+    def call_async(self, request: SrvRequestT) -> Future[SrvResponseT]:
+        """Send a copy of `request`. The future stays pending for ever when nobody answers.
+
+        Raises TypeError for a request of another type.
+        """
+        if not isinstance(request, self.srv_type.Request):
+            raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
+        if self._destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        message: Any = request
+        future: Future[Any] = Future(executor=self._node.executor)
+        with self._lock:
+            self._sequence_number += 1
+            number = self._sequence_number
+            self._pending[number] = future
+        future.add_done_callback(self.remove_pending_request)
+        for server in self._node._graph.servers(self.service_name, self.srv_type):
+            server._deliver((RequestHeader(self, number), message.__received__()))
+        return future
+
+    def call(self, request: SrvRequestT, timeout_sec: float | None = None) -> Any:
+        """Call and block until answered, while another thread spins the node.
+
+        Returns None when `timeout_sec` (s) has passed.
+        """
+        answered = threading.Event()
+        future = self.call_async(request)
+        future.add_done_callback(lambda _: answered.set())
+        if not answered.wait(timeout_sec):
+            future.cancel()
+            return None
+        return future.result()
+
+    def remove_pending_request(self, future: Future[Any]) -> None:
+        """Forget a request; an answer that comes later is dropped."""
+        with self._lock:
+            for number, pending in list(self._pending.items()):
+                if pending is future:
+                    del self._pending[number]
+
+    def service_is_ready(self) -> bool:
+        """True when somebody offers the service."""
+        return bool(self._node._graph.servers(self.service_name, self.srv_type))
+
+    def wait_for_service(self, timeout_sec: float | None = None) -> bool:
+        """Block until the service is offered; False when `timeout_sec` (s) passed before."""
+        graph = self._node._graph
+        deadline = None if timeout_sec is None else time.monotonic() + timeout_sec
+        with graph.changed:
+            while self._node.context.ok() and not self.service_is_ready():
+                left = None if deadline is None else deadline - time.monotonic()
+                if left is not None and left <= 0:
+                    return False
+                graph.changed.wait(left)
+            return self.service_is_ready()
+
+    def destroy(self) -> None:
+        """Leave the graph; pending futures stay pending."""
+        self._destroyed = True
+        graph = self._node._graph
+        graph.remove_named(graph.clients, self.service_name, self)
+
+    def _handle(self, item: tuple[int, Any]) -> None:
+        number, response = item
+        with self._lock:
+            future = self._pending.pop(number, None)
+        if future is not None:
+            future.set_result(response)

@@ -1,0 +1,12 @@
+"""`rclpy.clock_type.ClockType`."""
+
+from enum import IntEnum
+
+
+class ClockType(IntEnum):
+    """The kinds of clock that ROS knows."""
+
+    UNINITIALIZED = 0
+    ROS_TIME = 1
+    SYSTEM_TIME = 2
+    STEADY_TIME = 3

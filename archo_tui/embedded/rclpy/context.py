@@ -1,0 +1,100 @@
+"""`rclpy.context.Context`: what `init` begins and `shutdown` ends."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import weakref
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from rclpy import _arguments, _logging
+from rclpy._graph import Graph, graph_of
+from rclpy._rclpy_pybind11 import RCLError
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class Context:
+    """One initialised use of rclpy: arguments, a domain, the nodes made in it."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._ok = False
+        self._domain_id = 0
+        self._arguments = _arguments.Arguments()
+        self._callbacks: list[Callable[[], Callable[[], None] | None]] = []
+        self._nodes: weakref.WeakSet[Node] = weakref.WeakSet()
+
+    def init(
+        self,
+        args: Sequence[str] | None = None,
+        *,
+        initialize_logging: bool = True,
+        domain_id: int | None = None,
+    ) -> None:
+        """Begin. `args` defaults to the program's own; `domain_id` defaults to ROS_DOMAIN_ID, or 0; contexts of one domain talk.
+
+        Raises RuntimeError when begun already, RCLError and its kin for bad arguments.
+        """
+        with self._lock:
+            if self._ok:
+                raise RuntimeError("Context.init() must only be called once")
+            self._arguments = _arguments.parse(sys.argv if args is None else args)
+            if domain_id is None:
+                domain_id = int(os.environ.get("ROS_DOMAIN_ID") or 0)
+            if domain_id < 0:
+                raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
+            self._domain_id = domain_id
+            self._ok = True
+        if initialize_logging:
+            _logging.configure(self._arguments.stdout_logs, self._arguments.log_level)
+
+    def ok(self) -> bool:
+        """True between `init` and `shutdown`."""
+        return self._ok
+
+    def get_domain_id(self) -> int:
+        """The domain whose nodes this context's nodes see."""
+        return self._domain_id
+
+    def on_shutdown(self, callback: Callable[[], None]) -> None:
+        """Have a bound method called at shutdown, unless its object is gone by then."""
+        self._callbacks.append(weakref.WeakMethod(callback))
+
+    def shutdown(self) -> None:
+        """End: nodes leave the graph, executors stop. Raises RCLError when not begun."""
+        with self._lock:
+            if not self._ok:
+                raise RCLError("failed to shutdown: rcl_shutdown already called on the given context")
+            self._ok = False
+        for node in list(self._nodes):
+            node._leave_graph()
+        callbacks, self._callbacks = self._callbacks, []
+        for reference in callbacks:
+            callback = reference()
+            if callback is not None:
+                callback()
+
+    def try_shutdown(self) -> None:
+        """End if begun."""
+        if self._ok:
+            self.shutdown()
+
+    def __enter__(self) -> Context:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.try_shutdown()
+
+    @property
+    def _graph(self) -> Graph:
+        return graph_of(self._domain_id)

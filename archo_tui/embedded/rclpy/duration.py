@@ -1,0 +1,38 @@
+"""`rclpy.duration.Duration`."""
+
+from __future__ import annotations
+
+from functools import total_ordering
+
+import builtin_interfaces.msg
+
+S_TO_NS = 1_000_000_000
+
+
+@total_ordering
+class Duration:
+    """A span of time with nanosecond resolution."""
+
+    def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
+        self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
+
+    @property
+    def nanoseconds(self) -> int:
+        """The whole span, in ns."""
+        return self._nanoseconds
+
+    def __repr__(self) -> str:
+        return f"Duration(nanoseconds={self._nanoseconds})"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return self._nanoseconds == other._nanoseconds
+
+    def __lt__(self, other: Duration) -> bool:
+        return self._nanoseconds < other._nanoseconds
+
+    def to_msg(self) -> builtin_interfaces.msg.Duration:
+        """As builtin_interfaces/Duration."""
+        sec, nanosec = divmod(self._nanoseconds, S_TO_NS)
+        return builtin_interfaces.msg.Duration(sec=sec, nanosec=nanosec)

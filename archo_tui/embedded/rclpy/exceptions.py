@@ -1,0 +1,128 @@
+"""The exceptions of `rclpy.exceptions`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rclpy.parameter import Parameter
+
+
+class NotInitializedException(Exception):
+    """rclpy was used before `rclpy.init()`."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__("rclpy.init() has not been called", *args)
+
+
+class NameValidationException(Exception):
+    """A name that ROS does not allow."""
+
+    def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
+        pointer = f"{' ' * invalid_index}^"
+        super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {pointer}")
+        self.name_type = name_type
+        self.name = name
+        self.error_msg = error_msg
+        self.invalid_index = invalid_index
+
+
+class InvalidNamespaceException(NameValidationException):
+    """A namespace that ROS does not allow."""
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("namespace", name, error_msg, invalid_index)
+
+
+class InvalidNodeNameException(NameValidationException):
+    """A node name that ROS does not allow."""
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("node name", name, error_msg, invalid_index)
+
+
+class InvalidTopicNameException(NameValidationException):
+    """A topic name that ROS does not allow."""
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("topic name", name, error_msg, invalid_index)
+
+
+class InvalidServiceNameException(NameValidationException):
+    """A service name that ROS does not allow."""
+
+    def __init__(self, name: str, error_msg: str, invalid_index: int) -> None:
+        super().__init__("service name", name, error_msg, invalid_index)
+
+
+class ParameterException(Exception):
+    """Base of what can go wrong with parameters."""
+
+    def __init__(self, error_msg: str, parameters: Any, *args: Any) -> None:
+        super().__init__(f"{error_msg}: {parameters}", *args)
+
+
+class ParameterNotDeclaredException(ParameterException):
+    """A parameter was used before it was declared."""
+
+    def __init__(self, parameters: Any, *args: Any) -> None:
+        super().__init__("Invalid access to undeclared parameter(s)", parameters, *args)
+
+
+class ParameterAlreadyDeclaredException(ParameterException):
+    """A parameter was declared twice."""
+
+    def __init__(self, parameters: Any, *args: Any) -> None:
+        super().__init__("Parameter(s) already declared", parameters, *args)
+
+
+class InvalidParameterException(ParameterException):
+    """A parameter's name is not allowed."""
+
+    def __init__(self, parameter: Any, *args: Any) -> None:
+        super().__init__("Invalid parameter name", parameter, *args)
+
+
+class InvalidParameterTypeException(ParameterException):
+    """A parameter's value is not of the declared type."""
+
+    def __init__(self, parameter: Parameter[Any], type_name: str, *args: Any) -> None:
+        Exception.__init__(
+            self,
+            f"Trying to set parameter '{parameter.name}' to '{parameter.value}' of type "
+            f"'{parameter.type_.name}', expecting type '{type_name}'",
+            *args,
+        )
+        self.param_name = parameter.name
+
+
+class InvalidParameterValueException(ParameterException):
+    """A parameter's value was refused, by its range or by a callback."""
+
+    def __init__(self, parameter: str, value: object, reason: str) -> None:
+        Exception.__init__(
+            self,
+            f"Invalid parameter value ({value}) for parameter '{parameter}'. Reason: {reason}",
+        )
+        self.param_name = parameter
+
+
+class ParameterImmutableException(ParameterException):
+    """A read-only parameter was to be changed."""
+
+    def __init__(self, parameter: Any, *args: Any) -> None:
+        super().__init__("Attempted to modify read-only parameter", parameter, *args)
+
+
+class ParameterUninitializedException(ParameterException):
+    """A statically typed parameter was read before it had a value."""
+
+    def __init__(self, parameter: Any, *args: Any) -> None:
+        super().__init__("The parameter is not initialized", parameter, *args)
+
+
+class ROSInterruptException(Exception):
+    """The context was shut down while something slept."""
+
+    def __init__(self) -> None:
+        super().__init__("rclpy.shutdown() has been called")

@@ -1,0 +1,269 @@
+"""Executors: whoever spins one runs the callbacks of its nodes.
+
+Waiting costs nothing: a queue of what is ready, a heap of timers, one condition variable.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import os
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future as PoolFuture
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+from rclpy._entity import Entity
+from rclpy.context import Context
+from rclpy.task import Future, Task
+from rclpy.timer import Timer
+from rclpy.utilities import get_default_context
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class TimeoutException(Exception):
+    """Nothing became ready in time."""
+
+
+class ShutdownException(Exception):
+    """The executor was shut down while it was spun."""
+
+
+class ExternalShutdownException(Exception):
+    """The context was shut down while an executor was spun."""
+
+
+class Executor:
+    """Base of the executors: collects what is ready and hands it out one by one."""
+
+    def __init__(self, *, context: Context | None = None) -> None:
+        self._context = get_default_context() if context is None else context
+        self._nodes: list[Node] = []
+        self._condition = threading.Condition(threading.RLock())
+        self._ready: deque[Entity | Task[Any]] = deque()
+        self._blocked: list[Entity] = []  # ready, but their callback group is taken
+        self._timers: list[tuple[int, int, Timer]] = []
+        self._order = itertools.count()
+        self._is_shutdown = False
+        self._context.on_shutdown(self.wake)
+
+    @property
+    def context(self) -> Context:
+        """The context whose shutdown ends the spinning."""
+        return self._context
+
+    def add_node(self, node: Node) -> bool:
+        """Run this node's callbacks from now on, also what waits already. False if it did."""
+        with self._condition:
+            if node in self._nodes:
+                return False
+            self._nodes.append(node)
+            node.executor = self
+            for entity in node._entities():
+                if isinstance(entity, Timer):
+                    entity._schedule()
+                for _ in range(entity._waiting()):
+                    self._make_ready(entity)
+            self._condition.notify_all()
+            return True
+
+    def remove_node(self, node: Node) -> None:
+        """Stop running this node's callbacks."""
+        with self._condition:
+            if node in self._nodes:
+                self._nodes.remove(node)
+                node.executor = None
+                others = [e for e in self._ready if isinstance(e, Task) or e._node is not node]
+                self._ready.clear()
+                self._ready.extend(others)
+                self._blocked = [e for e in self._blocked if e._node is not node]
+
+    def get_nodes(self) -> list[Node]:
+        """The nodes that were added."""
+        return list(self._nodes)
+
+    def create_task(
+        self, callback: Callable[..., Any], *args: Any, **kwargs: Any
+    ) -> Task[Any]:
+        """Run a function or coroutine on this executor, from any thread."""
+        task: Task[Any] = Task(callback, args, kwargs, executor=self)
+        with self._condition:
+            self._ready.append(task)
+            self._condition.notify()
+        return task
+
+    def create_future(self) -> Future[Any]:
+        """A future whose callbacks run on this executor."""
+        return Future(executor=self)
+
+    def wake(self) -> None:
+        """Have a waiting spin look again; by itself this does not end `spin_once`."""
+        with self._condition:
+            self._condition.notify_all()
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:
+        """End all spinning and let the nodes go. False if work went on past `timeout_sec` (s)."""
+        with self._condition:
+            self._is_shutdown = True
+            for node in list(self._nodes):
+                self.remove_node(node)
+            self._timers.clear()
+            self._condition.notify_all()
+        return True
+
+    def spin(self) -> None:
+        """Run callbacks until the executor or the context is shut down.
+
+        What a callback raises leaves this call.
+        """
+        while self._context.ok() and not self._is_shutdown:
+            self.spin_once()
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Run one callback, waiting for it up to `timeout_sec` (s; None or negative: no limit)."""
+        try:
+            work, entity = self._next_work(timeout_sec, lambda: False)
+        except (TimeoutException, ShutdownException):
+            return
+        self._run(work, entity)
+
+    def spin_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
+        """Spin until the future is done, or `timeout_sec` (s) have passed."""
+        deadline = None if timeout_sec is None or timeout_sec < 0 else _now() + timeout_sec
+        future.add_done_callback(lambda _: self.wake())
+        while self._context.ok() and not future.done() and not future.cancelled():
+            left = None if deadline is None else deadline - _now()
+            if self._is_shutdown or (left is not None and left < 0):
+                return
+            self.spin_once_until_future_complete(future, left)
+
+    def spin_once_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
+        """Run one callback unless the future is done before there is one."""
+        try:
+            work, entity = self._next_work(timeout_sec, future.done)
+        except (TimeoutException, ShutdownException):
+            return
+        self._run(work, entity)
+
+    def _run(self, work: Task[Any], entity: Entity | None) -> None:
+        raise NotImplementedError
+
+    def _execute(self, work: Task[Any], entity: Entity | None) -> None:
+        """Run one piece of work; raises what it raised."""
+        if entity is not None:
+            work._release = lambda: entity.callback_group.ending_execution(entity)
+        work()
+        with self._condition:
+            self._ready.extendleft(reversed(self._blocked))
+            self._blocked.clear()
+        error = work.exception()
+        if error is not None:
+            raise error
+
+    def _make_ready(self, entity: Entity) -> None:
+        """Queue one piece of work of an entity."""
+        with self._condition:
+            self._ready.append(entity)
+            self._condition.notify()
+
+    def _resume(self, task: Task[Any]) -> None:
+        """Queue a task whose awaited future is done, without waking anybody."""
+        with self._condition:
+            self._ready.append(task)
+
+    def _add_timer(self, timer: Timer) -> None:
+        with self._condition:
+            heapq.heappush(self._timers, (timer._next_ns, next(self._order), timer))
+            self._condition.notify()
+
+    def _next_work(
+        self, timeout_sec: float | None, stop: Callable[[], bool]
+    ) -> tuple[Task[Any], Entity | None]:
+        deadline = None if timeout_sec is None or timeout_sec < 0 else _now() + timeout_sec
+        with self._condition:
+            while True:
+                if self._is_shutdown:
+                    raise ShutdownException
+                if not self._context.ok():
+                    raise ExternalShutdownException
+                due = self._collect_timers()
+                found = self._pop_ready()
+                if found is not None:
+                    return found
+                left = None if deadline is None else deadline - _now()
+                if stop() or (left is not None and left <= 0):
+                    raise TimeoutException
+                waits = [seconds for seconds in (left, due) if seconds is not None]
+                self._condition.wait(min(waits) if waits else None)
+
+    def _collect_timers(self) -> float | None:
+        """Queue the timers that are due; returns the seconds until the next one, or None."""
+        while self._timers:
+            when, _, timer = self._timers[0]
+            left = when - time.monotonic_ns()
+            if left > 0:
+                return left / 1e9
+            heapq.heappop(self._timers)
+            if timer._node.executor is self and timer.is_ready():
+                self._make_ready(timer)
+        return None
+
+    def _pop_ready(self) -> tuple[Task[Any], Entity | None] | None:
+        for _ in range(len(self._ready)):
+            item = self._ready.popleft()
+            if isinstance(item, Task):
+                return item, None
+            if not item.callback_group.beginning_execution(item):
+                self._blocked.append(item)
+                continue
+            work = item._take()
+            if work is not None:
+                return Task(work, executor=self), item
+            item.callback_group.ending_execution(item)
+        return None
+
+
+class SingleThreadedExecutor(Executor):
+    """Runs every callback in the thread that spins."""
+
+    def _run(self, work: Task[Any], entity: Entity | None) -> None:
+        self._execute(work, entity)
+
+
+class MultiThreadedExecutor(Executor):
+    """Runs callbacks in a pool of threads; callback groups say what may overlap."""
+
+    def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
+        super().__init__(context=context)
+        self._pool = ThreadPoolExecutor(max(num_threads or os.cpu_count() or 1, 2))
+        self._running: list[PoolFuture[None]] = []
+
+    def _run(self, work: Task[Any], entity: Entity | None) -> None:
+        self._running.append(self._pool.submit(self._execute_and_wake, work, entity))
+        for future in [future for future in self._running if future.done()]:
+            self._running.remove(future)
+            future.result()
+
+    def _execute_and_wake(self, work: Task[Any], entity: Entity | None) -> None:
+        try:
+            self._execute(work, entity)
+        finally:
+            self.wake()
+
+    def shutdown(self, timeout_sec: float | None = None) -> bool:
+        result = super().shutdown(timeout_sec)
+        self._pool.shutdown(wait=timeout_sec is None or timeout_sec > 0)
+        return result
+
+
+def _now() -> float:
+    return time.monotonic()

@@ -1,0 +1,1 @@
+"""As in rclpy: the room of the logger class."""

@@ -1,0 +1,14 @@
+"""`LoggingSeverity`: the levels of a log line."""
+
+from enum import IntEnum
+
+
+class LoggingSeverity(IntEnum):
+    """As in rcl_interfaces/Log."""
+
+    UNSET = 0
+    DEBUG = 10
+    INFO = 20
+    WARN = 30
+    ERROR = 40
+    FATAL = 50

@@ -1,0 +1,103 @@
+"""`RcutilsLogger`: what `node.get_logger()` returns."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from rcl_interfaces.msg import Log
+from rclpy import _logging
+from rclpy.clock import ROSClock
+from rclpy.impl.logging_severity import LoggingSeverity
+
+
+class RcutilsLogger:
+    """A named logger. Each line goes to standard error and, for a node's logger, to /rosout.
+
+    `once`, `skip_first` and `throttle_duration_sec` (s) count per place in the source.
+    """
+
+    def __init__(self, name: str = "") -> None:
+        self.name = name
+        self._seen: dict[tuple[str, int], float] = {}
+
+    def get_child(self, name: str) -> RcutilsLogger:
+        """A logger below this one. Raises ValueError for an empty name."""
+        if not name:
+            raise ValueError("Need at least one character for the child name")
+        return RcutilsLogger(f"{self.name}.{name}" if self.name else name)
+
+    def set_level(self, level: LoggingSeverity | int) -> None:
+        """Log from this severity on."""
+        _logging.set_level(self.name, int(level))
+
+    def get_effective_level(self) -> LoggingSeverity:
+        """The level in force, own or inherited."""
+        return LoggingSeverity(_logging.effective_level(self.name))
+
+    def is_enabled_for(self, severity: LoggingSeverity | int) -> bool:
+        """True when a line of this severity is logged."""
+        return int(severity) >= _logging.effective_level(self.name)
+
+    def debug(self, message: str, **filters: float) -> bool:
+        """Log at DEBUG; False when it was filtered out."""
+        return self._log(message, LoggingSeverity.DEBUG, filters)
+
+    def info(self, message: str, **filters: float) -> bool:
+        """Log at INFO; False when it was filtered out."""
+        return self._log(message, LoggingSeverity.INFO, filters)
+
+    def warning(self, message: str, **filters: float) -> bool:
+        """Log at WARN; False when it was filtered out."""
+        return self._log(message, LoggingSeverity.WARN, filters)
+
+    def warn(self, message: str, **filters: float) -> bool:
+        """The old name of `warning`."""
+        return self._log(message, LoggingSeverity.WARN, filters)
+
+    def error(self, message: str, **filters: float) -> bool:
+        """Log at ERROR; False when it was filtered out."""
+        return self._log(message, LoggingSeverity.ERROR, filters)
+
+    def fatal(self, message: str, **filters: float) -> bool:
+        """Log at FATAL; False when it was filtered out."""
+        return self._log(message, LoggingSeverity.FATAL, filters)
+
+    def _log(self, message: str, severity: LoggingSeverity, filters: dict[str, float]) -> bool:
+        if not self.is_enabled_for(severity):
+            return False
+        frame = sys._getframe(2)
+        code = frame.f_code
+        if filters and not self._passes((code.co_filename, frame.f_lineno), filters):
+            return False
+        stamp = ROSClock().now()
+        sec, nanosec = stamp.seconds_nanoseconds()
+        _logging.write(f"[{severity.name}] [{sec}.{nanosec:09}] [{self.name}]: {message}")
+        publish = _logging.rosout(self.name)
+        if publish is not None:
+            publish(
+                Log(
+                    stamp=stamp.to_msg(),
+                    level=int(severity),
+                    name=self.name,
+                    msg=str(message),
+                    file=code.co_filename,
+                    function=code.co_name,
+                    line=frame.f_lineno,
+                )
+            )
+        return True
+
+    def _passes(self, place: tuple[str, int], filters: dict[str, float]) -> bool:
+        now = time.monotonic()
+        last = self._seen.get(place)
+        if filters.get("once") and last is not None:
+            return False
+        if filters.get("skip_first") and last is None:
+            self._seen[place] = now
+            return False
+        period = filters.get("throttle_duration_sec", 0.0)
+        if last is not None and now - last < period:
+            return False
+        self._seen[place] = now
+        return True

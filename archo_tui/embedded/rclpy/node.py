@@ -1,0 +1,344 @@
+"""`rclpy.node.Node`: a participant of the graph."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, TypeVar
+
+from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent, SetParametersResult
+from rclpy import _arguments, _logging, _names
+from rclpy._entity import Entity
+from rclpy._node_graph import NodeGraph
+from rclpy._node_parameters import NodeParameters
+from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
+from rclpy.client import Client
+from rclpy.clock import Clock, ROSClock
+from rclpy.context import Context
+from rclpy.exceptions import NotInitializedException
+from rclpy.executors import Executor
+from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.parameter import Parameter
+from rclpy.parameter_service import ParameterService
+from rclpy.publisher import Publisher
+from rclpy.qos import (
+    QoSProfile,
+    as_profile,
+    qos_profile_parameter_events,
+    qos_profile_rosout_default,
+    qos_profile_services_default,
+)
+from rclpy.service import Service
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+from rclpy.utilities import get_default_context
+
+MsgT = TypeVar("MsgT")
+
+
+class Node(NodeParameters, NodeGraph):
+    """A named participant with publishers, subscriptions, services, clients, timers, parameters."""
+
+    def __init__(
+        self,
+        node_name: str,
+        *,
+        context: Context | None = None,
+        cli_args: Sequence[str] | None = None,
+        namespace: str | None = None,
+        use_global_arguments: bool = True,
+        enable_rosout: bool = True,
+        start_parameter_services: bool = True,
+        parameter_overrides: Sequence[Parameter[Any]] | None = None,
+        allow_undeclared_parameters: bool = False,
+        automatically_declare_parameters_from_overrides: bool = False,
+    ) -> None:
+        """Raises NotInitializedException, InvalidNodeNameException, InvalidNamespaceException."""
+        self._context = get_default_context() if context is None else context
+        if not self._context.ok():
+            raise NotInitializedException("cannot create node")
+        own = _arguments.parse(cli_args)
+        everybodys = self._context._arguments if use_global_arguments else _arguments.Arguments()
+        self._remaps = own.remaps + everybodys.remaps
+        name = _names.special(self._remaps, node_name, "__node", "__name") or node_name
+        space = _names.special(self._remaps, node_name, "__ns") or namespace or "/"
+        _names.validate_node_name(name)
+        space = space if space.startswith("/") else f"/{space}"
+        _names.validate_namespace(space)
+        self._name, self._namespace = name, space
+        self._graph = self._context._graph
+        self._clock: Clock = ROSClock()
+        self._logger = RcutilsLogger(self.get_fully_qualified_name()[1:].replace("/", "."))
+        self._executor: Executor | None = None
+        self._default_callback_group = MutuallyExclusiveCallbackGroup()
+        self._publishers: list[Publisher[Any]] = []
+        self._entity_list: list[Entity] = []
+        self._on_graph = True
+        with self._graph.changed:
+            self._graph.nodes.append(self)
+            self._graph.changed.notify_all()
+        self._context._nodes.add(self)
+
+        full = self.get_fully_qualified_name()
+        overrides = everybodys.parameters_of(full) | own.parameters_of(full)
+        overrides |= {parameter.name: parameter.value for parameter in parameter_overrides or ()}
+        self._init_parameters(
+            overrides, allow_undeclared_parameters, automatically_declare_parameters_from_overrides
+        )
+        self._rosout: Publisher[Log] | None = None
+        if enable_rosout:
+            self._rosout = self.create_publisher(Log, "/rosout", qos_profile_rosout_default)
+            self._publish_log = self._rosout.publish
+            _logging.connect(self._logger.name, self._publish_log)
+        self._parameter_events = self.create_publisher(
+            ParameterEvent, "/parameter_events", qos_profile_parameter_events
+        )
+        self.declare_parameter("use_sim_time", False)
+        self.add_on_set_parameters_callback(_no_simulated_time)
+        if self._declare_on_start:
+            for parameter, value in overrides.items():
+                if not self.has_parameter(parameter):
+                    anything = ParameterDescriptor(dynamic_typing=True)
+                    self.declare_parameter(parameter, value, anything)
+        if start_parameter_services:
+            self._parameter_service = ParameterService(self)
+
+    @property
+    def context(self) -> Context:
+        """The context this node was made in."""
+        return self._context
+
+    @property
+    def executor(self) -> Executor | None:
+        """The executor that runs this node's callbacks, or None."""
+        return self._executor
+
+    @executor.setter
+    def executor(self, executor: Executor | None) -> None:
+        old, self._executor = self._executor, executor
+        if executor is not None and old is not None and old is not executor:
+            old.remove_node(self)
+            self._executor = executor
+
+    @property
+    def default_callback_group(self) -> CallbackGroup:
+        """The mutually exclusive group of what is made without one."""
+        return self._default_callback_group
+
+    @property
+    def publishers(self) -> Iterator[Publisher[Any]]:
+        """This node's publishers."""
+        return iter(list(self._publishers))
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription[Any]]:
+        """This node's subscriptions."""
+        return (e for e in list(self._entity_list) if isinstance(e, Subscription))
+
+    @property
+    def services(self) -> Iterator[Service[Any, Any]]:
+        """This node's services."""
+        return (e for e in list(self._entity_list) if isinstance(e, Service))
+
+    @property
+    def clients(self) -> Iterator[Client[Any, Any]]:
+        """This node's clients."""
+        return (e for e in list(self._entity_list) if isinstance(e, Client))
+
+    @property
+    def timers(self) -> Iterator[Timer]:
+        """This node's timers."""
+        return (e for e in list(self._entity_list) if isinstance(e, Timer))
+
+    def get_name(self) -> str:
+        """The name without its namespace."""
+        return self._name
+
+    def get_namespace(self) -> str:
+        """The namespace, `/` for the root."""
+        return self._namespace
+
+    def get_fully_qualified_name(self) -> str:
+        """`/namespace/name`."""
+        return f"{'' if self._namespace == '/' else self._namespace}/{self._name}"
+
+    def get_clock(self) -> Clock:
+        """The node's clock."""
+        return self._clock
+
+    def get_logger(self) -> RcutilsLogger:
+        """The node's logger."""
+        return self._logger
+
+    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
+        """The name on the graph. Raises InvalidTopicNameException."""
+        full = _names.expand(topic, self._name, self._namespace)
+        rules = () if only_expand else self._remaps
+        return _names.remapped(full, self._name, self._namespace, rules)
+
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """The name on the graph. Raises InvalidServiceNameException."""
+        full = _names.expand(service, self._name, self._namespace, is_service=True)
+        rules = () if only_expand else self._remaps
+        return _names.remapped(full, self._name, self._namespace, rules)
+
+    def create_publisher(
+        self, msg_type: type[MsgT], topic: str, qos_profile: QoSProfile | int
+    ) -> Publisher[MsgT]:
+        """Raises InvalidTopicNameException, TypeError, ValueError."""
+        qos = as_profile(qos_profile)
+        publisher = Publisher(self, msg_type, self.resolve_topic_name(topic), qos)
+        self._publishers.append(publisher)
+        self._graph.add_publisher(publisher)
+        return publisher
+
+    def create_subscription(
+        self,
+        msg_type: type[MsgT],
+        topic: str,
+        callback: Callable[[MsgT], Any],
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+    ) -> Subscription[MsgT]:
+        """Raises InvalidTopicNameException, TypeError, ValueError."""
+        qos, group = as_profile(qos_profile), callback_group or self._default_callback_group
+        name = self.resolve_topic_name(topic)
+        subscription = Subscription(self, msg_type, name, callback, group, qos)
+        self._entity_list.append(subscription)
+        self._graph.add_subscription(subscription)
+        return subscription
+
+    def create_client(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Client[Any, Any]:
+        """Raises InvalidServiceNameException."""
+        name, group = self.resolve_service_name(srv_name), callback_group
+        client: Client[Any, Any] = Client(
+            self, srv_type, name, group or self._default_callback_group, qos_profile
+        )
+        self._entity_list.append(client)
+        self._graph.add_named(self._graph.clients, name, client)
+        return client
+
+    def create_service(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Service[Any, Any]:
+        """Raises InvalidServiceNameException."""
+        return self._add_service(
+            Service, srv_type, srv_name, callback, callback_group, qos_profile
+        )
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[[], Any],
+        callback_group: CallbackGroup | None = None,
+        clock: Clock | None = None,
+        autostart: bool = True,
+    ) -> Timer:
+        """A timer of that period in s. Raises ValueError for a negative one."""
+        group = callback_group or self._default_callback_group
+        period_ns = int(float(timer_period_sec) * 1e9)
+        timer = Timer(self, callback, group, period_ns, clock or self._clock)
+        self._entity_list.append(timer)
+        if autostart:
+            timer._schedule()
+        else:
+            timer.cancel()
+        return timer
+
+    def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
+        """False when it is not this node's."""
+        if publisher not in self._publishers:
+            return False
+        self._publishers.remove(publisher)
+        publisher.destroy()
+        return True
+
+    def destroy_subscription(self, subscription: Subscription[Any]) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(subscription)
+
+    def destroy_client(self, client: Client[Any, Any]) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(client)
+
+    def destroy_service(self, service: Service[Any, Any]) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(service)
+
+    def destroy_timer(self, timer: Timer) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(timer)
+
+    def destroy_node(self) -> None:
+        """Destroy everything this node made and leave the graph."""
+        self._leave_graph()
+        if self._executor is not None:
+            self._executor.remove_node(self)
+
+    def __enter__(self) -> Node:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.destroy_node()
+
+    def _add_service(
+        self,
+        kind: type[Service[Any, Any]],
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[..., Any],
+        group: CallbackGroup | None,
+        qos_profile: QoSProfile,
+    ) -> Service[Any, Any]:
+        name = self.resolve_service_name(srv_name)
+        group = group or self._default_callback_group
+        service = kind(self, srv_type, name, callback, group, qos_profile)
+        self._entity_list.append(service)
+        self._graph.add_named(self._graph.services, name, service)
+        return service
+
+    def _destroy(self, entity: Any) -> bool:
+        if entity not in self._entity_list:
+            return False
+        self._entity_list.remove(entity)
+        entity.destroy()
+        return True
+
+    def _entities(self) -> list[Entity]:
+        return list(self._entity_list)
+
+    def _leave_graph(self) -> None:
+        if not self._on_graph:
+            return
+        self._on_graph = False
+        if self._rosout is not None:
+            _logging.disconnect(self._logger.name, self._publish_log)
+        for thing in itertools.chain(self._publishers, self._entity_list):
+            thing.destroy()  # type: ignore[attr-defined]
+        self._publishers.clear()
+        self._entity_list.clear()
+        with self._graph.changed:
+            self._graph.nodes.remove(self)
+            self._graph.changed.notify_all()
+
+
+def _no_simulated_time(parameters: list[Parameter[Any]]) -> SetParametersResult:
+    if any(p.name == "use_sim_time" and p.value for p in parameters):
+        return SetParametersResult(
+            successful=False, reason="the embedded engine has no simulated time (use_sim_time)"
+        )
+    return SetParametersResult(successful=True)

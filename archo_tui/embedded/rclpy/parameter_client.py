@@ -1,0 +1,98 @@
+"""`rclpy.parameter_client.AsyncParameterClient`: another node's parameters."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from rcl_interfaces import srv
+from rclpy.callback_groups import CallbackGroup
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile, qos_profile_services_default
+from rclpy.task import Future
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class AsyncParameterClient:
+    """Calls the parameter services of one remote node; each method returns the call's future."""
+
+    def __init__(
+        self,
+        node: Node,
+        remote_node_name: str,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> None:
+        self.remote_node_name = remote_node_name
+
+        def client(srv_type: Any, name: str) -> Any:
+            return node.create_client(
+                srv_type,
+                f"{remote_node_name}/{name}",
+                qos_profile=qos_profile,
+                callback_group=callback_group,
+            )
+
+        self._get = client(srv.GetParameters, "get_parameters")
+        self._list = client(srv.ListParameters, "list_parameters")
+        self._set = client(srv.SetParameters, "set_parameters")
+        self._types = client(srv.GetParameterTypes, "get_parameter_types")
+        self._describe = client(srv.DescribeParameters, "describe_parameters")
+        self._atomically = client(srv.SetParametersAtomically, "set_parameters_atomically")
+        self._clients = [
+            self._get, self._list, self._set, self._types, self._describe, self._atomically
+        ]  # fmt: skip
+
+    def services_are_ready(self) -> bool:
+        """True when the remote node offers all six services."""
+        return all(client.service_is_ready() for client in self._clients)
+
+    def wait_for_services(self, timeout_sec: float | None = None) -> bool:
+        """Block until it does; False when `timeout_sec` (s) passed before."""
+        deadline = None if timeout_sec is None else time.monotonic() + timeout_sec
+        for client in self._clients:
+            left = None if deadline is None else max(deadline - time.monotonic(), 0.0)
+            if not client.wait_for_service(left):
+                return False
+        return True
+
+    def list_parameters(
+        self, prefixes: Sequence[str] | None = None, depth: int | None = None
+    ) -> Future[Any]:
+        """Names below the prefixes, `depth` levels deep (default: all, any)."""
+        return self._call(
+            self._list, srv.ListParameters.Request(prefixes=list(prefixes or ()), depth=depth or 0)
+        )
+
+    def get_parameters(self, names: Sequence[str]) -> Future[Any]:
+        """Values, in the order of the names."""
+        return self._call(self._get, srv.GetParameters.Request(names=list(names)))
+
+    def get_parameter_types(self, names: Sequence[str]) -> Future[Any]:
+        """Types, in the order of the names."""
+        return self._call(self._types, srv.GetParameterTypes.Request(names=list(names)))
+
+    def describe_parameters(self, names: Sequence[str]) -> Future[Any]:
+        """Descriptors, in the order of the names."""
+        return self._call(self._describe, srv.DescribeParameters.Request(names=list(names)))
+
+    def set_parameters(self, parameters: Sequence[Any]) -> Future[Any]:
+        """Set one by one; a result with a reason for each."""
+        request = srv.SetParameters.Request(parameters=_messages(parameters))
+        return self._call(self._set, request)
+
+    def set_parameters_atomically(self, parameters: Sequence[Any]) -> Future[Any]:
+        """Set all or none; one result with a reason."""
+        request = srv.SetParametersAtomically.Request(parameters=_messages(parameters))
+        return self._call(self._atomically, request)
+
+    def _call(self, client: Any, request: Any) -> Future[Any]:
+        future: Future[Any] = client.call_async(request)
+        return future
+
+
+def _messages(parameters: Sequence[Any]) -> list[Any]:
+    return [p.to_parameter_msg() if isinstance(p, Parameter) else p for p in parameters]

@@ -1,0 +1,66 @@
+"""`rclpy.publisher.Publisher`."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from rclpy._rclpy_pybind11 import InvalidHandle
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+    from rclpy.subscription import Subscription
+
+MsgT = TypeVar("MsgT")
+
+
+class Publisher(Generic[MsgT]):
+    """Sends messages of one type on one topic. Made by `Node.create_publisher`."""
+
+    def __init__(
+        self, node: Node, msg_type: type[MsgT], topic_name: str, qos_profile: QoSProfile
+    ) -> None:
+        self._node = node
+        self.msg_type = msg_type
+        self.topic_name = topic_name
+        self.qos_profile = qos_profile
+        self._destroyed = False
+        self._matched: tuple[Subscription[Any], ...] = ()
+        self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        self._kept: deque[Any] = deque(maxlen=qos_profile.queue_size)
+
+    def publish(self, msg: MsgT) -> None:
+        """Send a copy of `msg` to every matching subscription.
+
+        Raises TypeError for a message of another type, InvalidHandle after `destroy()` and after
+        the context was shut down.
+        """
+        if not isinstance(msg, self.msg_type):
+            raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
+        if self._destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        message: Any = msg
+        if self._keeps:
+            with self._node._graph.lock:  # so that a late joiner gets each one once
+                self._kept.append(message.__received__())
+                matched = self._matched
+        else:
+            matched = self._matched
+        for subscription in matched:
+            subscription._deliver(message.__received__())
+
+    def get_subscription_count(self) -> int:
+        """How many subscriptions match."""
+        return len(self._matched)
+
+    def destroy(self) -> None:
+        """Leave the topic."""
+        self._destroyed = True
+        self._node._graph.remove_publisher(self)
+
+    def _replay(self, subscription: Subscription[Any]) -> None:
+        """Hand what is kept to a late joiner that asked for it."""
+        if subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            for message in self._kept:
+                subscription._deliver(message.__received__())

@@ -1,0 +1,71 @@
+"""`rclpy.service.Service`."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+
+from rclpy._entity import QueueEntity
+from rclpy.callback_groups import CallbackGroup
+from rclpy.qos import QoSProfile
+
+if TYPE_CHECKING:
+    from rclpy.client import Client
+    from rclpy.node import Node
+
+SrvRequestT = TypeVar("SrvRequestT")
+SrvResponseT = TypeVar("SrvResponseT")
+
+
+class RequestHeader(NamedTuple):
+    """Whom a response goes to."""
+
+    client: Client[Any, Any]
+    sequence_number: int
+
+
+class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
+    """Answers requests. Made by `Node.create_service`."""
+
+    def __init__(
+        self,
+        node: Node,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        callback_group: CallbackGroup,
+        qos_profile: QoSProfile,
+    ) -> None:
+        super().__init__(node, callback_group, qos_profile.queue_size)
+        self.srv_type = srv_type
+        self.service_name = srv_name
+        self.callback = callback
+
+    def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:
+        """Send a copy of `response` to the client that asked. Raises TypeError for another type."""
+        if not isinstance(response, self.srv_type.Response):
+            raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
+        message: Any = response
+        header.client._deliver((header.sequence_number, message.__received__()))
+
+    def destroy(self) -> None:
+        """Leave the graph; requests still queued are never answered."""
+        self._destroyed = True
+        graph = self._node._graph
+        graph.remove_named(graph.services, self.service_name, self)
+
+    async def _handle(self, item: tuple[RequestHeader, Any]) -> None:
+        header, request = item
+        response = self.callback(request, self.srv_type.Response())
+        if inspect.iscoroutine(response):
+            response = await response
+        self.send_response(response, header)
+
+
+class DeferredService(Service[Any, Any]):
+    """A service whose callback takes (request, header) and answers when it likes."""
+
+    def _handle(self, item: tuple[RequestHeader, Any]) -> Any:
+        header, request = item
+        return self.callback(request, header)

@@ -1,0 +1,180 @@
+"""Futures, and the tasks that an executor runs."""
+
+from __future__ import annotations
+
+import inspect
+import threading
+import warnings
+import weakref
+from collections.abc import Callable, Generator
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from rclpy.executors import Executor
+
+T = TypeVar("T")
+
+_PENDING, _CANCELLED, _FINISHED = "pending", "cancelled", "finished"
+
+
+class Future(Generic[T]):
+    """A value that will be there later.
+
+    Callbacks run on the executor when the future knows one, else in the thread that sets the value.
+    `done()` is False for a cancelled future, as in rclpy.
+    """
+
+    def __init__(self, *, executor: Executor | None = None) -> None:
+        self._state = _PENDING
+        self._result: Any = None
+        self._exception: BaseException | None = None
+        self._callbacks: list[Callable[[Any], Any]] = []
+        self._waiting: list[Task[Any]] = []
+        self._lock = threading.Lock()
+        self._set_executor(executor)
+
+    def __await__(self) -> Generator[Any, None, T]:
+        while self._state == _PENDING:
+            yield self
+        return self.result()
+
+    def done(self) -> bool:
+        """True when a result or an exception is set."""
+        return self._state == _FINISHED
+
+    def cancelled(self) -> bool:
+        """True when nobody wants the value any more."""
+        return self._state == _CANCELLED
+
+    def cancel(self) -> None:
+        """Say that nobody wants the value any more; no effect once it is there."""
+        self._finish(_CANCELLED)
+
+    def result(self) -> Any:
+        """The value, None when there is none yet; raises the exception if one was set."""
+        if self._exception is not None:
+            raise self._exception
+        return self._result
+
+    def exception(self) -> BaseException | None:
+        """The exception, or None."""
+        return self._exception
+
+    def set_result(self, result: T) -> None:
+        """Set the value and schedule the callbacks."""
+        self._result = result
+        self._finish(_FINISHED, force=True)
+
+    def set_exception(self, exception: BaseException) -> None:
+        """Set an exception and schedule the callbacks."""
+        self._exception = exception
+        self._finish(_FINISHED, force=True)
+
+    def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
+        """Have `callback(self)` called when done; at once (or on the executor) if that is now."""
+        with self._lock:
+            if self._state == _PENDING:
+                self._callbacks.append(callback)
+                return
+        executor = self._executor()
+        if executor is None:
+            callback(self)
+        else:
+            executor.create_task(callback, self)
+
+    def remove_done_callback(self, callback: Callable[[Any], Any]) -> bool:
+        """Take a callback back; False when it was not there or has been scheduled."""
+        with self._lock:
+            if callback not in self._callbacks:
+                return False
+            self._callbacks.remove(callback)
+            return True
+
+    def _set_executor(self, executor: Executor | None) -> None:
+        self._executor: Callable[[], Executor | None] = (
+            (lambda: None) if executor is None else weakref.ref(executor)
+        )
+
+    def _finish(self, state: str, *, force: bool = False) -> None:
+        with self._lock:
+            if self._state != _PENDING and not force:
+                return
+            self._state = state
+            callbacks, self._callbacks = self._callbacks, []
+            waiting, self._waiting = self._waiting, []
+        for task in waiting:
+            task._resume()
+        executor = self._executor()
+        for callback in callbacks:
+            if executor is not None:
+                executor.create_task(callback, self)
+                continue
+            try:
+                callback(self)
+            except Exception as error:
+                warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
+
+    def _wait(self, task: Task[Any]) -> bool:
+        """Have the task resumed when done; False when that is already so."""
+        with self._lock:
+            if self._state != _PENDING:
+                return False
+            self._waiting.append(task)
+            return True
+
+
+class Task(Future[T]):
+    """A function or coroutine on an executor; its value is what the function returns."""
+
+    def __init__(
+        self,
+        handler: Callable[..., Any],
+        args: tuple[Any, ...] = (),
+        kwargs: dict[str, Any] | None = None,
+        executor: Executor | None = None,
+    ) -> None:
+        super().__init__(executor=executor)
+        self._call: Callable[[], Any] | None = lambda: handler(*args, **(kwargs or {}))
+        self._coroutine: Any = None
+        self._release: Callable[[], None] | None = None  # gives the callback group back
+
+    def _finish(self, state: str, *, force: bool = False) -> None:
+        if self._release is not None:
+            self._release()
+        super()._finish(state, force=force)
+
+    def __call__(self) -> None:
+        """Run, or go on from the last `await`."""
+        if self._state != _PENDING:
+            return
+        try:
+            if self._coroutine is None:
+                call, self._call = self._call, None
+                value = call() if call else None
+                if not inspect.iscoroutine(value):
+                    self.set_result(value)
+                    return
+                self._coroutine = value
+            self._step()
+        except Exception as error:
+            self.set_exception(error)
+
+    def _step(self) -> None:
+        while True:
+            try:
+                awaited = self._coroutine.send(None)
+            except StopIteration as stop:
+                self.set_result(stop.value)
+                return
+            if not isinstance(awaited, Future):
+                self._resume()
+                return
+            if awaited._wait(self):
+                return
+
+    def _resume(self) -> None:
+        """Queue for the executor's next turn. Does not wake it: a future set from another thread
+        is noticed when the executor next wakes, as on ROS 2."""
+        executor = self._executor()
+        if executor is not None:
+            executor._resume(self)

@@ -1,0 +1,78 @@
+"""`rclpy.time.Time`: a point in time of one kind of clock."""
+
+from __future__ import annotations
+
+from functools import total_ordering
+
+import builtin_interfaces.msg
+from rclpy.clock_type import ClockType
+from rclpy.duration import S_TO_NS, Duration
+
+
+@total_ordering
+class Time:
+    """A point in time, in ns since its clock's epoch. Times of two kinds of clock do not mix."""
+
+    def __init__(
+        self,
+        *,
+        seconds: float = 0,
+        nanoseconds: int = 0,
+        clock_type: ClockType = ClockType.SYSTEM_TIME,
+    ) -> None:
+        if seconds < 0 or nanoseconds < 0:
+            raise ValueError("time values must not be negative")
+        self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
+        self._clock_type = clock_type
+
+    @property
+    def nanoseconds(self) -> int:
+        """ns since the epoch."""
+        return self._nanoseconds
+
+    @property
+    def clock_type(self) -> ClockType:
+        """The kind of clock that told this time."""
+        return self._clock_type
+
+    def seconds_nanoseconds(self) -> tuple[int, int]:
+        """Whole seconds, and the nanoseconds left."""
+        return divmod(self._nanoseconds, S_TO_NS)
+
+    def __repr__(self) -> str:
+        return f"Time(nanoseconds={self._nanoseconds}, clock_type={self._clock_type.name})"
+
+    def __add__(self, other: Duration) -> Time:
+        return Time(
+            nanoseconds=self._nanoseconds + other.nanoseconds, clock_type=self._clock_type
+        )
+
+    def __sub__(self, other: Time) -> Duration:
+        self._check(other)
+        return Duration(nanoseconds=self._nanoseconds - other._nanoseconds)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Time):
+            return NotImplemented
+        self._check(other)
+        return self._nanoseconds == other._nanoseconds
+
+    def __lt__(self, other: Time) -> bool:
+        self._check(other)
+        return self._nanoseconds < other._nanoseconds
+
+    def _check(self, other: Time) -> None:
+        if self._clock_type != other._clock_type:
+            raise TypeError("Can't compare times with different clock types")
+
+    def to_msg(self) -> builtin_interfaces.msg.Time:
+        """As builtin_interfaces/Time."""
+        sec, nanosec = self.seconds_nanoseconds()
+        return builtin_interfaces.msg.Time(sec=sec, nanosec=nanosec)
+
+    @classmethod
+    def from_msg(
+        cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME
+    ) -> Time:
+        """The time that a message carries."""
+        return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)

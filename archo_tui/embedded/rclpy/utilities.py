@@ -1,0 +1,29 @@
+"""`rclpy.utilities`: the default context."""
+
+from __future__ import annotations
+
+import threading
+
+from rclpy.context import Context
+
+_lock = threading.Lock()
+_default: Context | None = None
+
+
+def get_default_context() -> Context:
+    """The context that is meant when none is given."""
+    global _default
+    with _lock:
+        if _default is None:
+            _default = Context()
+        return _default
+
+
+def ok(*, context: Context | None = None) -> bool:
+    """True when the (default) context is initialised."""
+    return (context or get_default_context()).ok()
+
+
+def get_rmw_implementation_identifier() -> str:
+    """The name of the middleware: there is none, messages stay in the process."""
+    return "embedded"

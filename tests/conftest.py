@@ -1,0 +1,27 @@
+"""Chooses the engine for the whole run, before any test module imports rclpy."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from archo_tui import engine
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--engine",
+        choices=("embedded", "ros2"),
+        default="embedded",
+        help="what `import rclpy` means in the tests",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if config.getoption("--engine") == "embedded":
+        engine.activate("embedded")
+    else:  # real ROS 2: nothing may leave this process, and fields are checked as ours are
+        os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
+        os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
+        config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own

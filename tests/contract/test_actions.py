@@ -1,0 +1,253 @@
+"""Rule 6 for actions, and that they are three services and two topics."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import pytest
+from action_msgs.msg import GoalInfo, GoalStatus
+from action_msgs.srv import CancelGoal
+from archo_interfaces.action import MoveToShelf
+from rcl_interfaces.msg import Log
+from rclpy.action import (
+    ActionClient,
+    ActionServer,
+    CancelResponse,
+    GoalResponse,
+    get_action_names_and_types,
+)
+from rclpy.executors import MultiThreadedExecutor
+from rclpy.task import Future
+
+from tests.support.ros import Ros
+from tests.support.waiting import wait_until
+
+
+class Robot:
+    """A server whose goals end when the test says so, in a node of its own."""
+
+    def __init__(self, ros: Ros, **options: Any) -> None:
+        self.node = ros.node("server")
+        self.goals: list[Any] = []
+        self.finish: Future[str] = Future()
+        self.server = ActionServer(
+            self.node, MoveToShelf, "move", self.execute, **options  # type: ignore[arg-type]
+        )
+        self.executor = ros.spin(self.node)
+        self.client = ActionClient(ros.spun("client"), MoveToShelf, "move")
+        assert self.client.wait_for_server(10.0)
+
+    async def execute(self, goal: Any) -> Any:
+        self.goals.append(goal)
+        goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=1.0))
+        end = await self.finish
+        if end:
+            getattr(goal, end)()
+        return MoveToShelf.Result(final_message=end)
+
+    def end(self, how: str) -> None:
+        self.finish.set_result(how)
+        self.executor.create_task(lambda: None)
+
+
+def send(ros: Ros, robot: Robot, **options: Any) -> Any:
+    return ros.result(robot.client.send_goal_async(MoveToShelf.Goal(shelf_number=3), **options))
+
+
+def test_a_goal_is_accepted_gives_feedback_and_a_result(ros: Ros) -> None:
+    robot = Robot(ros)
+    feedback: list[float] = []
+    handle = send(
+        ros, robot, feedback_callback=lambda m: feedback.append(m.feedback.distance_remaining)
+    )
+    assert handle.accepted
+    wait_until(lambda: handle.status == GoalStatus.STATUS_EXECUTING)
+    wait_until(lambda: feedback == [1.0])
+    answer = handle.get_result_async()
+    robot.end("succeed")
+    assert ros.result(answer).status == GoalStatus.STATUS_SUCCEEDED
+    assert ros.result(answer).result.final_message == "succeed"
+    assert robot.goals[0].request.shelf_number == 3
+    wait_until(lambda: handle.status == GoalStatus.STATUS_SUCCEEDED)
+
+
+def test_a_result_can_be_asked_for_after_the_end_and_twice(ros: Ros) -> None:
+    robot = Robot(ros)
+    handle = send(ros, robot)
+    robot.end("abort")
+    wait_until(lambda: robot.goals and not robot.goals[0].is_active)
+    for _ in range(2):
+        assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_ABORTED
+
+
+def test_a_goal_without_a_terminal_state_is_aborted_with_a_warning(ros: Ros) -> None:
+    warnings: list[str] = []
+    ros.spun("listener").create_subscription(
+        Log, "/rosout", lambda m: warnings.append(m.msg), 50
+    )
+    robot = Robot(ros)
+    handle = send(ros, robot)
+    robot.end("")
+    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_ABORTED
+    wait_until(lambda: any("Goal state not set, assuming aborted" in w for w in warnings))
+
+
+def test_an_exception_in_execute_aborts_the_goal(
+    ros: Ros, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot = Robot(ros)
+    handle = send(ros, robot)
+    robot.end("no_such_method")
+    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_ABORTED
+
+
+def test_a_goal_callback_can_refuse(ros: Ros) -> None:
+    robot = Robot(ros, goal_callback=lambda goal: GoalResponse.REJECT)
+    handle = send(ros, robot)
+    assert not handle.accepted
+    assert robot.goals == []
+
+
+def test_a_cancel_is_rejected_by_default(ros: Ros) -> None:
+    robot = Robot(ros)
+    handle = send(ros, robot)
+    wait_until(lambda: robot.goals)
+    assert len(ros.result(handle.cancel_goal_async()).goals_canceling) == 0
+    assert not robot.goals[0].is_cancel_requested
+    robot.end("succeed")
+    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_SUCCEEDED
+
+
+def test_an_accepted_cancel_is_requested_then_canceled(ros: Ros) -> None:
+    robot = Robot(ros, cancel_callback=lambda goal: CancelResponse.ACCEPT)
+    handle = send(ros, robot)
+    wait_until(lambda: robot.goals)
+    assert len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1
+    assert robot.goals[0].is_cancel_requested
+    wait_until(lambda: handle.status == GoalStatus.STATUS_CANCELING)
+    robot.end("canceled")
+    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_CANCELED
+
+
+def test_a_cancel_after_the_end_comes_too_late(ros: Ros) -> None:
+    robot = Robot(ros, cancel_callback=lambda goal: CancelResponse.ACCEPT)
+    handle = send(ros, robot)
+    robot.end("succeed")
+    ros.result(handle.get_result_async())
+    answer = ros.result(handle.cancel_goal_async())
+    assert answer.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED
+    assert len(answer.goals_canceling) == 0
+
+
+def test_illegal_ends_raise(ros: Ros) -> None:
+    robot = Robot(ros)
+    send(ros, robot)
+    wait_until(lambda: robot.goals)
+    with pytest.raises(RuntimeError):
+        robot.goals[0].canceled()  # nobody asked for a cancel
+    robot.end("succeed")
+    wait_until(lambda: not robot.goals[0].is_active)
+    with pytest.raises(RuntimeError):
+        robot.goals[0].abort()
+
+
+def test_feedback_and_goals_are_checked(ros: Ros) -> None:
+    robot = Robot(ros)
+    with pytest.raises(TypeError):
+        robot.client.send_goal_async(MoveToShelf.Result())
+    send(ros, robot)
+    wait_until(lambda: robot.goals)
+    with pytest.raises(TypeError):
+        robot.goals[0].publish_feedback(MoveToShelf.Result())
+    robot.end("succeed")
+
+
+def test_a_result_is_forgotten_after_its_timeout(ros: Ros) -> None:
+    robot = Robot(ros, result_timeout=0)
+    handle = send(ros, robot)
+    robot.end("succeed")
+    wait_until(lambda: robot.goals and not robot.goals[0].is_active)
+    wait_until(
+        lambda: ros.result(handle.get_result_async()).status == GoalStatus.STATUS_UNKNOWN
+    )
+
+
+def test_an_action_is_three_services_and_two_topics(ros: Ros) -> None:
+    robot = Robot(ros)
+    node = ros.node("observer")
+    prefix, kind = "/move/_action", "archo_interfaces/action/MoveToShelf"
+
+    def services() -> dict[str, list[str]]:
+        return {n: t for n, t in node.get_service_names_and_types() if n.startswith(prefix)}
+
+    def topics() -> dict[str, list[str]]:
+        return {n: t for n, t in node.get_topic_names_and_types() if n.startswith(prefix)}
+
+    wait_until(lambda: len(services()) == 3 and len(topics()) == 2)
+    assert services() == {
+        f"{prefix}/send_goal": [f"{kind}_SendGoal"],
+        f"{prefix}/cancel_goal": ["action_msgs/srv/CancelGoal"],
+        f"{prefix}/get_result": [f"{kind}_GetResult"],
+    }
+    assert topics() == {
+        f"{prefix}/feedback": [f"{kind}_FeedbackMessage"],
+        f"{prefix}/status": ["action_msgs/msg/GoalStatusArray"],
+    }
+    assert get_action_names_and_types(node) == [("/move", [kind])]
+    robot.end("succeed")
+
+
+def test_another_client_can_cancel_all_goals(ros: Ros) -> None:
+    robot = Robot(ros, cancel_callback=lambda goal: CancelResponse.ACCEPT)
+    handle = send(ros, robot)
+    wait_until(lambda: robot.goals)
+    stranger = ros.spun("stranger").create_client(CancelGoal, "move/_action/cancel_goal")
+    assert stranger.wait_for_service(10.0)
+    everything = CancelGoal.Request(goal_info=GoalInfo())
+    assert len(ros.result(stranger.call_async(everything)).goals_canceling) == 1
+    robot.end("canceled")
+    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_CANCELED
+
+
+def test_a_blocking_execute_freezes_its_node_until_the_goal_ends(ros: Ros) -> None:
+    node = ros.node("server")
+    go = threading.Event()
+
+    def execute(goal: Any) -> Any:
+        go.wait(10)
+        goal.succeed()
+        return MoveToShelf.Result(success=True)
+
+    ActionServer(
+        node, MoveToShelf, "move", execute, cancel_callback=lambda goal: CancelResponse.ACCEPT
+    )
+    ros.spin(node)
+    client = ActionClient(ros.spun("client"), MoveToShelf, "move")
+    assert client.wait_for_server(10.0)
+    handle = ros.result(client.send_goal_async(MoveToShelf.Goal(shelf_number=1)))
+    cancel = handle.cancel_goal_async()
+    assert not cancel.done()
+    go.set()
+    answer = ros.result(cancel)
+    assert answer.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED
+
+
+def test_a_multi_threaded_executor_takes_a_cancel_during_a_blocking_execute(ros: Ros) -> None:
+    node = ros.node("server")
+    stop = threading.Event()
+
+    def execute(goal: Any) -> Any:
+        wait_until(lambda: goal.is_cancel_requested or stop.is_set())
+        goal.canceled()
+        return MoveToShelf.Result(final_message="canceled")
+
+    ActionServer(
+        node, MoveToShelf, "move", execute, cancel_callback=lambda goal: CancelResponse.ACCEPT
+    )
+    ros.spin(node, executor=MultiThreadedExecutor(4, context=ros.context))
+    client = ActionClient(ros.spun("client"), MoveToShelf, "move")
+    assert client.wait_for_server(10.0)
+    handle = ros.result(client.send_goal_async(MoveToShelf.Goal(shelf_number=1)))
+    assert len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1
+    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_CANCELED

@@ -1,0 +1,251 @@
+"""Rules 5 and 8: timers, callback groups, exceptions, futures and tasks."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import pytest
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.executors import (
+    ExternalShutdownException,
+    MultiThreadedExecutor,
+    SingleThreadedExecutor,
+)
+from rclpy.task import Future
+from std_msgs.msg import Int32
+
+from tests.support.ros import Ros
+from tests.support.waiting import wait_until
+
+
+def test_a_timer_first_fires_after_one_period(ros: Ros) -> None:
+    node = ros.node()
+    ticks: list[float] = []
+    start = time.monotonic()
+    node.create_timer(0.1, lambda: ticks.append(time.monotonic() - start))
+    ros.spin(node)
+    wait_until(lambda: len(ticks) >= 2)
+    assert ticks[0] >= 0.099
+    assert ticks[1] >= 0.199
+
+
+def test_a_slow_callback_skips_ticks(ros: Ros) -> None:
+    node = ros.node()
+    release = threading.Event()
+    ticks: list[float] = []
+
+    def tick() -> None:
+        ticks.append(time.monotonic())
+        if len(ticks) == 1:
+            release.wait(10)
+
+    node.create_timer(0.05, tick)
+    ros.spin(node)
+    wait_until(lambda: ticks)
+    blocked = time.monotonic()
+    wait_until(lambda: time.monotonic() - blocked > 0.3)  # six periods pass
+    release.set()
+    freed = time.monotonic()
+    wait_until(lambda: time.monotonic() - freed > 0.12)
+    # queued ticks would be six at once; at most one late one and those of the time since
+    assert sum(freed <= tick <= freed + 0.01 for tick in ticks) <= 2
+
+
+def test_a_canceled_timer_rests_until_reset(ros: Ros) -> None:
+    node = ros.node()
+    ticks: list[int] = []
+    timer = node.create_timer(0.01, lambda: ticks.append(1))
+    timer.cancel()
+    assert timer.is_canceled()
+    other: list[int] = []
+    node.create_timer(0.01, lambda: other.append(1))
+    ros.spin(node)
+    wait_until(lambda: len(other) >= 3)
+    assert ticks == []
+    timer.reset()
+    wait_until(lambda: ticks)
+
+
+def test_a_new_period_counts_from_reset(ros: Ros) -> None:
+    node = ros.node()
+    ticks: list[int] = []
+    timer = node.create_timer(1000.0, lambda: ticks.append(1))
+    executor = ros.spin(node)
+
+    def faster() -> None:
+        timer.timer_period_ns = 10_000_000
+        timer.reset()
+
+    executor.create_task(faster)
+    wait_until(lambda: len(ticks) >= 2)
+
+
+def _overlap(ros: Ros, group: Any) -> int:
+    """The highest number of callbacks of one group that ran at the same time."""
+    node = ros.node()
+    running, most = [0], [0]
+    lock, ran = threading.Lock(), [0]
+    both = threading.Barrier(2)
+
+    def callback(message: Int32) -> None:
+        with lock:
+            running[0] += 1
+            most[0] = max(most[0], running[0])
+        try:
+            both.wait(0.2)
+        except threading.BrokenBarrierError:
+            pass
+        with lock:
+            running[0] -= 1
+            ran[0] += 1
+
+    for _ in range(2):
+        node.create_subscription(Int32, "topic", callback, 10, callback_group=group)
+    publisher = node.create_publisher(Int32, "topic", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 2)
+    ros.spin(node, executor=MultiThreadedExecutor(4, context=ros.context))
+    publisher.publish(Int32())
+    wait_until(lambda: ran[0] == 2)
+    return most[0]
+
+
+def test_a_mutually_exclusive_group_excludes(ros: Ros) -> None:
+    assert _overlap(ros, MutuallyExclusiveCallbackGroup()) == 1
+
+
+def test_the_default_group_excludes(ros: Ros) -> None:
+    assert _overlap(ros, None) == 1
+
+
+def test_a_reentrant_group_overlaps(ros: Ros) -> None:
+    assert _overlap(ros, ReentrantCallbackGroup()) == 2
+
+
+def test_an_exception_leaves_spin_and_nobody_elses(ros: Ros) -> None:
+    bad, good = ros.node("bad"), ros.node("good")
+    ticks: list[int] = []
+
+    def explode() -> None:
+        raise ZeroDivisionError("boom")
+
+    bad.create_timer(0.01, explode)
+    good.create_timer(0.01, lambda: ticks.append(1))
+    ros.spin(good)
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(bad)
+    with pytest.raises(ZeroDivisionError, match="boom"):
+        executor.spin()
+    seen = len(ticks)
+    wait_until(lambda: len(ticks) > seen)
+    executor.shutdown(0)
+
+
+def test_an_exception_of_a_coroutine_leaves_spin_too(ros: Ros) -> None:
+    node = ros.node()
+
+    async def explode() -> None:
+        raise ZeroDivisionError("boom")
+
+    node.create_timer(0.01, explode)
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    with pytest.raises(ZeroDivisionError):
+        executor.spin()
+    executor.shutdown(0)
+
+
+def test_shutting_the_context_down_ends_spin(ros: Ros) -> None:
+    node = ros.node()
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    ended: list[object] = []
+
+    def spin() -> None:
+        try:
+            executor.spin()
+            ended.append("returned")
+        except ExternalShutdownException:
+            ended.append("raised")
+
+    thread = threading.Thread(target=spin, daemon=True)
+    thread.start()
+    ros.context.shutdown()
+    thread.join(10)
+    assert ended in (["returned"], ["raised"])
+
+
+def test_spin_once_gives_up_after_its_timeout(ros: Ros) -> None:
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(ros.node())
+    executor.spin_once(timeout_sec=0.01)
+    executor.shutdown(0)
+
+
+def test_spin_until_future_complete(ros: Ros) -> None:
+    node = ros.node()
+    future: Future[int] = Future()
+    node.create_timer(0.01, lambda: future.set_result(7))
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    executor.spin_until_future_complete(future, 10)
+    assert future.result() == 7
+    never: Future[int] = Future()
+    executor.spin_until_future_complete(never, 0.02)
+    assert not never.done()
+    executor.shutdown(0)
+
+
+def test_a_task_returns_its_value_and_awaits_futures(ros: Ros) -> None:
+    node = ros.node()
+    executor = ros.spin(node)
+    future: Future[str] = Future()
+
+    async def wait(prefix: str) -> str:
+        return prefix + await future
+
+    task = executor.create_task(wait, "got ")
+    plain = executor.create_task(lambda: 42)
+    assert ros.result(plain) == 42
+    assert not task.done()
+    future.set_result("it")
+    executor.wake()  # a waiting executor does not notice a future by itself
+    assert ros.result(task) == "got it"
+
+
+def test_a_future_has_one_of_three_ends() -> None:
+    calls: list[Any] = []
+    done: Future[int] = Future()
+    done.add_done_callback(calls.append)
+    done.set_result(1)
+    done.add_done_callback(calls.append)
+    assert calls == [done, done]
+    assert (done.done(), done.cancelled(), done.result()) == (True, False, 1)
+
+    failed: Future[int] = Future()
+    failed.set_exception(ZeroDivisionError())
+    assert failed.done()
+    assert isinstance(failed.exception(), ZeroDivisionError)
+    with pytest.raises(ZeroDivisionError):
+        failed.result()
+
+    cancelled: Future[int] = Future()
+    cancelled.cancel()
+    assert (cancelled.done(), cancelled.cancelled(), cancelled.result()) == (False, True, None)
+    done.cancel()
+    assert not done.cancelled()
+
+
+def test_a_node_belongs_to_one_executor(ros: Ros) -> None:
+    node = ros.node()
+    first = SingleThreadedExecutor(context=ros.context)
+    second = SingleThreadedExecutor(context=ros.context)
+    assert first.add_node(node)
+    assert not first.add_node(node)
+    assert node.executor is first
+    second.add_node(node)
+    assert node.executor is second
+    assert first.get_nodes() == []
+    for executor in (first, second):
+        executor.shutdown(0)

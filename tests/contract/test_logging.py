@@ -1,0 +1,85 @@
+"""Log lines reach /rosout; the graph can be asked what is there."""
+
+from __future__ import annotations
+
+import pytest
+from rcl_interfaces.msg import Log
+from rclpy.logging import LoggingSeverity
+from std_msgs.msg import Float32
+from std_srvs.srv import Trigger
+
+from tests.support.ros import Ros
+from tests.support.waiting import wait_until
+
+
+def test_log_lines_are_published_with_level_name_and_place(ros: Ros) -> None:
+    lines: list[Log] = []
+    ros.spun("listener").create_subscription(Log, "/rosout", lines.append, 50)
+    node = ros.node("talker", namespace="/ns")
+    wait_until(lambda: node.count_subscribers("/rosout") == 1)
+    node.get_logger().debug("not shown")
+    node.get_logger().info("shown")
+    node.get_logger().get_child("part").warning("too")
+
+    def mine() -> list[Log]:
+        return [line for line in [*lines] if line.name.startswith("ns.talker")]
+
+    wait_until(lambda: len(mine()) == 2)
+    first, second = mine()
+    assert (first.name, first.level, first.msg) == ("ns.talker", 20, "shown")
+    assert (second.name, second.level, second.msg) == ("ns.talker.part", 30, "too")
+    assert first.function == "test_log_lines_are_published_with_level_name_and_place"
+    assert first.stamp.sec > 0
+
+
+def test_filters_thin_lines_out(ros: Ros) -> None:
+    logger = ros.node("filters").get_logger()
+    assert [logger.info("once", once=True) for _ in range(3)] == [True, False, False]
+    assert [logger.info("later", skip_first=True) for _ in range(3)] == [False, True, True]
+    assert [logger.info("rare", throttle_duration_sec=60.0) for _ in range(3)] == [
+        True,
+        False,
+        False,
+    ]
+
+
+def test_a_loggers_level_can_be_raised(ros: Ros) -> None:
+    logger = ros.node("level").get_logger()
+    logger.set_level(LoggingSeverity.ERROR)
+    assert not logger.warning("quiet")
+    assert logger.error("loud")
+    assert logger.get_effective_level() == LoggingSeverity.ERROR
+
+
+def test_the_graph_names_nodes_topics_and_services(ros: Ros) -> None:
+    one, two = ros.node("one"), ros.node("two", namespace="/ns")
+    one.create_publisher(Float32, "topic", 10)
+    two.create_subscription(Float32, "/topic", lambda message: None, 10)
+    one.create_service(Trigger, "trigger", lambda request, response: response)
+    wait_until(lambda: one.count_subscribers("topic") == 1)
+    wait_until(lambda: set(two.get_node_names_and_namespaces()) == {("one", "/"), ("two", "/ns")})
+    assert ("/topic", ["std_msgs/msg/Float32"]) in two.get_topic_names_and_types()
+    assert ("/trigger", ["std_srvs/srv/Trigger"]) in two.get_service_names_and_types()
+    info = two.get_publishers_info_by_topic("/topic")[0]
+    assert (info.node_name, info.node_namespace, info.topic_type) == (
+        "one",
+        "/",
+        "std_msgs/msg/Float32",
+    )
+    assert ("/trigger", ["std_srvs/srv/Trigger"]) in two.get_service_names_and_types_by_node(
+        "one", "/"
+    )
+    assert ("/topic", ["std_msgs/msg/Float32"]) in two.get_publisher_names_and_types_by_node(
+        "one", "/"
+    )
+    with pytest.raises(RuntimeError):
+        two.get_service_names_and_types_by_node("nobody", "/")
+
+
+def test_a_destroyed_node_is_off_the_graph(ros: Ros) -> None:
+    one, two = ros.node("one"), ros.node("two")
+    one.create_service(Trigger, "trigger", lambda request, response: response)
+    wait_until(lambda: "one" in two.get_node_names())
+    one.destroy_node()
+    wait_until(lambda: "one" not in two.get_node_names())
+    assert two.count_services("trigger") == 0

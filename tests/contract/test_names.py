@@ -1,0 +1,181 @@
+"""Rule 7: names are validated, expanded and remapped; arguments behind --ros-args."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.exceptions import (
+    InvalidNamespaceException,
+    InvalidNodeNameException,
+    InvalidServiceNameException,
+    InvalidTopicNameException,
+    NotInitializedException,
+)
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from std_msgs.msg import Float32
+from std_srvs.srv import Trigger
+
+from tests.support.ros import Ros
+
+
+def test_names_expand_from_namespace_and_node(ros: Ros) -> None:
+    node = ros.node("node", namespace="/ns")
+    assert node.get_fully_qualified_name() == "/ns/node"
+    assert node.create_publisher(Float32, "topic", 10).topic_name == "/ns/topic"
+    assert node.create_publisher(Float32, "~/topic", 10).topic_name == "/ns/node/topic"
+    assert node.create_publisher(Float32, "/topic", 10).topic_name == "/topic"
+    assert node.create_client(Trigger, "~/srv").service_name == "/ns/node/srv"
+    assert ros.node("other", namespace="bare").get_namespace() == "/bare"
+
+
+@pytest.mark.parametrize("name", ["", "with space", "1st", "a//b", "end/", "a~b", "dash-ed"])
+def test_bad_topic_and_service_names_are_refused(ros: Ros, name: str) -> None:
+    node = ros.node()
+    with pytest.raises((InvalidTopicNameException, ValueError)):
+        node.create_publisher(Float32, name, 10)
+    with pytest.raises((InvalidServiceNameException, ValueError)):
+        node.create_client(Trigger, name)
+
+
+@pytest.mark.parametrize("name", ["", "1st", "with space", "a/b", "dash-ed", "x" * 256])
+def test_bad_node_names_are_refused(ros: Ros, name: str) -> None:
+    with pytest.raises((InvalidNodeNameException, ValueError)):
+        ros.node(name)
+
+
+@pytest.mark.parametrize("namespace", ["/a//b", "/1st", "/end/", "/dash-ed"])
+def test_bad_namespaces_are_refused(ros: Ros, namespace: str) -> None:
+    with pytest.raises((InvalidNamespaceException, ValueError)):
+        ros.node(namespace=namespace)
+
+
+def test_a_node_needs_an_initialised_context() -> None:
+    with pytest.raises(NotInitializedException):
+        Node("node", context=Context())
+
+
+def test_init_twice_and_shutdown_twice_are_errors() -> None:
+    context = Context()
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    with pytest.raises(RuntimeError):
+        rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.shutdown(context=context)
+    with pytest.raises(RuntimeError):
+        rclpy.shutdown(context=context)
+    rclpy.try_shutdown(context=context)
+    assert not context.ok()
+
+
+def test_remapping_renames_topics_services_nodes_and_namespaces() -> None:
+    words = ["-r", "topic:=other", "-r", "one:srv:=/moved", "-r", "__ns:=/robot", "-r"]
+    graph = Ros([*words, "two:__node:=deux"])
+    try:
+        one = graph.node("one")
+        assert one.get_fully_qualified_name() == "/robot/one"
+        assert one.create_publisher(Float32, "topic", 10).topic_name == "/robot/other"
+        assert one.create_client(Trigger, "srv").service_name == "/moved"
+        two = graph.node("two")
+        assert two.get_name() == "deux"
+        assert two.create_client(Trigger, "srv").service_name == "/robot/srv"
+    finally:
+        graph.close()
+
+
+def test_a_nodes_own_arguments_hold_for_it_alone(ros: Ros) -> None:
+    node = ros.node("node", cli_args=["--ros-args", "-r", "topic:=mine"])
+    assert node.create_publisher(Float32, "topic", 10).topic_name == "/mine"
+    assert ros.node("other").create_publisher(Float32, "topic", 10).topic_name == "/topic"
+
+
+def test_parameters_on_the_command_line_override_declared_values() -> None:
+    graph = Ros(["-p", "everywhere:=1.5", "-p", "one:only:=text", "-p", "flags:=[true, false]"])
+    try:
+        one, two = graph.node("one"), graph.node("two")
+        for node in (one, two):
+            node.declare_parameter("everywhere", 0.5)
+            node.declare_parameter("only", "default")
+        one.declare_parameter("flags", [False])
+        assert one.get_parameter("everywhere").value == 1.5
+        assert two.get_parameter("everywhere").value == 1.5
+        assert one.get_parameter("only").value == "text"
+        assert two.get_parameter("only").value == "default"
+        assert list(one.get_parameter("flags").value) == [True, False]
+        one.declare_parameter("other", 3)
+        assert one.get_parameter("other").value == 3
+    finally:
+        graph.close()
+
+
+PARAMETERS = """\
+/**:
+  ros__parameters:
+    common: 1.0
+    kind: everybody's
+node:
+  ros__parameters:
+    kind: node's
+    nested:
+      integer: 0x10
+      exponent: 1e3
+      word: on
+      text: "1"
+/ns/node:
+  ros__parameters:
+    kind: another's
+    common: [1.0, 2.5]
+"""
+
+
+def test_parameter_files_type_their_values(tmp_path: Path) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(PARAMETERS)
+    later = tmp_path / "later.yaml"
+    later.write_text("node:\n  ros__parameters:\n    common: 3.0\n")
+    graph = Ros(["--params-file", str(file), "--params-file", str(later)])
+    try:
+        node = graph.node("node")
+        values = {
+            "common": 0.0,
+            "kind": "",
+            "nested.integer": 0,
+            "nested.exponent": 0.0,
+            "nested.word": False,
+            "nested.text": "",
+        }
+        for name, value in values.items():
+            node.declare_parameter(name, value)
+        assert {name: node.get_parameter(name).value for name in values} == {
+            "common": 3.0,
+            "kind": "node's",
+            "nested.integer": 16,
+            "nested.exponent": 1000.0,
+            "nested.word": True,
+            "nested.text": "1",
+        }
+        other = graph.node("node", namespace="/ns")
+        other.declare_parameter("common", [0.0])
+        other.declare_parameter("kind", "")
+        assert list(other.get_parameter("common").value) == [1.0, 2.5]
+        assert other.get_parameter("kind").value == "another's"
+    finally:
+        graph.close()
+
+
+@pytest.mark.parametrize(
+    "text", ["a: [1, 2", "node:\n  max_speed: 1.0\n", "ros__parameters:\n  a: 1\n", "- 1\n- 2\n"]
+)
+def test_a_bad_parameter_file_is_an_error_of_init(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(text)
+    with pytest.raises(Exception, match=r"params\.yaml|parameter|arguments"):
+        Ros(["--params-file", str(file)])
+
+
+@pytest.mark.parametrize("words", [["--no-such-option"], ["-p", "novalue"], ["-r"]])
+def test_a_bad_argument_is_an_error_of_init(words: list[str]) -> None:
+    with pytest.raises(Exception, match=r".+"):
+        Ros(words)

@@ -1,0 +1,196 @@
+"""Rule 6 for parameters: declared, typed, ranged; the services and the events."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    ParameterEvent,
+    SetParametersResult,
+)
+from rclpy.exceptions import (
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    ParameterAlreadyDeclaredException,
+    ParameterImmutableException,
+    ParameterNotDeclaredException,
+    ParameterUninitializedException,
+)
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
+
+from tests.support.ros import Ros
+from tests.support.waiting import wait_until
+
+SPEED = ParameterDescriptor(
+    description="m/s",
+    floating_point_range=[FloatingPointRange(from_value=0.05, to_value=2.0, step=0.0)],
+)
+SHELVES = ParameterDescriptor(
+    integer_range=[IntegerRange(from_value=1, to_value=9, step=2)],
+)
+
+
+def declare(node: Node) -> None:
+    node.declare_parameter("speed", 0.8, SPEED)
+    node.declare_parameter("shelves", 3, SHELVES)
+    node.declare_parameter("fixed", 1024, ParameterDescriptor(read_only=True))
+    node.declare_parameter("motor.name", "left")
+    node.declare_parameter("gains", [1.0, 2.0])
+
+
+def test_a_declared_parameter_has_its_default_type_and_descriptor(ros: Ros) -> None:
+    node = ros.node()
+    declare(node)
+    assert node.get_parameter("speed").value == 0.8
+    assert node.get_parameter("speed").type_ == Parameter.Type.DOUBLE
+    descriptor = node.describe_parameter("speed")
+    assert (descriptor.name, descriptor.type, descriptor.description) == ("speed", 3, "m/s")
+    assert descriptor.floating_point_range[0].to_value == 2.0
+    assert node.has_parameter("use_sim_time")
+
+
+def test_misuse_raises_rclpys_exceptions(ros: Ros) -> None:
+    node = ros.node()
+    declare(node)
+    with pytest.raises(ParameterAlreadyDeclaredException):
+        node.declare_parameter("speed", 1.0)
+    with pytest.raises(ParameterNotDeclaredException):
+        node.get_parameter("nothing")
+    with pytest.raises(ParameterNotDeclaredException):
+        node.set_parameters([Parameter("nothing", value=1)])
+    with pytest.raises(ParameterImmutableException):
+        node.undeclare_parameter("fixed")
+    with pytest.raises(InvalidParameterValueException):
+        node.declare_parameter("fast", 9.0, SPEED)
+    node.declare_parameter("later", Parameter.Type.DOUBLE)
+    with pytest.raises(ParameterUninitializedException):
+        node.get_parameter("later")
+    with pytest.raises(ValueError):
+        node.declare_parameter("none", None, ParameterDescriptor())
+
+
+def test_an_override_of_the_wrong_type_raises_in_declare() -> None:
+    graph = Ros(["-p", "speed:=fast", "-p", "limit:=9.0", "-p", "whole:=2"])
+    try:
+        node = graph.node()
+        with pytest.raises(InvalidParameterTypeException):
+            node.declare_parameter("speed", 0.8)
+        with pytest.raises(InvalidParameterValueException):
+            node.declare_parameter("limit", 0.8, SPEED)
+        with pytest.raises(InvalidParameterTypeException):
+            node.declare_parameter("whole", 0.8)
+    finally:
+        graph.close()
+
+
+@pytest.mark.parametrize(
+    ("parameter", "reason"),
+    [
+        (Parameter("speed", value=1), "Wrong parameter type, expected 'Type.DOUBLE'"),
+        (Parameter("speed", value="1.0"), "Wrong parameter type"),
+        (Parameter("speed", value=2.1), "Parameter speed out of range"),
+        (Parameter("speed", value=float("nan")), "Parameter speed out of range"),
+        (Parameter("speed", value=float("inf")), "Parameter speed out of range"),
+        (Parameter("shelves", value=10), "Parameter shelves out of range"),
+        (Parameter("shelves", value=4), "not a valid step"),
+        (Parameter("fixed", value=1), "Trying to set a read-only parameter: fixed."),
+    ],
+)
+def test_a_value_that_the_descriptor_forbids_is_refused(
+    ros: Ros, parameter: Parameter[Any], reason: str
+) -> None:
+    node = ros.node()
+    declare(node)
+    before = node.get_parameter(parameter.name).value
+    result = node.set_parameters([parameter])[0]
+    assert not result.successful
+    assert reason.replace("Type.DOUBLE", "") in result.reason.replace("Type.DOUBLE", "").replace(
+        "expected '3'", "expected ''"
+    )
+    assert node.get_parameter(parameter.name).value == before
+
+
+@pytest.mark.parametrize("value", [0.05, 2.0, 1.234])
+def test_the_edges_of_a_range_are_allowed(ros: Ros, value: float) -> None:
+    node = ros.node()
+    declare(node)
+    assert node.set_parameters([Parameter("speed", value=value)])[0].successful
+
+
+def test_callbacks_see_refuse_and_follow_a_change(ros: Ros) -> None:
+    node = ros.node()
+    declare(node)
+    told: list[float] = []
+
+    def refuse(parameters: list[Parameter[Any]]) -> SetParametersResult:
+        if any(p.name == "speed" and p.value > 1.5 for p in parameters):
+            return SetParametersResult(successful=False, reason="too fast today")
+        return SetParametersResult(successful=True)
+
+    node.add_on_set_parameters_callback(refuse)
+    node.add_post_set_parameters_callback(
+        lambda parameters: told.extend(p.value for p in parameters)
+    )
+    refused, taken = node.set_parameters(
+        [Parameter("speed", value=1.9), Parameter("speed", value=1.1)]
+    )
+    assert (refused.successful, refused.reason) == (False, "too fast today")
+    assert taken.successful
+    assert told == [1.1]
+
+
+def test_setting_atomically_changes_all_or_none(ros: Ros) -> None:
+    node = ros.node()
+    declare(node)
+    both = [Parameter("speed", value=1.0), Parameter("shelves", value=99)]
+    assert not node.set_parameters_atomically(both).successful
+    assert node.get_parameter("speed").value == 0.8
+
+
+def test_parameters_are_seen_and_set_from_another_node(ros: Ros) -> None:
+    declare(ros.spun("server"))
+    client = AsyncParameterClient(ros.spun("client"), "server")
+    assert client.wait_for_services(10.0)
+    names = ros.result(client.list_parameters()).result.names
+    assert {"speed", "shelves", "fixed", "motor.name", "gains", "use_sim_time"} <= set(names)
+    assert list(ros.result(client.list_parameters(["motor"], 10)).result.names) == ["motor.name"]
+    values = ros.result(client.get_parameters(["speed", "gains"])).values
+    assert values[0].double_value == 0.8
+    assert list(values[1].double_array_value) == [1.0, 2.0]
+    assert ros.result(client.get_parameters(["nothing"])).values == []
+    described = ros.result(client.describe_parameters(["fixed"])).descriptors
+    assert described[0].read_only
+    results = ros.result(
+        client.set_parameters([Parameter("speed", value=1.5), Parameter("nothing", value=1)])
+    ).results
+    assert results[0].successful
+    assert "Invalid access to undeclared parameter(s)" in results[1].reason
+    atomically = ros.result(client.set_parameters_atomically([Parameter("speed", value=9.0)]))
+    assert not atomically.result.successful
+    assert list(ros.result(client.get_parameter_types(["speed"])).types) == [3]
+
+
+def test_every_change_is_an_event(ros: Ros) -> None:
+    events: list[ParameterEvent] = []
+    ros.spun("listener").create_subscription(ParameterEvent, "/parameter_events", events.append, 50)
+    node = ros.spun("node", namespace="/ns")
+    wait_until(lambda: node.count_subscribers("/parameter_events") == 1)
+    node.declare_parameter("speed", 0.8)
+    node.set_parameters([Parameter("speed", value=1.5)])
+
+    def mine() -> list[ParameterEvent]:
+        found = [*events]
+        return [
+            e for e in found if [p.name for p in (*e.new_parameters, *e.changed_parameters)] == ["speed"]
+        ]
+
+    wait_until(lambda: len(mine()) == 2)
+    new, changed = mine()
+    assert new.node == changed.node == "/ns/node"
+    assert changed.changed_parameters[0].value.double_value == 1.5

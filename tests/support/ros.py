@@ -1,0 +1,89 @@
+"""Nodes for tests: one context a test, each node spun in a thread of its own."""
+
+from __future__ import annotations
+
+import gc
+import itertools
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from tests.support.waiting import wait_until
+
+_domains = itertools.cycle(range(1, 100))
+
+
+class Ros:
+    """One ROS graph of a test's own."""
+
+    def __init__(self, args: list[str] | None = None) -> None:
+        self.context = Context()
+        rclpy.init(
+            args=["--ros-args", "--disable-stdout-logs", *(args or [])],
+            context=self.context,
+            domain_id=next(_domains),
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        self.errors: list[BaseException] = []
+        self._spun: list[tuple[Any, threading.Thread]] = []
+        self._nodes: list[Node] = []
+        self._ending = False
+
+    def node(self, name: str = "node", kind: Callable[..., Node] = Node, **options: Any) -> Node:
+        """A node that nobody spins yet."""
+        if kind is Node:
+            node = Node(name, context=self.context, **options)
+        else:
+            node = kind(context=self.context, **options)
+        self._nodes.append(node)
+        return node
+
+    def spin(self, *nodes: Node, executor: Any = None) -> Any:
+        """Spin the nodes in one new thread until the test ends; errors land in `errors`."""
+        executor = executor or SingleThreadedExecutor(context=self.context)
+        for node in nodes:
+            executor.add_node(node)
+
+        def run() -> None:
+            try:
+                while not self._ending:
+                    executor.spin_once()
+            except ExternalShutdownException:
+                pass
+            except BaseException as error:
+                self.errors.append(error)
+
+        thread = threading.Thread(target=run, daemon=True)
+        thread.start()
+        self._spun.append((executor, thread))
+        return executor
+
+    def spun(self, name: str = "node", **options: Any) -> Node:
+        """A plain node, spun in its own thread."""
+        node = self.node(name, **options)
+        self.spin(node)
+        return node
+
+    def result(self, future: Any) -> Any:
+        """The value of an rclpy future that a spun node will complete."""
+        wait_until(lambda: future.done(), "the future")
+        return future.result()
+
+    def close(self) -> None:
+        self._ending = True
+        for executor, thread in self._spun:
+            if thread.is_alive():
+                executor.create_task(lambda: None)
+                thread.join(5)
+                assert not thread.is_alive(), "a spinning thread did not end"
+            executor.shutdown(0)
+        for node in self._nodes:
+            node.destroy_node()
+        self.context.try_shutdown()
+        gc.collect()
