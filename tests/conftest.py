@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import pytest
 
 from archo_tui import engine
+
+if TYPE_CHECKING:
+    from tests.support.ros import Ros
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -25,3 +30,14 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
+
+
+@pytest.fixture
+def ros() -> Iterator[Ros]:
+    """A ROS graph of the test's own; callbacks must not have raised unless the test says so."""
+    from tests.support.ros import Ros  # not before the engine is chosen
+
+    graph = Ros()
+    yield graph
+    graph.close()
+    assert graph.errors == []

@@ -1,0 +1,39 @@
+"""Drains the battery faster than nature does, to see the low-battery warnings come."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+from std_msgs.msg import Float32
+
+from archo_bringup.parameters import double
+
+
+class FakeBatteryDrain(Node):
+    """Publishes `battery_drain`: percent to take off, once a second."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("fake_battery_drain", **options)
+        self.declare_parameter("drain", 2.0, double("% taken off each second", 0.0, 100.0))
+        self.publisher = self.create_publisher(Float32, "battery_drain", 10)
+        self.create_timer(1.0, self.on_timer)
+
+    def on_timer(self) -> None:
+        self.publisher.publish(Float32(data=self.get_parameter("drain").value))
+
+
+def main(args: list[str] | None = None) -> None:
+    rclpy.init(args=args)
+    try:
+        rclpy.spin(FakeBatteryDrain())
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        rclpy.try_shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,60 @@
+"""ARCHO's drive along a route, in m and s; knows nothing of ROS."""
+
+from __future__ import annotations
+
+import math
+
+START_TICKS = 15420  # the textbook's reading before the first reset
+
+_NOTHING = 1e-9  # m; less than that is left over from adding floats
+
+
+class Drive:
+    """The encoder, and the route that is being driven (if any)."""
+
+    def __init__(self) -> None:
+        self.remaining = 0.0  # m
+        self._ticks = float(START_TICKS)
+
+    @property
+    def encoder_ticks(self) -> int:
+        """Whole ticks since the last reset."""
+        return int(self._ticks)
+
+    def reset_encoder(self) -> int:
+        """Zero the encoder; returns the ticks it had."""
+        ticks, self._ticks = self.encoder_ticks, 0.0
+        return ticks
+
+    def begin(self, length: float) -> None:
+        """Start a route of `length` m."""
+        self.remaining = length
+
+    def advance(self, distance: float, ticks_per_metre: float) -> bool:
+        """Drive up to `distance` m further; True when the route's end is reached."""
+        driven = min(distance, self.remaining)
+        self.remaining -= driven
+        if self.remaining < _NOTHING:
+            self.remaining = 0.0
+        self._ticks += driven * ticks_per_metre
+        return self.remaining == 0.0
+
+
+def ticks_per_metre(wheel_radius: float, ticks_per_revolution: int) -> float:
+    """Encoder ticks for each metre driven on a wheel of that radius (m)."""
+    return ticks_per_revolution / (2 * math.pi * wheel_radius)
+
+
+class Steps:
+    """Counts the control periods that have passed, however late the timer that asks is."""
+
+    def __init__(self, start_ns: int, period_ns: int) -> None:
+        self._start_ns = start_ns
+        self._period_ns = period_ns
+        self._taken = 0
+
+    def due(self, now_ns: int) -> int:
+        """How many periods have passed since the last call. 1 % early counts as passed."""
+        passed = int((now_ns - self._start_ns) / self._period_ns + 0.01)
+        new, self._taken = passed - self._taken, max(passed, self._taken)
+        return max(new, 0)

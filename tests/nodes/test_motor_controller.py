@@ -1,0 +1,181 @@
+"""What another node sees of motor_controller."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from action_msgs.msg import GoalStatus
+from archo_bringup.motor_controller import MotorController
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import BatteryStatus, MotorStatus
+from archo_interfaces.srv import EmergencyStop, ResetEncoder
+from rcl_interfaces.msg import Log
+from rclpy.action import ActionClient
+from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
+
+from tests.support.ros import Ros
+from tests.support.waiting import wait_until
+
+# the default move in a tenth of the time: 3 m each 0.05 s
+FAST = ["-p", "feedback_period:=0.05", "-p", "time_scale:=75.0"]
+
+
+class Operator:
+    """A client of the motor controller, and everything it hears."""
+
+    def __init__(self, ros: Ros, *words: str) -> None:
+        self.ros = ros
+        self.motor = ros.node(kind=MotorController, cli_args=["--ros-args", *FAST, *words])
+        ros.spin(self.motor)
+        node = self.node = ros.spun("operator")
+        self.feedback: list[float] = []
+        self.status: list[MotorStatus] = []
+        self.log: list[tuple[int, str]] = []
+        node.create_subscription(MotorStatus, "motor_status", self.status.append, 100)
+        node.create_subscription(
+            Log, "/rosout", lambda m: self.log.append((m.level, m.msg)), 100
+        )
+        self.action = ActionClient(node, MoveToShelf, "move_to_shelf")
+        assert self.action.wait_for_server(10.0)
+        wait_until(lambda: self.status)
+
+    def send(self, shelf: int = 12) -> Any:
+        return self.ros.result(
+            self.action.send_goal_async(
+                MoveToShelf.Goal(shelf_number=shelf),
+                lambda m: self.feedback.append(m.feedback.distance_remaining),
+            )
+        )
+
+    def outcome(self, handle: Any) -> tuple[int, bool, str]:
+        answer = self.ros.result(handle.get_result_async())
+        return answer.status, answer.result.success, answer.result.final_message
+
+    def call(self, srv_type: Any, name: str) -> Any:
+        client = self.node.create_client(srv_type, name)
+        assert client.wait_for_service(10.0)
+        return self.ros.result(client.call_async(srv_type.Request()))
+
+    def set(self, name: str, value: Any) -> None:
+        assert self.motor.set_parameters([Parameter(name, value=value)])[0].successful
+
+
+def test_a_default_move_reports_every_three_metres_and_arrives(ros: Ros) -> None:
+    operator = Operator(ros)
+    handle = operator.send()
+    assert operator.outcome(handle) == (GoalStatus.STATUS_SUCCEEDED, True, "Arrived at shelf 12")
+    wait_until(lambda: len(operator.feedback) == 6)
+    assert operator.feedback == [15.0, 12.0, 9.0, 6.0, 3.0, 0.0]
+
+
+def test_encoder_and_speed_follow_the_move(ros: Ros) -> None:
+    operator = Operator(ros)
+    assert (operator.status[-1].encoder_ticks, operator.status[-1].moving) == (15420, False)
+    handle = operator.send()
+    wait_until(lambda: operator.status[-1].moving)
+    assert operator.status[-1].speed == pytest.approx(0.8)
+    operator.outcome(handle)
+    wait_until(lambda: not operator.status[-1].moving)
+    assert operator.status[-1].speed == 0.0
+    assert operator.status[-1].encoder_ticks == 15420 + 58670
+
+
+def test_a_cancel_at_nine_metres_ends_there(ros: Ros) -> None:
+    operator = Operator(ros, "-p", "feedback_period:=0.2", "-p", "time_scale:=18.75")
+    handle = operator.send()
+    wait_until(lambda: operator.feedback and operator.feedback[-1] == 9.0)
+    assert len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1
+    assert operator.outcome(handle) == (GoalStatus.STATUS_CANCELED, False, "Cancelled mid-route")
+    wait_until(lambda: not operator.status[-1].moving)
+    assert operator.feedback == [15.0, 12.0, 9.0]
+
+
+def test_a_cancel_in_the_last_period_cancels_or_arrives_but_never_both(ros: Ros) -> None:
+    operator = Operator(ros)
+    handle = operator.send()
+    wait_until(lambda: operator.feedback and operator.feedback[-1] == 3.0)
+    taken = len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1
+    status, success, message = operator.outcome(handle)
+    if taken:
+        assert (status, success, message) == (5, False, "Cancelled mid-route")
+        assert 0.0 not in operator.feedback
+    else:
+        assert (status, success, message) == (4, True, "Arrived at shelf 12")
+
+
+def test_half_the_speed_mid_route_halves_the_steps(ros: Ros) -> None:
+    operator = Operator(ros, "-p", "feedback_period:=0.2", "-p", "time_scale:=18.75")
+    handle = operator.send()
+    wait_until(lambda: operator.feedback == [15.0])
+    operator.set("max_speed", 0.4)
+    operator.outcome(handle)
+    wait_until(lambda: operator.feedback[-1] == 0.0)
+    assert operator.feedback == [15.0, *[13.5 - 1.5 * n for n in range(10)]]
+
+
+def test_a_second_goal_is_refused_with_the_reason_and_the_first_goes_on(ros: Ros) -> None:
+    operator = Operator(ros)
+    handle = operator.send(12)
+    assert not operator.send(3).accepted
+    assert operator.outcome(handle)[2] == "Arrived at shelf 12"
+    wait_until(lambda: (30, "Goal refused: a goal is running already") in operator.log)
+
+
+@pytest.mark.parametrize("shelf", [0, -1, 41, 2**31 - 1])
+def test_a_shelf_that_does_not_exist_is_refused(ros: Ros, shelf: int) -> None:
+    operator = Operator(ros)
+    assert not operator.send(shelf).accepted
+    wait_until(lambda: (30, f"Goal refused: shelf {shelf} is not in 1 .. 40") in operator.log)
+
+
+def test_the_encoder_resets_at_any_time(ros: Ros) -> None:
+    operator = Operator(ros)
+    answer = operator.call(ResetEncoder, "reset_encoder")
+    assert (answer.success, answer.message) == (True, "Encoder reset to zero")
+    wait_until(lambda: operator.status[-1].encoder_ticks == 0)
+    wait_until(lambda: (20, "Encoder reset from 15420 ticks") in operator.log)
+
+
+def test_an_emergency_stop_aborts_latches_and_is_released_apart(ros: Ros) -> None:
+    operator = Operator(ros, "-p", "feedback_period:=0.2", "-p", "time_scale:=18.75")
+    handle = operator.send()
+    wait_until(lambda: operator.feedback and operator.feedback[-1] == 9.0)
+    assert operator.call(EmergencyStop, "emergency_stop").success
+    assert operator.outcome(handle) == (
+        GoalStatus.STATUS_ABORTED,
+        False,
+        "Emergency stop at 9.0 m",
+    )
+    wait_until(lambda: operator.status[-1].emergency_stopped)
+    assert operator.call(EmergencyStop, "emergency_stop").success
+    assert not operator.send().accepted
+    wait_until(
+        lambda: (30, "Goal refused: emergency stop: release it first") in operator.log
+    )
+    assert operator.call(Trigger, "release_emergency_stop").success
+    wait_until(lambda: not operator.status[-1].emergency_stopped)
+    assert operator.outcome(operator.send())[1]
+
+
+def test_an_empty_battery_aborts_the_move_and_refuses_the_next(ros: Ros) -> None:
+    operator = Operator(ros, "-p", "feedback_period:=0.2", "-p", "time_scale:=18.75")
+    battery = operator.node.create_publisher(BatteryStatus, "battery_level", 10)
+    wait_until(lambda: battery.get_subscription_count() == 1)
+    handle = operator.send()
+    wait_until(lambda: operator.feedback)
+    battery.publish(BatteryStatus(percentage=0.0))
+    assert operator.outcome(handle) == (GoalStatus.STATUS_ABORTED, False, "Battery empty")
+    assert not operator.send().accepted
+    battery.publish(BatteryStatus(percentage=5.0))
+    wait_until(lambda: not operator.motor.battery_empty)
+    assert operator.send().accepted
+
+
+def test_a_new_feedback_period_takes_effect_mid_route(ros: Ros) -> None:
+    operator = Operator(ros, "-p", "feedback_period:=5.0", "-p", "time_scale:=20.0")
+    handle = operator.send()
+    operator.set("feedback_period", 0.05)
+    assert operator.outcome(handle)[1]
+    wait_until(lambda: len(operator.feedback) == 23)
