@@ -1,0 +1,66 @@
+"""Parameter files given by the user: checked before the screen is taken, one clear line each."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from archo_tui.embedded.parameter_files import Override, ParameterFileError, matches, read
+from archo_tui.errors import ArchoError
+
+_HERE = Path(__file__).parent
+
+
+def default_files() -> list[Path]:
+    """The project's own files: `config/` of the checkout, or the copy inside an installed wheel."""
+    for folder in (_HERE.parent / "config", _HERE / "config"):
+        found = sorted(folder.glob("*.yaml"))
+        if found:
+            return found
+    return []
+
+
+def load(files: Sequence[Path]) -> list[Override]:
+    """Read all files. Raises ArchoError that names file and line."""
+    overrides: list[Override] = []
+    for path in files:
+        try:
+            overrides += read(path)
+        except ParameterFileError as error:
+            raise ArchoError(str(error)) from None
+        except OSError as error:
+            raise ArchoError(f"{path}: cannot read the parameter file: {error.strerror}") from None
+    return overrides
+
+
+def where(overrides: Iterable[Override], node: str, name: str) -> str:
+    """`file:line: ` of the override that a node got for a parameter, or an empty string."""
+    found = [o.where for o in overrides if o.name == name and matches(o.pattern, node)]
+    return f"{found[-1]}: " if found else ""
+
+
+def unknown(overrides: Iterable[Override], declared: dict[str, set[str]]) -> list[str]:
+    """One line for each override that names no node, or no parameter of its node, with the nearest.
+
+    `declared` holds the parameter names of each fully qualified node name. Files are shared between
+    nodes, so wildcards are never wrong.
+    """
+    lines = []
+    for override in overrides:
+        if "*" in override.pattern:
+            continue
+        nodes = [node for node in declared if matches(override.pattern, node)]
+        if not nodes:
+            pattern = "/" + override.pattern.lstrip("/")
+            lines.append(f"{override.where}: no node {pattern} here{_nearest(pattern, declared)}")
+        for node in nodes:
+            if override.name not in declared[node]:
+                near = _nearest(override.name, declared[node])
+                lines.append(f"{override.where}: {node} has no parameter {override.name}{near}")
+    return list(dict.fromkeys(lines))
+
+
+def _nearest(word: str, possible: Iterable[str]) -> str:
+    found = difflib.get_close_matches(word, list(possible), n=1, cutoff=0.4)
+    return f" (nearest: {found[0]})" if found else ""

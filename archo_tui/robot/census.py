@@ -1,0 +1,81 @@
+"""Which nodes are on the graph, what they offer, and when they were last heard. ROS thread only."""
+
+from __future__ import annotations
+
+from rclpy.node import Node
+
+from archo_tui.robot.state import (
+    BATTERY,
+    CHARGE,
+    MOTOR,
+    MOVE,
+    RELEASE,
+    RESET,
+    STOP,
+    NodeState,
+)
+
+_SMOOTHING = 0.2  # weight of the newest interval in a rate
+
+
+class Census:
+    """Looks at the graph when told, and keeps the time of the last sign of life of each node."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+        self._heard: dict[str, float] = {}
+        self._interval: dict[str, float] = {}
+        self._last: dict[str, float] = {}
+        self._publisher: dict[str, str] = {}
+        self.names: list[str] = []
+        self.services: set[str] = set()
+        self.offered: frozenset[str] = frozenset()
+
+    def look(self) -> bool:
+        """Ask the graph anew; True when something came or went."""
+        names = sorted({_full(*pair) for pair in self._node.get_node_names_and_namespaces()})
+        services = {name for name, _ in self._node.get_service_names_and_types()}
+        resolve = self._node.resolve_service_name
+        offered = {name for name in (RESET, STOP, RELEASE, CHARGE) if resolve(name) in services}
+        if f"{resolve(MOVE)}/_action/send_goal" in services:
+            offered.add(MOVE)
+        for topic in (BATTERY, MOTOR):
+            for info in self._node.get_publishers_info_by_topic(topic)[:1]:
+                self._publisher[topic] = _full(info.node_name, info.node_namespace)
+                offered.add(topic)
+        changed = (names, offered) != (self.names, self.offered)
+        self.names, self.services, self.offered = names, services, frozenset(offered)
+        return changed
+
+    def heard_topic(self, topic: str, now: float) -> None:
+        """A message came on one of the console's topics at `now` (s)."""
+        name = self._publisher.get(topic)
+        if name is None:
+            return
+        last = self._last.get(name)
+        if last is not None and now > last:
+            before = self._interval.get(name, now - last)
+            self._interval[name] = before + _SMOOTHING * (now - last - before)
+        self._last[name] = now
+        self._heard[name] = now
+
+    def heard_log(self, logger: str, now: float) -> None:
+        """A log line of that logger came at `now` (s)."""
+        name = "/" + logger.replace(".", "/")
+        if name in self.names:
+            self._heard[name] = now
+
+    def states(self) -> tuple[NodeState, ...]:
+        """Every node, by name."""
+        return tuple(
+            NodeState(
+                name,
+                self._heard.get(name),
+                1 / self._interval[name] if self._interval.get(name) else None,
+            )
+            for name in self.names
+        )
+
+
+def _full(name: str, namespace: str) -> str:
+    return f"{namespace.rstrip('/')}/{name}"

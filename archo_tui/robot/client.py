@@ -1,0 +1,216 @@
+"""Robot: the operator's verbs, awaitable, and a stream of snapshots. An rclpy node inside.
+
+Verbs are called on the asyncio loop. Each ends: done, refused with the reason, or no answer.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+from archo_interfaces.srv import EmergencyStop, ResetEncoder
+from rcl_interfaces.msg import Log
+from rclpy.context import Context
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+from archo_tui.robot.calls import DEADLINE, Calls
+from archo_tui.robot.census import Census
+from archo_tui.robot import ros2_command
+from archo_tui.robot.door import Door, Receiver
+from archo_tui.robot.events import EventLog
+from archo_tui.robot.goals import Goals
+from archo_tui.robot.parameters import Parameters
+from archo_tui.robot.state import (
+    CHARGE,
+    MOTOR,
+    MOVE,
+    RELEASE,
+    RESET,
+    STOP,
+    Event,
+    Outcome,
+    Snapshot,
+)
+from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot.thread import RosThread
+from archo_tui.robot.values import text_of
+
+NODE_NAME = "archo_console"
+FLUSH_PERIOD = 0.08  # s between two snapshots while data streams in: 12.5 a second
+LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
+_LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
+_REFUSAL = "Goal refused: "
+
+
+class Robot:
+    """Operates whatever robot is on the graph of `context`."""
+
+    def __init__(self, context: Context, wall_clock: Callable[[], float] = time.time) -> None:
+        self._wall_clock = wall_clock
+        self._door = Door()
+        self._log = EventLog()
+        self._dirty = False
+        node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
+        self._calls = Calls(node)
+        self._telemetry = Telemetry(node, self._on_telemetry)
+        self._goals = Goals(node, self._calls, self._flush)
+        self._parameters = Parameters(node, self._calls, self._mark)
+        self._census = Census(node)
+        node.create_subscription(Log, "/rosout", self._on_log, 1000)
+        self._flusher = node.create_timer(FLUSH_PERIOD, self._flush)
+        self._flusher.cancel()
+        node.create_timer(LOOK_PERIOD, self._look)
+        self._thread = RosThread(node, context, self._on_error)
+
+    # life
+
+    def start(self) -> None:
+        """Begin to listen."""
+        self._thread.submit(self._look)
+        self._thread.start()
+
+    def subscribe(self, receiver: Receiver) -> None:
+        """Have `receiver(snapshot)` called on this loop, first with what is known already."""
+        self._door.open(receiver)
+        receiver(self._door.latest)
+
+    def stop(self) -> None:
+        """Deliver no more and leave the graph."""
+        self._door.close()
+        self._thread.stop()
+
+    @property
+    def snapshot(self) -> Snapshot:
+        """What is known now."""
+        return self._door.latest
+
+    # verbs
+
+    async def reset_encoder(self) -> Outcome:
+        """Set the encoder's ticks to zero."""
+        return await self._service("reset encoder", ResetEncoder, RESET)
+
+    async def emergency_stop(self) -> Outcome:
+        """Stop at once; stays stopped until released."""
+        return await self._service("STOP", EmergencyStop, STOP)
+
+    async def release_emergency_stop(self) -> Outcome:
+        """Allow moves again; none resumes by itself."""
+        return await self._service("release stop", Trigger, RELEASE)
+
+    async def set_charging(self, charge: bool) -> Outcome:
+        """Begin or end charging."""
+        title = "charge" if charge else "stop charging"
+        return await self._service(title, SetBool, CHARGE, data=charge)
+
+    async def go_to_shelf(self, shelf: int) -> Outcome:
+        """Send the robot to a shelf; ends when it has accepted or refused."""
+        route = self.snapshot.parameter("route_length")
+        length = float(route.value) if route is not None else None
+        command = ros2_command.send_goal(self._node.resolve_service_name(MOVE), shelf)
+        return await self._do(
+            f"go to shelf {shelf}", command, lambda: self._goals.send(shelf, length)
+        )
+
+    async def cancel(self) -> Outcome:
+        """Ask to cancel the running goal."""
+        command = ros2_command.cancel(self._node.resolve_service_name(MOVE))
+        return await self._do("cancel", command, self._goals.cancel)
+
+    async def set_parameter(self, node: str, name: str, value: Any) -> Outcome:
+        """Set one parameter to a value of the Python type that fits its own."""
+        command = ros2_command.set_parameter(node, name, value)
+        return await self._do(
+            f"set {node.lstrip('/')} {name} {text_of(value)}",
+            command,
+            lambda: self._parameters.set(node, name, value),
+        )
+
+    def note(self, level: str, source: str, text: str, command: str = "") -> None:
+        """Add a line to the events, from any thread."""
+        event = Event(self._wall_clock(), level, source, text, command)
+        self._thread.submit(lambda: self._add_event(event))
+
+    # on the ROS thread
+
+    async def _service(self, title: str, srv_type: Any, name: str, **fields: Any) -> Outcome:
+        full = self._node.resolve_service_name(name)
+        request = srv_type.Request(**fields)
+
+        async def call() -> Outcome:
+            if name not in self._census.offered:
+                return Outcome(False, f"{full} is not offered by any node")
+            answer = await self._calls.call(srv_type, name, request)
+            if answer is None:
+                return Outcome(False, f"no answer in {DEADLINE:g} s")
+            return Outcome(bool(answer.success), answer.message)
+
+        return await self._do(title, ros2_command.service_call(full, request), call)
+
+    async def _do(
+        self, title: str, command: str, work: Callable[[], Coroutine[Any, Any, Outcome]]
+    ) -> Outcome:
+        """Run a verb on the ROS thread and log how it ended."""
+        try:
+            outcome = await self._thread.run(work, DEADLINE + 1.0)
+        except TimeoutError:
+            outcome = Outcome(False, f"no answer in {DEADLINE + 1.0:g} s from the ROS thread")
+        except Exception as error:
+            outcome = Outcome(False, f"{type(error).__name__}: {error}")
+        self.note("YOU", "console", f"{title}: {outcome.text}", command)
+        return outcome
+
+    def _look(self) -> None:
+        if self._census.look():
+            self._mark()
+        self._telemetry.look()
+        self._parameters.follow(self._census.names, self._census.services)
+        self._goals.check_silence(time.monotonic(), self._telemetry.motor.received)
+
+    def _on_telemetry(self, topic: str) -> None:
+        self._census.heard_topic(topic, time.monotonic())
+        if topic == MOTOR:
+            self._goals.heard()
+        self._mark()
+
+    def _on_log(self, message: Log) -> None:
+        level = _LEVELS.get(message.level if isinstance(message.level, int) else 0, "INFO")
+        if message.msg.startswith(_REFUSAL):
+            self._goals.refused(message.msg.removeprefix(_REFUSAL))
+        self._census.heard_log(message.name, time.monotonic())
+        stamp = message.stamp.sec + message.stamp.nanosec / 1e9
+        self._add_event(Event(stamp, level, message.name, message.msg))
+
+    def _on_error(self, error: Exception) -> None:
+        self._add_event(
+            Event(self._wall_clock(), "ERROR", "console", f"{type(error).__name__}: {error}")
+        )
+
+    def _add_event(self, event: Event) -> None:
+        self._log.add(event)
+        self._mark()
+
+    def _mark(self) -> None:
+        """Something changed: a snapshot goes up within FLUSH_PERIOD."""
+        if not self._dirty:
+            self._dirty = True
+            self._flusher.reset()
+
+    def _flush(self) -> None:
+        """A snapshot goes up now."""
+        self._dirty = False
+        self._flusher.cancel()
+        self._door.put(
+            Snapshot(
+                battery=self._telemetry.battery,
+                motor=self._telemetry.motor,
+                goal=self._goals.goal,
+                history=tuple(self._goals.history),
+                parameters=self._parameters.all(),
+                nodes=self._census.states(),
+                offered=self._census.offered,
+                events=self._log.all(),
+            )
+        )

@@ -1,0 +1,54 @@
+"""The one way up: snapshots from the ROS thread to the screen's loop, coalesced and bounded."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import threading
+from collections.abc import Callable
+
+from archo_tui.robot.state import Snapshot
+
+Receiver = Callable[[Snapshot], None]
+
+
+class Door:
+    """Hands the newest snapshot over; at most one waits, however slow the loop is."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._latest = Snapshot()
+        self._waiting = False
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._receiver: Receiver | None = None
+
+    def open(self, receiver: Receiver) -> None:
+        """Deliver to `receiver`, on the running loop, from now on."""
+        self._loop = asyncio.get_running_loop()
+        self._receiver = receiver
+
+    def close(self) -> None:
+        """Deliver no more."""
+        self._receiver = None
+
+    @property
+    def latest(self) -> Snapshot:
+        """The newest snapshot."""
+        return self._latest
+
+    def put(self, snapshot: Snapshot) -> None:
+        """From any thread."""
+        with self._lock:
+            self._latest = snapshot
+            if self._waiting or self._loop is None:
+                return
+            self._waiting = True
+        with contextlib.suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(self._deliver)
+
+    def _deliver(self) -> None:
+        with self._lock:
+            self._waiting = False
+            snapshot = self._latest
+        if self._receiver is not None:
+            self._receiver(snapshot)

@@ -1,0 +1,133 @@
+"""A mirror of the parameters of all nodes on the graph. ROS thread only.
+
+It holds what the nodes answered: values come from `get_parameters` and `/parameter_events`, never
+from what was asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from rcl_interfaces import srv
+from rcl_interfaces.msg import ParameterEvent, ParameterType
+from rclpy.node import Node
+from rclpy.parameter import Parameter as RosParameter
+
+from archo_tui.robot.calls import DEADLINE, Calls
+from archo_tui.robot.state import Outcome, Parameter
+from archo_tui.robot.values import TYPES, as_python, text_of
+
+_DEPTH = 1000  # parameter events kept while the thread is busy
+
+
+class Parameters:
+    """Loads the parameters of nodes as they appear, follows their changes, sets them."""
+
+    def __init__(self, node: Node, calls: Calls, changed: Callable[[], None]) -> None:
+        self._node = node
+        self._calls = calls
+        self._changed = changed
+        self._by_node: dict[str, dict[str, Parameter]] = {}
+        self._loading: set[str] = set()
+        node.create_subscription(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
+
+    def all(self) -> tuple[Parameter, ...]:
+        """By node, then in the order in which the node declared them."""
+        return tuple(p for node in sorted(self._by_node) for p in self._by_node[node].values())
+
+    def follow(self, nodes: list[str], services: set[str]) -> None:
+        """Load nodes that are new on the graph and offer parameters, forget those that left."""
+        for gone in self._by_node.keys() - set(nodes):
+            del self._by_node[gone]
+            self._changed()
+        for name in nodes:
+            known = name in self._by_node or name in self._loading
+            if not known and f"{name}/list_parameters" in services:
+                self._loading.add(name)
+                self._node.executor.create_task(self._load, name)  # type: ignore[union-attr]
+
+    async def _load(self, node: str) -> None:
+        try:
+            listed = await self._calls.call(
+                srv.ListParameters, f"{node}/list_parameters", srv.ListParameters.Request()
+            )
+            names = list(listed.result.names) if listed is not None else []
+            described = await self._calls.call(
+                srv.DescribeParameters,
+                f"{node}/describe_parameters",
+                srv.DescribeParameters.Request(names=names),
+            )
+            got = await self._calls.call(
+                srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
+            )
+            if listed is None or described is None or got is None:
+                return  # asked again at the next look at the graph
+            self._by_node[node] = {
+                name: _parameter(node, name, descriptor, as_python(value))
+                for name, descriptor, value in zip(
+                    names, described.descriptors, got.values, strict=False
+                )
+            }
+            self._changed()
+        finally:
+            self._loading.discard(node)
+
+    async def set(self, node: str, name: str, value: Any) -> Outcome:
+        """Set one value (of the Python type that fits); the node's own reason when it refuses."""
+        request = srv.SetParameters.Request(
+            parameters=[RosParameter(name, value=value).to_parameter_msg()]
+        )
+        answer = await self._calls.call(srv.SetParameters, f"{node}/set_parameters", request)
+        if answer is None:
+            return Outcome(False, f"no answer in {DEADLINE:g} s from {node}")
+        result = answer.results[0]
+        if not result.successful:
+            return Outcome(False, result.reason or "refused, no reason given")
+        await self._read_back(node, name)
+        return Outcome(True, f"{name} is {text_of(self._value(node, name))}")
+
+    async def _read_back(self, node: str, name: str) -> None:
+        got = await self._calls.call(
+            srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=[name])
+        )
+        if got is not None and got.values:
+            self._take(node, name, as_python(got.values[0]))
+
+    def _value(self, node: str, name: str) -> Any:
+        known = self._by_node.get(node, {}).get(name)
+        return None if known is None else known.value
+
+    def _on_event(self, event: ParameterEvent) -> None:
+        for message in (*event.new_parameters, *event.changed_parameters):
+            self._take(event.node, message.name, as_python(message.value))
+        for message in event.deleted_parameters:
+            if self._by_node.get(event.node, {}).pop(message.name, None) is not None:
+                self._changed()
+
+    def _take(self, node: str, name: str, value: Any) -> None:
+        known = self._by_node.get(node, {}).get(name)
+        if known is None:
+            if node in self._by_node and node not in self._loading:
+                self._by_node.pop(node)  # declared later: load the node anew
+        elif known.value != value:
+            self._by_node[node][name] = replace(known, value=value)
+            self._changed()
+
+
+def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
+    low = high = None
+    for allowed in (*descriptor.floating_point_range, *descriptor.integer_range):
+        low, high = sorted((allowed.from_value, allowed.to_value))
+    return Parameter(
+        node=node,
+        name=name,
+        type=TYPES.get(descriptor.type or ParameterType.PARAMETER_NOT_SET, "not set"),
+        value=value,
+        initial=value,
+        description=descriptor.description,
+        low=low,
+        high=high,
+        read_only=descriptor.read_only,
+    )

@@ -1,0 +1,45 @@
+"""The `ros2` command lines that do what the console does: to copy, and to learn from."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.robot.values import text_of
+
+
+def _type_of(message: Any, kind: str) -> str:
+    """`package/kind/Name` of the interface that a request or goal belongs to."""
+    package = type(message).__module__.split(".")[0]
+    return f"{package}/{kind}/{type(message).__name__.partition('_')[0]}"
+
+
+def _fields(message: Any) -> str:
+    values = (
+        f"{name}: {text_of(getattr(message, name))}"
+        for name in message.get_fields_and_field_types()
+        if name != "structure_needs_at_least_one_member"
+    )
+    return "{" + ", ".join(values) + "}"
+
+
+def service_call(name: str, request: Any) -> str:
+    """Call a service with that request."""
+    return f'ros2 service call {name} {_type_of(request, "srv")} "{_fields(request)}"'
+
+
+def send_goal(name: str, shelf: int) -> str:
+    """Send a move_to_shelf goal."""
+    kind = "archo_interfaces/action/MoveToShelf"
+    return f'ros2 action send_goal {name} {kind} "{{shelf_number: {shelf}}}" --feedback'
+
+
+def cancel(name: str) -> str:
+    """Cancel every goal of an action (an empty goal id and time mean all)."""
+    return f"ros2 service call {name}/_action/cancel_goal action_msgs/srv/CancelGoal"
+
+
+def set_parameter(node: str, name: str, value: Any) -> str:
+    """Set one parameter."""
+    text = text_of(value)
+    quoted = f'"{text}"' if not text or any(char in text for char in " []'") else text
+    return f"ros2 param set {node} {name} {quoted}"

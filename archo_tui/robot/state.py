@@ -1,0 +1,184 @@
+"""What a screen can show: frozen snapshots of what was heard from the robot.
+
+`received`, `sent` and the like are seconds on the monotonic clock of this process; `time` is a
+Unix time. None means: never heard, or not reported by this robot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import Any
+
+# the names on the graph that the console operates
+BATTERY, MOTOR = "battery_level", "motor_status"
+RESET, STOP, RELEASE = "reset_encoder", "emergency_stop", "release_emergency_stop"
+CHARGE, MOVE = "set_charging", "move_to_shelf"
+
+
+@dataclass(frozen=True)
+class Battery:
+    """The last battery reading."""
+
+    percentage: float | None = None  # %
+    voltage: float | None = None  # V
+    charging: bool | None = None
+    health: str | None = None
+    received: float | None = None
+    period: float = 1.0  # s between the last two readings
+
+    def is_old(self, now: float) -> bool:
+        """True when nothing was heard for three periods, at least 2.5 s."""
+        return self.received is not None and now - self.received > max(3 * self.period, 2.5)
+
+
+@dataclass(frozen=True)
+class Motor:
+    """The last motor status."""
+
+    ticks: int | None = None
+    speed: float | None = None  # m/s
+    moving: bool | None = None
+    stopped: bool | None = None  # latched by the emergency stop
+    received: float | None = None
+
+    def is_old(self, now: float) -> bool:
+        """True when nothing was heard for 2.5 s."""
+        return self.received is not None and now - self.received > 2.5
+
+
+class Phase(Enum):
+    """Where a goal stands; the value is the word on the screen."""
+
+    SENT = "SENT"
+    REFUSED = "REFUSED"
+    MOVING = "MOVING"
+    CANCELLING = "CANCELLING"
+    CANCELLED = "CANCELLED"
+    ARRIVED = "ARRIVED"
+    ABORTED = "ABORTED"
+    UNKNOWN = "UNKNOWN"
+    LOST = "LOST"
+
+
+RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST)
+
+
+@dataclass(frozen=True)
+class Goal:
+    """One goal that was sent from here."""
+
+    shelf: int
+    phase: Phase
+    sent: float
+    time: float  # Unix time of the last change of phase
+    length: float | None = None  # m of the whole route
+    remaining: float | None = None  # m
+    heard: float | None = None  # last feedback or answer
+    started: float | None = None  # when it was accepted
+    ended: float | None = None
+    cancel_asked: float | None = None
+    message: str = ""  # the robot's own words for the end, or the reason of a refusal
+
+    @property
+    def is_running(self) -> bool:
+        """True until the robot has said that it ended (or refused)."""
+        return self.phase in RUNNING
+
+    def elapsed(self, now: float) -> float:
+        """Seconds driven so far, or in all."""
+        start = self.sent if self.started is None else self.started
+        return (now if self.ended is None else self.ended) - start
+
+    def seconds_left(self, now: float) -> float | None:
+        """An estimate from the way driven so far; None before there is any."""
+        if not self.length or self.remaining is None or self.heard is None or self.started is None:
+            return None
+        driven = self.length - self.remaining
+        took = self.heard - self.started
+        if driven <= 0 or took <= 0:
+            return None
+        return max(self.remaining * took / driven - (now - self.heard), 0.0)
+
+    def fraction(self) -> float:
+        """0 .. 1 of the route driven."""
+        if not self.length or self.remaining is None:
+            return 0.0
+        return min(max(1 - self.remaining / self.length, 0.0), 1.0)
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of one node, as the node reported it."""
+
+    node: str  # fully qualified
+    name: str
+    type: str  # bool, integer, double, string, or one of them with [] behind it
+    value: Any
+    initial: Any  # the value first seen
+    description: str = ""
+    low: float | None = None
+    high: float | None = None
+    read_only: bool = False
+
+    @property
+    def is_changed(self) -> bool:
+        """True when the value differs from the one first seen."""
+        return bool(self.value != self.initial)
+
+
+@dataclass(frozen=True)
+class NodeState:
+    """One node on the graph."""
+
+    name: str  # fully qualified
+    heard: float | None = None
+    rate: float | None = None  # Hz of what it publishes for the console
+
+
+@dataclass(frozen=True)
+class Event:
+    """One line of the log: from a node, or the operator's own."""
+
+    time: float
+    level: str  # DEBUG INFO WARN ERROR FATAL, or YOU for the operator
+    source: str
+    text: str
+    command: str = ""  # the ros2 command line that does the same
+    count: int = 1  # how many alike it stands for
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a command ended: done, or not and why."""
+
+    ok: bool
+    text: str
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Everything a screen can show, at one moment."""
+
+    battery: Battery = field(default_factory=Battery)
+    motor: Motor = field(default_factory=Motor)
+    goal: Goal | None = None
+    history: tuple[Goal, ...] = ()  # ended goals, newest first
+    parameters: tuple[Parameter, ...] = ()
+    nodes: tuple[NodeState, ...] = ()
+    offered: frozenset[str] = frozenset()  # which of the names above somebody serves
+    events: tuple[Event, ...] = ()  # newest last
+
+    def parameter(self, name: str) -> Parameter | None:
+        """The first parameter of that name on any node."""
+        return next((p for p in self.parameters if p.name == name), None)
+
+    @property
+    def threshold(self) -> float:
+        """The low-battery threshold in %: the robot's parameter, else the textbook's 20."""
+        found = self.parameter("low_battery_threshold")
+        return float(found.value) if found is not None else 20.0
+
+    def with_events(self, *events: Event) -> Snapshot:
+        """The same with more events."""
+        return replace(self, events=(*self.events, *events))

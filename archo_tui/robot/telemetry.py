@@ -1,0 +1,100 @@
+"""Hears battery and motor, with the type and QoS that the publishers have. ROS thread only."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from archo_tui.robot.state import BATTERY, MOTOR, Battery, Motor
+
+_DEPTH = 10
+
+
+class Telemetry:
+    """The last battery and motor readings."""
+
+    def __init__(self, node: Node, changed: Callable[[str], None]) -> None:
+        """`changed(topic)` is called after each reading."""
+        self._node = node
+        self._changed = changed
+        self._subscriptions: dict[str, tuple[tuple[str, bool], Any]] = {}
+        self.problem: dict[str, str] = {}  # topic -> why it cannot be heard
+        self.battery = Battery()
+        self.motor = Motor()
+
+    def look(self) -> None:
+        """(Re)subscribe to what is published now."""
+        self._follow(BATTERY, self._on_battery)
+        self._follow(MOTOR, self._on_motor)
+
+    def _follow(self, topic: str, callback: Callable[[Any], None]) -> None:
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        if not publishers:
+            return  # keep listening: the publisher may come back
+        kind = publishers[0].topic_type
+        reliable = all(
+            info.qos_profile.reliability == ReliabilityPolicy.RELIABLE for info in publishers
+        )
+        wanted = (kind, reliable)
+        old = self._subscriptions.get(topic)
+        if old is not None and old[0] == wanted:
+            return
+        message_class = self._import(topic, kind)
+        if message_class is None:
+            return
+        if old is not None:
+            self._node.destroy_subscription(old[1])
+        qos = QoSProfile(
+            depth=_DEPTH,
+            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+            durability=DurabilityPolicy.VOLATILE,
+        )
+        subscription = self._node.create_subscription(message_class, topic, callback, qos)
+        self._subscriptions[topic] = (wanted, subscription)
+
+    def _import(self, topic: str, kind: str) -> Any:
+        package, _, name = kind.split("/")
+        try:
+            message_class = getattr(importlib.import_module(f"{package}.msg"), name)
+        except (ImportError, AttributeError):
+            self.problem[topic] = f"type {kind} is not installed here"
+            return None
+        self.problem.pop(topic, None)
+        return message_class
+
+    def _on_battery(self, message: Any) -> None:
+        now = time.monotonic()
+        last = self.battery.received
+        percentage = getattr(message, "percentage", getattr(message, "data", None))
+        self.battery = Battery(
+            percentage=_number(percentage),
+            voltage=_number(getattr(message, "voltage", None)),
+            charging=getattr(message, "is_charging", None),
+            health=getattr(message, "battery_health", None) or None,
+            received=now,
+            period=self.battery.period if last is None else min(now - last, 60.0),
+        )
+        self._changed(BATTERY)
+
+    def _on_motor(self, message: Any) -> None:
+        self.motor = Motor(
+            ticks=getattr(message, "encoder_ticks", None),
+            speed=_number(getattr(message, "speed", None)),
+            moving=getattr(message, "moving", None),
+            stopped=getattr(message, "emergency_stopped", None),
+            received=time.monotonic(),
+        )
+        self._changed(MOTOR)
+
+
+def _number(value: Any) -> float | None:
+    """A finite number, or None: what is not reported and NaN look the same to a person."""
+    if isinstance(value, (int, float)) and math.isfinite(value):
+        return float(value)
+    return None

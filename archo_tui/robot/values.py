@@ -1,0 +1,115 @@
+"""Parameter values as text and back: the declared type decides what a text means."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import yaml
+
+from archo_tui.robot.state import Parameter
+
+# rcl_interfaces/ParameterType's numbers, in words
+TYPES = {
+    1: "bool", 2: "integer", 3: "double", 4: "string", 5: "byte[]",
+    6: "bool[]", 7: "integer[]", 8: "double[]", 9: "string[]",
+}  # fmt: skip
+
+_INTEGER_MIN, _INTEGER_MAX = -(2**63), 2**63 - 1
+_LONGEST = 10_000  # characters of a typed value
+
+
+def text_of(value: Any) -> str:
+    """A value as a person writes it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(text_of(item) for item in value)}]"
+    return str(value)
+
+
+def as_python(message: Any) -> Any:
+    """The value of an rcl_interfaces/ParameterValue, sequences as lists, which compare by value."""
+    kind = TYPES.get(message.type)
+    if kind is None:
+        return None
+    value = getattr(message, f"{kind.replace('[]', '_array')}_value")
+    return list(value) if kind.endswith("[]") else value
+
+
+def range_text(parameter: Parameter) -> str:
+    """What is allowed, in a few words."""
+    if parameter.read_only:
+        return "read-only"
+    if parameter.low is None or parameter.high is None:
+        return ""
+    return f"{parameter.low:g} .. {parameter.high:g}"
+
+
+def parse(parameter: Parameter, text: str) -> Any:
+    """What `text` means for this parameter. Raises ValueError with one line that says why not."""
+    if parameter.read_only:
+        raise ValueError(f"{parameter.name} is read-only: it can only be given at the start")
+    if len(text) > _LONGEST:
+        raise ValueError(f"too long: {len(text)} characters, at most {_LONGEST}")
+    if any(ord(char) < 32 or ord(char) == 127 for char in text):
+        raise ValueError("control characters are not allowed")
+    value = _value(parameter.type, text)
+    if parameter.low is not None and parameter.high is not None:
+        if not parameter.low <= value <= parameter.high:  # also refuses nan
+            raise ValueError(f"allowed {range_text(parameter)}, not {text.strip()}")
+    return value
+
+
+def _value(kind: str, text: str) -> Any:
+    stripped = text.strip()
+    if kind == "string":
+        return text
+    if not stripped:
+        raise ValueError(f"a value is needed ({kind})")
+    if kind == "bool":
+        return _bool(stripped)
+    if kind == "integer":
+        return _integer(stripped)
+    if kind == "double":
+        return _double(stripped)
+    if kind.endswith("[]") and kind != "byte[]":
+        return _sequence(kind.removesuffix("[]"), stripped)
+    raise ValueError(f"a parameter of type {kind} cannot be edited here")
+
+
+def _bool(text: str) -> bool:
+    words = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
+    if text.lower() not in words:
+        raise ValueError(f"not true or false: {text}")
+    return words[text.lower()]
+
+
+def _integer(text: str) -> int:
+    try:
+        value = int(text, 10)
+    except ValueError:
+        raise ValueError(f"not a whole number: {text}") from None
+    if not _INTEGER_MIN <= value <= _INTEGER_MAX:
+        raise ValueError(f"too large for an integer: {text}")
+    return value
+
+
+def _double(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(f"not a number: {text}") from None
+    if not math.isfinite(value):
+        raise ValueError(f"not a finite number: {text}")
+    return value
+
+
+def _sequence(element: str, text: str) -> list[Any]:
+    try:
+        items = yaml.safe_load(text)
+    except yaml.YAMLError:
+        items = None
+    if not isinstance(items, list):
+        raise ValueError(f"not a list like [1, 2]: {text}")
+    return [_value(element, text_of(item)) for item in items]

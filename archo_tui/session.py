@@ -1,0 +1,151 @@
+"""The composition root: engine, hosted nodes and Robot. Used by the command line and the tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from archo_tui import engine, params
+from archo_tui.embedded.parameter_files import Override
+from archo_tui.errors import ArchoError
+
+if TYPE_CHECKING:
+    from archo_tui.host import Host
+    from archo_tui.robot.client import Robot
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the command line says."""
+
+    engine: str = "embedded"
+    params_files: Sequence[Path] = ()
+    use_sim: bool = False
+    namespace: str = "/"
+    ros_args: Sequence[str] = ()
+    domain_id: int | None = None
+    node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
+
+
+class Session:
+    """Everything but the screen. Use as a context manager."""
+
+    robot: Robot
+    host: Host
+
+    def __init__(self, options: Options) -> None:
+        """Starts the engine and constructs the nodes.
+
+        Raises ArchoError for whatever is the user's to mend, before anything runs.
+        """
+        self.options = options
+        self._own_files = params.default_files()
+        self._overrides = params.load([*self._own_files, *options.params_files])
+        engine.activate(options.engine)
+
+        import rclpy
+        from rclpy.context import Context
+        from rclpy.signals import SignalHandlerOptions
+
+        from archo_tui.host import Host
+        from archo_tui.robot.client import Robot
+
+        self._context = Context()
+        try:
+            rclpy.init(
+                args=self._ros_args(),
+                context=self._context,
+                domain_id=options.domain_id,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+        except RuntimeError as error:
+            raise ArchoError(str(error)) from None
+        try:
+            self.robot = Robot(self._context)
+            self.host = Host(self._context, self.robot.note)
+            for make in options.node_makers or _robots_nodes(options.use_sim):
+                self._construct(make)
+        except Exception:
+            self._context.try_shutdown()
+            raise
+
+    def _ros_args(self) -> list[str]:
+        args = ["--ros-args", "--disable-stdout-logs"]
+        if self.options.namespace != "/":
+            args += ["-r", f"__ns:={self.options.namespace}"]
+        for path in (*self._own_files, *self.options.params_files):
+            args += ["--params-file", str(path)]
+        return [*args, *self.options.ros_args]
+
+    def _construct(self, make: Any) -> None:
+        from rclpy.exceptions import (
+            InvalidParameterTypeException,
+            InvalidParameterValueException,
+            NameValidationException,
+        )
+
+        try:
+            self.host.add(make)
+        except (InvalidParameterTypeException, InvalidParameterValueException) as error:
+            raise ArchoError(self._refused(str(error))) from None
+        except NameValidationException as error:
+            raise ArchoError(f"{error.name_type} {error.name!r}: {error.error_msg}") from None
+
+    def _refused(self, message: str) -> str:
+        """The line for a parameter that a node refused at the start, with file and line."""
+        quoted = message.split("'")
+        for override in reversed(self._overrides):
+            if override.name in quoted:
+                return f"{override.where}: {message}"
+        return message
+
+    def start(self) -> None:
+        """Let everything run."""
+        self.robot.start()
+        self.host.start()
+        declared = {
+            hosted.name: {
+                override.name
+                for override in self._overrides
+                if hosted.node.has_parameter(override.name)
+            }
+            | _declared(hosted.node)
+            for hosted in self.host.nodes
+        }
+        for line in params.unknown(self._users(), declared):
+            self.robot.note("WARN", "console", line)
+
+    def _users(self) -> list[Override]:
+        """The overrides of the user's own files."""
+        own = {str(path) for path in self._own_files}
+        return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
+
+    def close(self) -> list[str]:
+        """Stop everything; returns the names of nodes whose callbacks did not return."""
+        self.robot.stop()
+        stuck = self.host.stop()
+        self._context.try_shutdown()
+        return stuck
+
+    def __enter__(self) -> Session:
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _declared(node: Any) -> set[str]:
+    return set(node.list_parameters([], 0).names)
+
+
+def _robots_nodes(use_sim: bool) -> list[Any]:
+    from archo_bringup.battery_monitor import BatteryMonitor
+    from archo_bringup.dashboard import Dashboard
+    from archo_bringup.fake_battery_drain import FakeBatteryDrain
+    from archo_bringup.motor_controller import MotorController
+
+    nodes = [BatteryMonitor, Dashboard, MotorController]
+    return [*nodes, FakeBatteryDrain] if use_sim else nodes
