@@ -1,0 +1,7 @@
+"""`python -m archo_tui`."""
+
+import sys
+
+from archo_tui.cli import main
+
+sys.exit(main())

@@ -1,0 +1,102 @@
+"""The command line of `archo-tui`. Imports neither rclpy nor Textual until it must."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from archo_tui import __version__
+from archo_tui.errors import ArchoError
+
+FAILED, MISUSED = 1, 2  # exit codes
+
+
+def parser() -> argparse.ArgumentParser:
+    """The options; what follows --ros-args is ROS's and is taken off before."""
+    made = argparse.ArgumentParser(
+        prog="archo-tui",
+        description="Operate the warehouse robot ARCHO from a terminal.",
+        epilog="A stop from here is a software stop: it does not replace the hardware one.",
+    )
+    made.add_argument("--version", action="version", version=f"archo-tui {__version__}")
+    made.add_argument(
+        "--params-file",
+        metavar="FILE",
+        type=Path,
+        action="append",
+        default=[],
+        help="ROS parameter file for the nodes; may be given several times, the later one wins",
+    )
+    made.add_argument(
+        "--use-sim", action="store_true", help="also start fake_battery_drain (2 %% a second)"
+    )
+    made.add_argument(
+        "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
+    )
+    made.add_argument(
+        "--engine",
+        default="embedded",
+        help="what `import rclpy` means: embedded (default, no ROS needed)",
+    )
+    made.add_argument(
+        "--ros-args",
+        metavar="...",
+        help="ROS arguments for all nodes: -r from:=to, -p [node:]name:=value, --params-file FILE",
+    )
+    return made
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run; returns the exit code: 0, 1 when the console failed, 2 for a user's mistake."""
+    words, ros_args = split_ros_args(sys.argv[1:] if argv is None else argv)
+    options = parser().parse_args(words)
+    try:
+        return _run(options, ros_args)
+    except ArchoError as error:
+        print(f"archo-tui: {error}", file=sys.stderr)
+        return MISUSED
+
+
+def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The words that are ours, and those between `--ros-args` and `--`."""
+    own: list[str] = []
+    ros: list[str] = []
+    inside = False
+    for word in words:
+        if word in ("--ros-args", "--") and inside != (word == "--ros-args"):
+            inside = not inside
+        else:
+            (ros if inside else own).append(word)
+    return own, ros
+
+
+def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
+    from archo_tui.session import Options, Session
+
+    session = Session(
+        Options(
+            engine=options.engine,
+            params_files=options.params_file,
+            use_sim=options.use_sim,
+            namespace=options.namespace,
+            ros_args=ros_args,
+        )
+    )
+    try:
+        _need_terminal()
+        from archo_tui.app import ArchoApp
+
+        session.start()
+        app = ArchoApp(session)
+        app.run()
+        return app.return_code or 0
+    finally:
+        session.close()
+
+
+def _need_terminal() -> None:
+    for stream in (sys.stdin, sys.stdout):
+        if not stream.isatty():
+            raise ArchoError(f"{stream.name.strip('<>')} is not a terminal: run it in one")

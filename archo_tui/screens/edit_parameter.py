@@ -1,0 +1,92 @@
+"""Edit one parameter: checked here before it is sent, and again by its node."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.screen import ModalScreen
+from textual.widgets import Button, Input, Static
+
+from archo_tui.robot.state import Outcome, Parameter
+from archo_tui.robot.values import parse, range_text, text_of
+
+
+class EditParameter(ModalScreen[None]):
+    """Stays open, with the reason shown, until the node has taken the value or esc is pressed."""
+
+    BINDINGS = [("escape", "close", "Close")]
+
+    def __init__(
+        self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]]
+    ) -> None:
+        super().__init__()
+        self._parameter, self._send = parameter, send
+        self._sending = False
+
+    def compose(self) -> ComposeResult:
+        parameter = self._parameter
+        allowed = range_text(parameter)
+        with Vertical(classes="dialog") as box:
+            box.border_title = f"{parameter.node.lstrip('/')} {parameter.name}"
+            box.border_subtitle = "enter set   esc leave as it is"
+            yield Static(Content(parameter.description or "no description"))
+            kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
+            yield Static(Content(f"type   {kind}"))
+            yield Static(Content(f"now    {text_of(parameter.value)}"))
+            yield Static(Content(f"start  {text_of(parameter.initial)}"))
+            field = Input(text_of(parameter.value), id="value", compact=True)
+            field.cursor_blink = False
+            field.disabled = parameter.read_only
+            yield field
+            reason = f"{parameter.name} is read-only: it can only be given at the start"
+            yield Static(Content(reason if parameter.read_only else ""), classes="error")
+            with Horizontal(classes="answers"):
+                yield Button("Leave", id="leave", compact=True)
+                yield Button("Set", id="set", compact=True, disabled=parameter.read_only)
+
+    def on_mount(self) -> None:
+        self.query_one("#leave" if self._parameter.read_only else "#value").focus()
+
+    def on_input_changed(self) -> None:
+        if not self._parameter.read_only:
+            self._say("")
+
+    def on_input_submitted(self) -> None:
+        self._submit()
+
+    def on_button_pressed(self, event: Button.Pressed) -> None:
+        if event.button.id == "set":
+            self._submit()
+        else:
+            self.action_close()
+
+    def action_close(self) -> None:
+        """Leave the value as it is."""
+        self.dismiss(None)
+
+    def _submit(self) -> None:
+        if self._sending:
+            return
+        try:
+            value = parse(self._parameter, self.query_one("#value", Input).value)
+        except ValueError as error:
+            self._say(str(error))
+            return
+        self._sending = True
+        self._say("asking the node ...")
+        self.run_worker(self._ask(value), exit_on_error=True)
+
+    async def _ask(self, value: Any) -> None:
+        outcome = await self._send(value)
+        self._sending = False
+        if outcome.ok:
+            self.dismiss(None)
+        else:
+            self._say(outcome.text)
+
+    def _say(self, text: str) -> None:
+        self.query_one(".error", Static).update(Content(text))

@@ -1,0 +1,50 @@
+"""All keys, from the one registry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from textual.app import ComposeResult
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.screen import ModalScreen
+from textual.widgets import Static
+
+if TYPE_CHECKING:
+    from archo_tui.commands import Command
+
+_INTRODUCTION = (
+    "STOP is a software stop: it does not replace the hardware emergency stop. "
+    "tab moves on, enter presses or edits, esc leads out."
+)
+
+
+class Help(ModalScreen[None]):
+    """One line a command, with the reason when it cannot run now."""
+
+    BINDINGS = [("escape,question_mark,q", "close", "Close")]
+
+    def __init__(self, commands: Sequence[Command], blocked: Callable[[Command], str]) -> None:
+        super().__init__()
+        self._commands, self._blocked = commands, blocked
+
+    def compose(self) -> ComposeResult:
+        with VerticalScroll(classes="dialog keys") as box:
+            box.border_title = "Keys"
+            box.border_subtitle = "esc close"
+            yield Static(Content(_INTRODUCTION))
+            for command in self._commands:
+                yield Static(self._line(command))
+
+    def _line(self, command: Command) -> Content:
+        reason = self._blocked(command)
+        key = Content.styled(f"{command.shown_key:>3}", "dim" if reason else "bold")
+        text = f"  {command.help}" + (f" ({command.where})" if command.where else "")
+        if reason:
+            return Content.assemble(key, (f"{text}: {reason}", "dim"))
+        return Content.assemble(key, text)
+
+    def action_close(self) -> None:
+        """Back to where the focus was."""
+        self.dismiss(None)

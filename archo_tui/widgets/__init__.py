@@ -1,0 +1,1 @@
+"""What the screen is made of. Widgets know the robot's state and nothing of ROS."""

@@ -1,0 +1,75 @@
+"""The lines around the panels: header, alarm banner, footer."""
+
+from __future__ import annotations
+
+from textual.content import Content
+
+from archo_tui.alarms import Alarm
+from archo_tui.clock import time_of_day
+from archo_tui.robot.state import Phase
+from archo_tui.widgets.view import View
+
+
+def header(view: View, width: int) -> Content:
+    """Which robot, in contact or not, which engine, and what it does."""
+    doing = _doing(view)
+    wide = f" ARCHO  {view.namespace:<12} {_contact(view):<20} {view.engine:<12}  {doing}"
+    tight = f" ARCHO {view.namespace} {_contact(view)} {view.engine}  {doing}"
+    return Content.styled(wide if len(wide) <= width else tight, "bold")
+
+
+def clock(view: View) -> Content:
+    """The time of day; a screen whose clock stands still is frozen."""
+    return Content.styled(f"{time_of_day(view.time)} ", "bold")
+
+
+def banner(alarms: tuple[Alarm, ...]) -> Content:
+    """The alarm that matters most, and how many more there are."""
+    if not alarms:
+        return Content("")
+    alarm = alarms[0]
+    more = f"   +{len(alarms) - 1} more" if len(alarms) > 1 else ""
+    if alarm.is_over:
+        text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
+    else:
+        text = alarm.text
+    hint = "" if alarm.acknowledged else "   (a acknowledge)"
+    style = "" if alarm.acknowledged else "bold $text-warning"
+    return Content.styled(f" ▲ {text}{more}{hint}", style)
+
+
+def footer(commands: list[tuple[str, str, str, bool]], width: int) -> Content:
+    """`(id, key, word, blocked)` of each command, clickable; blocked ones are dim."""
+    parts: list[Content] = []
+    for command, key, word, blocked in commands:
+        style = "dim" if blocked else ""
+        text = f"[bold]{key}[/] {word}"
+        parts.append(
+            Content.from_markup(f" [@click=app.command('{command}')]{text}[/] ").stylize(style)
+        )
+    made = Content("").join(parts)
+    palette = Content.from_markup("[@click=app.command_palette][bold]^p[/] palette[/] ")
+    gap = width - made.cell_length - palette.cell_length
+    return Content.assemble(made, " " * gap, palette) if gap > 0 else made
+
+
+def _contact(view: View) -> str:
+    battery, motor = view.snapshot.battery, view.snapshot.motor
+    heard = [time for time in (battery.received, motor.received) if time is not None]
+    if not heard:
+        return "? waiting for data"
+    fresh = (battery.received is not None and not battery.is_old(view.now)) or (
+        motor.received is not None and not motor.is_old(view.now)
+    )
+    return "● online" if fresh else f"✗ no contact, {view.now - max(heard):.0f} s"
+
+
+def _doing(view: View) -> str:
+    goal = view.snapshot.goal
+    if view.snapshot.motor.stopped:
+        return "✗ STOPPED"
+    if goal is None or not goal.is_running:
+        return ""
+    if goal.phase in (Phase.SENT, Phase.MOVING):
+        return f"{goal.phase.value} to {goal.shelf}"
+    return goal.phase.value

@@ -1,0 +1,32 @@
+"""Panel 2: encoder, speed, stop."""
+
+from __future__ import annotations
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal
+from textual.widgets import Button
+
+from archo_tui.widgets import words
+from archo_tui.widgets.line import Line
+from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.view import View
+
+
+class MotorPanel(Panel):
+    """Live ticks and speed, and the two buttons, far apart."""
+
+    number, title_text, keys = 2, "Motor", "r reset  ^x stop"
+
+    def compose(self) -> ComposeResult:
+        yield Line(id="motor-line")
+        yield Line(id="motor-word")
+        with Horizontal(classes="buttons"):
+            yield Button("Reset encoder", id="reset", compact=True, action="app.command('reset')")
+            yield Button("STOP", id="stop", compact=True, action="app.command('stop')")
+
+    def show(self, view: View) -> None:
+        self.query_one("#motor-line", Line).show(words.motor_line(view.snapshot, view.now))
+        self.query_one("#motor-word", Line).show(words.motor_word(view.snapshot, view.now))
+
+    def take_focus(self) -> None:
+        self.screen.set_focus(self.query_one("#reset"))
