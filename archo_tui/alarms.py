@@ -41,7 +41,9 @@ def conditions(snapshot: Snapshot, now: float) -> dict[str, str]:
     ):
         # one cause, one alarm: what was last heard says nothing about now
         heard = max(battery.received or 0.0, motor.received or 0.0)
-        return {CONTACT_LOST: f"CONTACT LOST for {now - heard:.0f} s: the robot may still be moving"}
+        return {
+            CONTACT_LOST: f"CONTACT LOST for {now - heard:.0f} s: the robot may still be moving"
+        }
     moving = snapshot.goal is not None and snapshot.goal.is_running
     dock = "dock the robot when this move is done" if moving else "dock the robot"
     if battery.percentage is not None and not battery.is_old(now):

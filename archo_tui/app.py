@@ -36,7 +36,8 @@ class ArchoApp(App[None]):
     # All have priority, so that a key acts before the next one is routed to whatever it focused:
     # over a slow line several arrive at once. check_action takes the letters back while typing.
     BINDINGS = [
-        Binding(c.key, f"command('{c.id}')", c.help, id=c.id, priority=True) for c in COMMANDS
+        *(Binding(c.key, f"command('{c.id}')", c.help, id=c.id, priority=True) for c in COMMANDS),
+        Binding("escape", "leave_field", "Out of the field", show=False, priority=True),
     ]
 
     def __init__(self, session: Session, clock: Clock | None = None) -> None:
@@ -77,7 +78,7 @@ class ArchoApp(App[None]):
         self.view = self._view()
         if self.main.is_mounted:
             footer = [
-                (c.id, c.shown_key, c.footer, bool(self.blocked(c)))
+                (c.id, c.footer_key or c.shown_key, c.footer, bool(self.blocked(c)))
                 for c in self.registry
                 if c.footer
             ]
@@ -102,10 +103,14 @@ class ArchoApp(App[None]):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """False leaves the key to the field or dialog that has the focus."""
+        typing = isinstance(self.focused, Input)
+        if action == "leave_field":
+            return typing and self.screen is self.main
         if action != "command":
             return super().check_action(action, parameters)
-        free = self.screen is self.main and not isinstance(self.focused, Input)
-        return free or self._command(str(parameters[0])).where == EVERYWHERE
+        return (self.screen is self.main and not typing) or self._command(
+            str(parameters[0])
+        ).where == EVERYWHERE
 
     def _command(self, name: str) -> Command:
         return next(c for c in self.registry if c.id == name)
@@ -141,7 +146,7 @@ class ArchoApp(App[None]):
         """Put a question and wait for the answer; one at a time."""
         if isinstance(self.screen, Confirm):
             return False
-        return bool(await self.push_screen_wait(question))
+        return bool(await self.push_screen_wait(question))  # type: ignore[arg-type]
 
     def acknowledge(self) -> None:
         """Acknowledge the alarm in the banner."""
@@ -157,9 +162,9 @@ class ArchoApp(App[None]):
             self.copy_to_clipboard(text)
         return bool(text)
 
-    def action_focus_back(self) -> None:
-        """Out of a field, to the parameters."""
-        self.main.focus_panel(4)
+    def action_leave_field(self) -> None:
+        """Out of a field, to where the focus was."""
+        self.main.focus_back()
 
     # what the panels ask for
 

@@ -16,15 +16,20 @@ EVERYWHERE, NOT_TYPING = "everywhere", "not while typing"
 
 
 class Command:
-    """One thing the operator can do."""
+    """One thing the operator can do. A command's docstring is its help."""
 
     id: ClassVar[str]
     key: ClassVar[str]  # Textual's name of the key
     shown_key: ClassVar[str]  # as a person reads it
     footer: ClassVar[str] = ""  # one word; empty: not in the footer
-    help: ClassVar[str]
+    footer_key: ClassVar[str] = ""  # the key in the footer where it stands for several
     where: ClassVar[str] = NOT_TYPING
     service: ClassVar[str] = ""  # what somebody must offer
+
+    @property
+    def help(self) -> str:
+        """One sentence for `?` and the palette."""
+        return (self.__doc__ or "").rstrip(".")
 
     def blocked(self, app: ArchoApp) -> str:
         """Why the command cannot run now, or an empty string."""
@@ -33,13 +38,14 @@ class Command:
         return ""
 
     def run(self, app: ArchoApp) -> Coroutine[Any, Any, None] | None:
-        """Do it at once, or return a coroutine that may wait for the robot (the screen does not)."""
+        """Do it at once, or return a coroutine that may wait for the robot."""
         raise NotImplementedError
 
 
 class Go(Command):
+    """Type a shelf number; enter sends the robot there."""
+
     id, key, shown_key, footer = "go", "g", "g", "Go"
-    help = "Type a shelf number; enter sends the robot there"
     service = MOVE
 
     def run(self, app: ArchoApp) -> None:
@@ -47,8 +53,9 @@ class Go(Command):
 
 
 class Cancel(Command):
+    """Cancel the running goal; with none running copy the selection."""
+
     id, key, shown_key, footer = "cancel", "ctrl+c", "^c", "Cancel"
-    help = "Cancel the running goal; with none running copy the selection"
     where = EVERYWHERE
 
     async def run(self, app: ArchoApp) -> None:
@@ -60,8 +67,9 @@ class Cancel(Command):
 
 
 class Stop(Command):
+    """Software stop, at once and latched; does not replace the hardware one."""
+
     id, key, shown_key, footer = "stop", "ctrl+x", "^x", "STOP"
-    help = "Software stop, at once and latched; does not replace the hardware one"
     where = EVERYWHERE
     service = STOP
 
@@ -70,8 +78,9 @@ class Stop(Command):
 
 
 class Release(Command):
+    """Release the stop (asks first); nothing resumes by itself."""
+
     id, key, shown_key = "release", "R", "R"
-    help = "Release the stop (asks first); nothing resumes by itself"
     service = RELEASE
 
     def blocked(self, app: ArchoApp) -> str:
@@ -85,8 +94,9 @@ class Release(Command):
 
 
 class Reset(Command):
+    """Reset the encoder to zero; asks first while a goal runs."""
+
     id, key, shown_key, footer = "reset", "r", "r", "Reset"
-    help = "Reset the encoder to zero; asks first while a goal runs"
     service = RESET
 
     async def run(self, app: ArchoApp) -> None:
@@ -99,8 +109,9 @@ class Reset(Command):
 
 
 class Charge(Command):
+    """Charge the battery, or stop charging."""
+
     id, key, shown_key = "charge", "c", "c"
-    help = "Charge the battery, or stop charging"
     service = CHARGE
 
     async def run(self, app: ArchoApp) -> None:
@@ -108,8 +119,9 @@ class Charge(Command):
 
 
 class Acknowledge(Command):
+    """Acknowledge the alarm in the banner."""
+
     id, key, shown_key = "acknowledge", "a", "a"
-    help = "Acknowledge the alarm in the banner"
 
     def blocked(self, app: ArchoApp) -> str:
         unseen = any(not alarm.acknowledged for alarm in app.view.alarms)
@@ -120,16 +132,18 @@ class Acknowledge(Command):
 
 
 class Level(Command):
+    """Show events of more or fewer levels."""
+
     id, key, shown_key = "level", "l", "l"
-    help = "Show events of more or fewer levels"
 
     def run(self, app: ArchoApp) -> None:
         app.main.events.next_level()
 
 
 class ShowHelp(Command):
+    """Show all keys."""
+
     id, key, shown_key, footer = "help", "question_mark", "?", "Help"
-    help = "Show all keys"
 
     def run(self, app: ArchoApp) -> None:
         if not isinstance(app.screen, Help):
@@ -137,16 +151,18 @@ class ShowHelp(Command):
 
 
 class Quit(Command):
+    """Quit (also ctrl+q, everywhere); with a goal running asks."""
+
     id, key, shown_key, footer = "quit", "q", "q", "Quit"
-    help = "Quit (also ctrl+q, everywhere); with a goal running asks"
 
     async def run(self, app: ArchoApp) -> None:
         await app.leave()
 
 
 class QuitEverywhere(Quit):
+    """Quit, also while typing."""
+
     id, key, shown_key, footer = "quit_everywhere", "ctrl+q", "^q", ""
-    help = "Quit, also while typing"
     where = EVERYWHERE
 
 
@@ -157,7 +173,13 @@ class Panel(Command):
         self.number = number
         self.id = f"panel_{number}"  # type: ignore[misc]
         self.key = self.shown_key = str(number)  # type: ignore[misc]
-        self.help = f"Go to panel {number}, {title}"  # type: ignore[misc]
+        self.title = title
+        if number == 1:
+            self.footer, self.footer_key = "Panels", "1-6"  # type: ignore[misc]
+
+    @property
+    def help(self) -> str:
+        return f"Go to panel {self.number}, {self.title}"
 
     def run(self, app: ArchoApp) -> None:
         app.main.focus_panel(self.number)

@@ -21,6 +21,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         default="embedded",
         help="what `import rclpy` means in the tests",
     )
+    parser.addoption(
+        "--update-snapshots", action="store_true", help="accept the screens as they look now"
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:

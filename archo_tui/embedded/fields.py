@@ -55,7 +55,7 @@ def array_check(name: str, kind: FieldType, element: Check) -> Check:
     code = TYPE_CODES.get(kind.base)
 
     def check(value: Any) -> Any:
-        if isinstance(value, (str, bytes)) and kind.base != "uint8" or not isinstance(
+        if (isinstance(value, (str, bytes)) and kind.base != "uint8") or not isinstance(
             value, Iterable
         ):
             raise AssertionError(f"The '{name}' field must be a sequence")

@@ -1,7 +1,8 @@
 """Import hook: `from archo_interfaces.msg import BatteryStatus` reads `BatteryStatus.msg`.
 
-A package is a folder with `msg/`, `srv/` or `action/` in it. Looked for, in this order: the folders
-given by name, `share/` beside this file, and `share/<package>/` of each prefix on AMENT_PREFIX_PATH.
+A package is a folder with `msg/`, `srv/` or `action/` in it. Looked for, in this order: the
+folders given by name, `share/` beside this file, and `share/<package>/` of each prefix on
+AMENT_PREFIX_PATH.
 Classes are made at their first use.
 """
 
@@ -73,7 +74,8 @@ class InterfaceFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             raise
         except ImportError:
             raise InterfaceError(
-                f"{section.path}:{field.line}: unknown type {package}/{name} of field {field.name!r}"
+                f"{section.path}:{field.line}: unknown type {package}/{name} of field "
+                f"{field.name!r}"
             ) from None
 
     def find_spec(

@@ -37,7 +37,7 @@ class Override:
 
 
 def read(path: Path) -> list[Override]:
-    """All overrides of a file in its order. Raises ParameterFileError, and OSError as `open` does."""
+    """All overrides of a file, in order. Raises ParameterFileError, and OSError as `open` does."""
     text = path.read_text(encoding="utf-8", errors="replace")
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)

@@ -43,7 +43,7 @@ class Census:
             for info in self._node.get_publishers_info_by_topic(topic)[:1]:
                 self._publisher[topic] = _full(info.node_name, info.node_namespace)
                 offered.add(topic)
-        changed = (names, offered) != (self.names, self.offered)
+        changed = names != self.names or offered != self.offered
         self.names, self.services, self.offered = names, services, frozenset(offered)
         return changed
 

@@ -15,9 +15,9 @@ from rclpy.context import Context
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
+from archo_tui.robot import ros2_command
 from archo_tui.robot.calls import DEADLINE, Calls
 from archo_tui.robot.census import Census
-from archo_tui.robot import ros2_command
 from archo_tui.robot.door import Door, Receiver
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.goals import Goals

@@ -131,9 +131,7 @@ class Goals:
         length = self.goal.length
         if length is None or remaining > length:
             length = remaining
-        self._update(
-            phase=phase, remaining=remaining, length=length, heard=time.monotonic()
-        )
+        self._update(phase=phase, remaining=remaining, length=length, heard=time.monotonic())
 
     def _result(self, future: Any) -> None:
         answer = future.result()
@@ -151,17 +149,22 @@ class Goals:
         """The reason of the refusal: an action has no field for it, the log has."""
         end = time.monotonic() + _REASON_WAIT
         while not self._refusals and time.monotonic() < end:
-            pause = self._node.executor.create_future()  # type: ignore[union-attr]
-            timer = self._node.create_timer(0.02, lambda p=pause: p.set_result(True))
-            await pause
-            self._node.destroy_timer(timer)
+            await self._pause(0.02)
         return self._refusals[-1] if self._refusals else "refused, no reason given"
 
+    async def _pause(self, seconds: float) -> None:
+        future = self._node.executor.create_future()  # type: ignore[union-attr]
+        timer = self._node.create_timer(seconds, lambda: future.set_result(True))
+        await future
+        self._node.destroy_timer(timer)
+
     def _end(self, phase: Phase, message: str) -> None:
-        self._update(phase=phase, message=message, ended=time.monotonic())
-        if self.goal is not None:
-            self.history.appendleft(self.goal)
         self._handle = None
+        if self.goal is not None:
+            now = time.monotonic()
+            ended = replace(self.goal, phase=phase, message=message, ended=now, time=time.time())
+            self.history.appendleft(ended)
+            self._set(ended)
 
     def _update(self, **changes: Any) -> None:
         if self.goal is not None:

@@ -55,9 +55,9 @@ def parse(parameter: Parameter, text: str) -> Any:
     if any(ord(char) < 32 or ord(char) == 127 for char in text):
         raise ValueError("control characters are not allowed")
     value = _value(parameter.type, text)
-    if parameter.low is not None and parameter.high is not None:
-        if not parameter.low <= value <= parameter.high:  # also refuses nan
-            raise ValueError(f"allowed {range_text(parameter)}, not {text.strip()}")
+    has_range = parameter.low is not None and parameter.high is not None
+    if has_range and not parameter.low <= value <= parameter.high:  # also refuses nan
+        raise ValueError(f"allowed {range_text(parameter)}, not {text.strip()}")
     return value
 
 

@@ -20,9 +20,7 @@ class EditParameter(ModalScreen[None]):
 
     BINDINGS = [("escape", "close", "Close")]
 
-    def __init__(
-        self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]]
-    ) -> None:
+    def __init__(self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]]) -> None:
         super().__init__()
         self._parameter, self._send = parameter, send
         self._sending = False

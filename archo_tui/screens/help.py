@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
-    "tab moves on, enter presses or edits, esc leads out."
+    "tab moves on, enter presses or edits, esc leads out; while you type, letters are text."
 )
 
 
@@ -40,7 +40,7 @@ class Help(ModalScreen[None]):
     def _line(self, command: Command) -> Content:
         reason = self._blocked(command)
         key = Content.styled(f"{command.shown_key:>3}", "dim" if reason else "bold")
-        text = f"  {command.help}" + (f" ({command.where})" if command.where else "")
+        text = f"  {command.help}"
         if reason:
             return Content.assemble(key, (f"{text}: {reason}", "dim"))
         return Content.assemble(key, text)

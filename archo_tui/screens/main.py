@@ -24,7 +24,8 @@ class MainScreen(Screen[None]):
 
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (110, "-normal"), (150, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (30, "-tall")]
-    BINDINGS = [("escape", "app.focus_back", "Out of the field")]
+
+    _before: Widget | None = None  # had the focus before a panel was asked for
 
     def compose(self) -> ComposeResult:
         with Horizontal(id="head"):
@@ -63,7 +64,15 @@ class MainScreen(Screen[None]):
 
     def focus_panel(self, number: int) -> None:
         """Focus a panel by its number."""
+        self._before = self.focused
         self.query_one(f"#panel-{number}", Panel).take_focus()
+
+    def focus_back(self) -> None:
+        """Focus what had it before, or the parameters."""
+        if self._before is None or self._before is self.focused:
+            self.focus_panel(4)
+        else:
+            self.set_focus(self._before)
 
     def show(self, view: View, commands: list[tuple[str, str, str, bool]]) -> None:
         """Show a new view everywhere."""

@@ -72,4 +72,4 @@ def _doing(view: View) -> str:
         return ""
     if goal.phase in (Phase.SENT, Phase.MOVING):
         return f"{goal.phase.value} to {goal.shelf}"
-    return goal.phase.value
+    return str(goal.phase.value)

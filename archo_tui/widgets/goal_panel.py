@@ -29,7 +29,7 @@ def parse_shelf(text: str) -> int:
     if not text.removeprefix("-").isdecimal() or not text.isascii():
         raise ValueError(f"not a shelf number: {shown}")
     if len(text) > _SHOWN or int(text) > _INT32_MAX:
-        raise ValueError(f"no shelf has such a high number: {shown}")
+        raise ValueError(f"no such shelf: {shown}")
     if int(text) < 1:
         raise ValueError(f"shelves are numbered from 1: {shown}")
     return int(text)

@@ -113,10 +113,18 @@ def goal_line(snapshot: Snapshot, now: float) -> Content:
             return Content.styled("move_to_shelf: not offered by any node", OLD)
         return Content("No goal yet. Press g, type a shelf number, press enter.")
     texts = {
-        Phase.SENT: ("", f"SENT to {goal.shelf}", f"waiting for the robot ... {_s(now - goal.sent)}"),
+        Phase.SENT: (
+            "",
+            f"SENT to {goal.shelf}",
+            f"waiting for the robot ... {_s(now - goal.sent)}",
+        ),
         Phase.REFUSED: (BAD, "✗ REFUSED", goal.message),
         Phase.MOVING: ("bold", f"MOVING to {goal.shelf}", _progress(goal, now)),
-        Phase.CANCELLING: ("bold", "CANCELLING", f"asked {_s(now - (goal.cancel_asked or now))} ago"),
+        Phase.CANCELLING: (
+            "bold",
+            "CANCELLING",
+            f"asked {_s(now - (goal.cancel_asked or now))} ago",
+        ),
         Phase.CANCELLED: (BAD, "✗ CANCELLED", _where_ended(goal)),
         Phase.ARRIVED: ("bold", "✓ ARRIVED", _arrival(goal)),
         Phase.ABORTED: (BAD, "✗ ABORTED", goal.message),

@@ -27,9 +27,7 @@ class BatteryMonitor(Node):
         self.declare_parameter(
             "low_battery_threshold", 20.0, double("% below which the battery is low", 0.0, 100.0)
         )
-        self.declare_parameter(
-            "publish_period", 1.0, double("s between two readings", 0.02, 10.0)
-        )
+        self.declare_parameter("publish_period", 1.0, double("s between two readings", 0.02, 10.0))
         self.declare_parameter("drain_min", 0.05, double("least % drained a tick", 0.0, 100.0))
         self.declare_parameter("drain_max", 0.2, double("most % drained a tick", 0.0, 100.0))
         self.declare_parameter("charge_rate", 1.0, double("%/s gained on the dock", 0.0, 100.0))
@@ -77,7 +75,9 @@ class BatteryMonitor(Node):
     def on_drain(self, message: Float32) -> None:
         self.percentage = battery_model.changed(self.percentage, -message.data)
 
-    def set_charging(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+    def set_charging(
+        self, request: SetBool.Request, response: SetBool.Response
+    ) -> SetBool.Response:
         self.is_charging = request.data
         self.publish()
         response.success = True

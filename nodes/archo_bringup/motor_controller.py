@@ -32,9 +32,7 @@ class MotorController(Node):
         super().__init__("motor_controller", **options)
         self.declare_parameter("max_speed", 0.8, double("m/s along the route", 0.05, 2.0))
         self.declare_parameter("wheel_radius", 0.05, double("m", 0.01, 0.5))
-        self.declare_parameter(
-            "feedback_period", 0.5, double("s between two feedbacks", 0.02, 5.0)
-        )
+        self.declare_parameter("feedback_period", 0.5, double("s between two feedbacks", 0.02, 5.0))
         self.declare_parameter(
             "route_length", 18.0, double("m from here to any shelf", 0.1, 1000.0)
         )

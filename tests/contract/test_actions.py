@@ -32,7 +32,11 @@ class Robot:
         self.goals: list[Any] = []
         self.finish: Future[str] = Future()
         self.server = ActionServer(
-            self.node, MoveToShelf, "move", self.execute, **options  # type: ignore[arg-type]
+            self.node,
+            MoveToShelf,
+            "move",
+            self.execute,
+            **options,
         )
         self.executor = ros.spin(self.node)
         self.client = ActionClient(ros.spun("client"), MoveToShelf, "move")
@@ -83,9 +87,7 @@ def test_a_result_can_be_asked_for_after_the_end_and_twice(ros: Ros) -> None:
 
 def test_a_goal_without_a_terminal_state_is_aborted_with_a_warning(ros: Ros) -> None:
     warnings: list[str] = []
-    ros.spun("listener").create_subscription(
-        Log, "/rosout", lambda m: warnings.append(m.msg), 50
-    )
+    ros.spun("listener").create_subscription(Log, "/rosout", lambda m: warnings.append(m.msg), 50)
     robot = Robot(ros)
     handle = send(ros, robot)
     robot.end("")
@@ -168,9 +170,7 @@ def test_a_result_is_forgotten_after_its_timeout(ros: Ros) -> None:
     handle = send(ros, robot)
     robot.end("succeed")
     wait_until(lambda: robot.goals and not robot.goals[0].is_active)
-    wait_until(
-        lambda: ros.result(handle.get_result_async()).status == GoalStatus.STATUS_UNKNOWN
-    )
+    wait_until(lambda: ros.result(handle.get_result_async()).status == GoalStatus.STATUS_UNKNOWN)
 
 
 def test_an_action_is_three_services_and_two_topics(ros: Ros) -> None:

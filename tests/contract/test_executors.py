@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from typing import Any
@@ -93,10 +94,8 @@ def _overlap(ros: Ros, group: Any) -> int:
         with lock:
             running[0] += 1
             most[0] = max(most[0], running[0])
-        try:
+        with contextlib.suppress(threading.BrokenBarrierError):
             both.wait(0.2)
-        except threading.BrokenBarrierError:
-            pass
         with lock:
             running[0] -= 1
             ran[0] += 1

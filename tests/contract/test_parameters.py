@@ -148,7 +148,7 @@ def test_callbacks_see_refuse_and_follow_a_change(ros: Ros) -> None:
 def test_setting_atomically_changes_all_or_none(ros: Ros) -> None:
     node = ros.node()
     declare(node)
-    both = [Parameter("speed", value=1.0), Parameter("shelves", value=99)]
+    both: list[Parameter[Any]] = [Parameter("speed", value=1.0), Parameter("shelves", value=99)]
     assert not node.set_parameters_atomically(both).successful
     assert node.get_parameter("speed").value == 0.8
 
@@ -187,7 +187,9 @@ def test_every_change_is_an_event(ros: Ros) -> None:
     def mine() -> list[ParameterEvent]:
         found = [*events]
         return [
-            e for e in found if [p.name for p in (*e.new_parameters, *e.changed_parameters)] == ["speed"]
+            e
+            for e in found
+            if [p.name for p in (*e.new_parameters, *e.changed_parameters)] == ["speed"]
         ]
 
     wait_until(lambda: len(mine()) == 2)

@@ -84,7 +84,10 @@ def test_drain_min_above_drain_max_is_refused(ros: Ros) -> None:
     node = start(ros)
     result = node.set_parameters([Parameter("drain_min", value=0.5)])[0]
     assert (result.successful, result.reason) == (False, "drain_min 0.5 is above drain_max 0.2")
-    both = [Parameter("drain_min", value=0.5), Parameter("drain_max", value=0.6)]
+    both: list[Parameter[Any]] = [
+        Parameter("drain_min", value=0.5),
+        Parameter("drain_max", value=0.6),
+    ]
     assert node.set_parameters_atomically(both).successful
     with pytest.raises(InvalidParameterValueException, match="above drain_max"):
         ros.node(kind=BatteryMonitor, cli_args=["--ros-args", "-p", "drain_min:=50.0"])
@@ -101,9 +104,7 @@ def test_every_parameter_is_described(ros: Ros) -> None:
 def test_the_drain_node_empties_the_battery(ros: Ros) -> None:
     heard = watch(ros)
     start(ros)
-    drain = ros.node(
-        kind=FakeBatteryDrain, cli_args=["--ros-args", "-p", "drain:=100.0"]
-    )
+    drain = ros.node(kind=FakeBatteryDrain, cli_args=["--ros-args", "-p", "drain:=100.0"])
     ros.spin(drain)
     wait_until(lambda: heard and heard[-1].percentage == 0.0)
 

@@ -27,16 +27,14 @@ class Operator:
 
     def __init__(self, ros: Ros, *words: str) -> None:
         self.ros = ros
-        self.motor = ros.node(kind=MotorController, cli_args=["--ros-args", *FAST, *words])
+        self.motor: Any = ros.node(kind=MotorController, cli_args=["--ros-args", *FAST, *words])
         ros.spin(self.motor)
         node = self.node = ros.spun("operator")
         self.feedback: list[float] = []
         self.status: list[MotorStatus] = []
         self.log: list[tuple[int, str]] = []
         node.create_subscription(MotorStatus, "motor_status", self.status.append, 100)
-        node.create_subscription(
-            Log, "/rosout", lambda m: self.log.append((m.level, m.msg)), 100
-        )
+        node.create_subscription(Log, "/rosout", lambda m: self.log.append((m.level, m.msg)), 100)
         self.action = ActionClient(node, MoveToShelf, "move_to_shelf")
         assert self.action.wait_for_server(10.0)
         wait_until(lambda: self.status)
@@ -151,9 +149,7 @@ def test_an_emergency_stop_aborts_latches_and_is_released_apart(ros: Ros) -> Non
     wait_until(lambda: operator.status[-1].emergency_stopped)
     assert operator.call(EmergencyStop, "emergency_stop").success
     assert not operator.send().accepted
-    wait_until(
-        lambda: (30, "Goal refused: emergency stop: release it first") in operator.log
-    )
+    wait_until(lambda: (30, "Goal refused: emergency stop: release it first") in operator.log)
     assert operator.call(Trigger, "release_emergency_stop").success
     wait_until(lambda: not operator.status[-1].emergency_stopped)
     assert operator.outcome(operator.send())[1]

@@ -1,5 +1,7 @@
-"""The embedded engine's `rclpy`: the part of ROS 2's Python client library that nodes use, in one
-process, without ROS. Smaller than rclpy, never kinder: what would fail there fails here the same way.
+"""The embedded engine's `rclpy`: the part of ROS 2's Python client library that nodes use.
+
+In one process, without ROS. Smaller than rclpy, never kinder: what would fail there fails here
+the same way.
 """
 
 from __future__ import annotations

@@ -8,6 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from rclpy._names import Remap
+from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
+
 from archo_tui.embedded.parameter_files import (
     Override,
     ParameterFileError,
@@ -15,8 +18,6 @@ from archo_tui.embedded.parameter_files import (
     read,
     value_of,
 )
-from rclpy._names import Remap
-from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
 
 LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 

@@ -87,9 +87,7 @@ class NodeParameters:
         result = self._apply([parameter], {name: descriptor})
         if not result.successful:
             if result.reason.startswith("Wrong parameter type"):
-                raise InvalidParameterTypeException(
-                    parameter, Parameter.Type(descriptor.type).name
-                )
+                raise InvalidParameterTypeException(parameter, Parameter.Type(descriptor.type).name)
             raise InvalidParameterValueException(name, value, result.reason)
         return self._parameters[name]
 
@@ -147,9 +145,7 @@ class NodeParameters:
         for callback in self._pre_set:
             parameter_list = callback(parameter_list)
         if self._pre_set and not parameter_list:
-            return SetParametersResult(
-                successful=False, reason="parameter list cannot be empty"
-            )
+            return SetParametersResult(successful=False, reason="parameter list cannot be empty")
         unknown = [p.name for p in parameter_list if p.name not in self._parameters]
         if unknown and not self._allow_undeclared_parameters:
             raise ParameterNotDeclaredException(unknown)

@@ -36,7 +36,9 @@ class Context:
         initialize_logging: bool = True,
         domain_id: int | None = None,
     ) -> None:
-        """Begin. `args` defaults to the program's own; `domain_id` defaults to ROS_DOMAIN_ID, or 0; contexts of one domain talk.
+        """Begin. `args` defaults to the program's own, `domain_id` to ROS_DOMAIN_ID, or 0.
+
+        Contexts of one domain talk.
 
         Raises RuntimeError when begun already, RCLError and its kin for bad arguments.
         """
@@ -69,7 +71,9 @@ class Context:
         """End: nodes leave the graph, executors stop. Raises RCLError when not begun."""
         with self._lock:
             if not self._ok:
-                raise RCLError("failed to shutdown: rcl_shutdown already called on the given context")
+                raise RCLError(
+                    "failed to shutdown: rcl_shutdown already called on the given context"
+                )
             self._ok = False
         for node in list(self._nodes):
             node._leave_graph()

@@ -87,9 +87,7 @@ class Executor:
         """The nodes that were added."""
         return list(self._nodes)
 
-    def create_task(
-        self, callback: Callable[..., Any], *args: Any, **kwargs: Any
-    ) -> Task[Any]:
+    def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task[Any]:
         """Run a function or coroutine on this executor, from any thread."""
         task: Task[Any] = Task(callback, args, kwargs, executor=self)
         with self._condition:

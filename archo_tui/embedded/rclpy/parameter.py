@@ -71,7 +71,7 @@ class Parameter(Generic[AllowableParameterValueT]):
     Type = Type
 
     def __init__(self, name: str, type_: Type | None = None, value: Any = None) -> None:
-        """Raises TypeError for a value no parameter can have, ValueError for one of another type."""
+        """Raises TypeError for a value no parameter can have, ValueError for another type."""
         if type_ is None:
             type_ = Type.from_parameter_value(value)
         if not isinstance(type_, Type):

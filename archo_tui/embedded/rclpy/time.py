@@ -43,9 +43,7 @@ class Time:
         return f"Time(nanoseconds={self._nanoseconds}, clock_type={self._clock_type.name})"
 
     def __add__(self, other: Duration) -> Time:
-        return Time(
-            nanoseconds=self._nanoseconds + other.nanoseconds, clock_type=self._clock_type
-        )
+        return Time(nanoseconds=self._nanoseconds + other.nanoseconds, clock_type=self._clock_type)
 
     def __sub__(self, other: Time) -> Duration:
         self._check(other)

@@ -36,7 +36,9 @@ def next_state(state: int, event: str) -> int:
     try:
         return _NEXT[state, event]
     except KeyError:
-        raise RCLError(f"goal_handle attempted invalid transition from state {state}: {event}") from None
+        raise RCLError(
+            f"goal_handle attempted invalid transition from state {state}: {event}"
+        ) from None
 
 
 def is_cancelable(state: int) -> bool:

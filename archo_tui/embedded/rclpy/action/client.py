@@ -139,9 +139,7 @@ class ActionClient:
         answer = self._goal_client.call_async(request)
         answer._set_executor(None)  # at once: the goal's status may be next in the queue
         answer.add_done_callback(on_response)
-        accepted.add_done_callback(
-            lambda future: answer.cancel() if future.cancelled() else None
-        )
+        accepted.add_done_callback(lambda future: answer.cancel() if future.cancelled() else None)
         return accepted
 
     def send_goal(self, goal: Any, **options: Any) -> Any:

@@ -1,0 +1,132 @@
+"""Every state that a panel can be in, by name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from archo_tui.robot.state import (
+    Battery,
+    Event,
+    Goal,
+    Motor,
+    NodeState,
+    Parameter,
+    Phase,
+    Snapshot,
+)
+from tests.support.stub import NOW, TIME
+
+ALL = frozenset(
+    {
+        "battery_level",
+        "motor_status",
+        "reset_encoder",
+        "emergency_stop",
+        "release_emergency_stop",
+        "set_charging",
+        "move_to_shelf",
+    }
+)
+
+MOVING = Goal(
+    shelf=12,
+    phase=Phase.MOVING,
+    sent=NOW - 1.6,
+    time=TIME - 1.5,
+    length=18.0,
+    remaining=9.0,
+    heard=NOW,
+    started=NOW - 1.5,
+)
+
+
+def ended(shelf: int, phase: Phase, message: str, remaining: float = 0.0) -> Goal:
+    return replace(
+        MOVING, shelf=shelf, phase=phase, message=message, remaining=remaining, ended=NOW + 1.5
+    )
+
+
+ARRIVED = ended(12, Phase.ARRIVED, "Arrived at shelf 12")
+CANCELLED = ended(3, Phase.CANCELLED, "Cancelled mid-route", 9.0)
+BATTERY = Battery(87.5, 24.1, False, "good", NOW - 0.4)
+MOTOR = Motor(15420, 0.0, False, False, NOW - 0.1)
+PARAMETERS = (
+    Parameter("/battery_monitor", "low_battery_threshold", "double", 20.0, 20.0, "%", 0, 100),
+    Parameter("/battery_monitor", "publish_period", "double", 1.0, 1.0, "s", 0.02, 10),
+    Parameter("/motor_controller", "max_speed", "double", 0.5, 0.8, "m/s", 0.05, 2.0),
+    Parameter("/motor_controller", "wheel_radius", "double", 0.05, 0.05, "m", 0.01, 0.5),
+    Parameter(
+        "/motor_controller", "ticks_per_revolution", "integer", 1024, 1024, "", read_only=True
+    ),
+)
+EVENTS = (
+    Event(TIME - 40, "ERROR", "motor_controller", "max_speed 9 refused: allowed 0.05 .. 2"),
+    Event(
+        TIME - 2,
+        "YOU",
+        "console",
+        "go to shelf 12: accepted",
+        "ros2 action send_goal /move_to_shelf archo_interfaces/action/MoveToShelf",
+    ),
+    Event(TIME - 1, "WARN", "dashboard", "Low battery: 18.0%", count=12),
+)
+NORMAL = Snapshot(
+    battery=BATTERY,
+    motor=MOTOR,
+    parameters=PARAMETERS,
+    nodes=(
+        NodeState("/battery_monitor", NOW - 0.4, 1.0),
+        NodeState("/dashboard", NOW - 0.4),
+        NodeState("/motor_controller", NOW - 0.1, 5.0),
+    ),
+    offered=ALL,
+    events=EVENTS,
+)
+
+
+def goal(phase: Phase, **changes: object) -> Snapshot:
+    return replace(
+        NORMAL,
+        goal=replace(MOVING, phase=phase, **changes),  # type: ignore[arg-type]
+        history=(ARRIVED, CANCELLED),
+    )
+
+
+def battery(percentage: float | None = 87.5, **changes: object) -> Snapshot:
+    return replace(NORMAL, battery=replace(BATTERY, percentage=percentage, **changes))  # type: ignore[arg-type]
+
+
+STATES: dict[str, Snapshot] = {
+    "nothing heard yet": Snapshot(),
+    "normal": NORMAL,
+    "battery low and moving": replace(
+        goal(Phase.MOVING),
+        battery=replace(BATTERY, percentage=18.0, voltage=21.3, health="warning"),
+    ),
+    "battery empty": battery(0.0, voltage=20.6, health="warning"),
+    "battery charging": battery(43.0, voltage=22.3, charging=True),
+    "battery to be replaced": battery(87.5, health="replace"),
+    "battery without health": battery(18.0, voltage=None, health=None, charging=None),
+    "battery not a number": battery(None, voltage=None),
+    "battery old": battery(87.5, received=NOW - 4.2),
+    "contact lost": replace(
+        goal(Phase.LOST, heard=NOW - 9.0),
+        battery=replace(BATTERY, received=NOW - 9.5),
+        motor=replace(MOTOR, received=NOW - 9.1),
+        nodes=tuple(replace(node, heard=NOW - 9.1) for node in NORMAL.nodes),
+    ),
+    "motor moving": replace(
+        goal(Phase.MOVING), motor=Motor(1_234_567, 0.8, True, False, NOW - 0.1)
+    ),
+    "motor stopped": replace(
+        goal(Phase.ABORTED, message="Emergency stop at 9.0 m", ended=NOW),
+        motor=replace(MOTOR, stopped=True),
+    ),
+    "goal sent": goal(Phase.SENT, started=None, heard=None, remaining=None),
+    "goal refused": goal(Phase.REFUSED, message="shelf 99 is not in 1 .. 40", shelf=99),
+    "goal cancelling": goal(Phase.CANCELLING, cancel_asked=NOW - 0.4),
+    "goal cancelled": replace(NORMAL, goal=CANCELLED, history=(CANCELLED,)),
+    "goal arrived": replace(NORMAL, goal=ARRIVED, history=(ARRIVED, CANCELLED)),
+    "goal unknown": goal(Phase.UNKNOWN, started=None, heard=None, remaining=None),
+    "nothing offered": replace(NORMAL, offered=frozenset(), nodes=()),
+}

@@ -1,0 +1,141 @@
+"""An operator sends the robot to shelves."""
+
+from __future__ import annotations
+
+import pytest
+from textual.widgets import Input
+
+from tests.support.console import FAST, SLOW, console
+
+
+async def test_a_goal_is_typed_driven_and_arrives() -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        await op.type("12")
+        await op.press("enter")
+        await op.until("✓ ARRIVED      Arrived at shelf 12, 18.0 m in ")
+        assert "100%" in op.text
+        await op.until("before: ✓ 12 arrived")
+        assert "go to shelf 12: accepted   $ ros2 action send_goal /move_to_shelf" in op.text
+
+
+async def test_the_way_left_and_the_time_are_shown_while_it_drives() -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12   16.8 m left of 18.0 m")
+        await op.until(lambda: "s so far, about " in op.line("m left of"))
+        assert "MOVING to 12" in op.text.splitlines()[0]
+        await op.until("▶ MOVING")
+
+
+async def test_ctrl_c_cancels_while_typing() -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        await op.type("7")
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED    Cancelled mid-route, ")
+        assert op.app.query_one("#shelf", Input).value == "7"
+        await op.until(
+            "cancel: cancelling   $ ros2 service call /move_to_shelf/_action/cancel_goal"
+        )
+        assert op.app.view.snapshot.goal is not None
+        remaining = op.app.view.snapshot.goal.remaining
+        assert remaining is not None
+        assert 0 < remaining < 18
+        await op.until("● IDLE")
+
+
+async def test_keys_that_arrive_together_go_where_they_were_meant() -> None:
+    async with console(*FAST) as op:
+        for key in ("g", "7", "enter"):  # as in one packet over a slow line: no waiting between
+            op.app.post_message(_key(key))
+        await op.until("Arrived at shelf 7")
+
+
+async def test_enter_twice_sends_one_goal() -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "9")
+        for _ in range(2):
+            op.app.post_message(_key("enter"))
+        await op.until("MOVING to 9")
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED")
+        assert len(op.app.view.snapshot.history) == 1
+
+
+async def test_a_second_goal_is_refused_and_the_first_goes_on() -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        await op.press("3", "enter")
+        await op.until("a goal is running already: cancel it first")
+        assert "MOVING to 12" in op.text
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED")
+
+
+async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", "9", "9", "enter")
+        await op.until("✗ REFUSED      shelf 99 is not in 1 .. 40")
+        await op.until("before: ✗ 99 refused")
+
+
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("", "type a shelf number"),
+        ("abc", "not a shelf number: abc"),
+        ("1.5", "not a shelf number: 1.5"),
+        ("-1", "shelves are numbered from 1: -1"),
+        ("0", "shelves are numbered from 1: 0"),
+        ("99999999999", "no such shelf: 99999999999"),
+        ("９", "not a shelf number: ９"),
+    ],
+)
+async def test_what_is_no_shelf_is_said_and_sends_nothing(typed: str, said: str) -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        op.app.query_one("#shelf", Input).value = typed
+        await op.press("enter")
+        await op.until(said)
+        assert "No goal yet." in op.text
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_ten_thousand_pasted_characters_are_refused_in_one_line() -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        op.app.query_one("#shelf", Input).insert_text_at_cursor("9" * 10_000)
+        await op.press("enter")
+        await op.until("no such shelf: 99999999999999999999 ...")
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_the_go_button_does_what_enter_does() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", "5")
+        await op.pilot.click("#go")
+        await op.until("Arrived at shelf 5")
+
+
+async def test_the_cancel_button_cancels() -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "5", "enter")
+        await op.until("MOVING to 5")
+        await op.pilot.click("#cancel")
+        await op.until("✗ CANCELLED")
+
+
+async def test_ctrl_c_without_a_goal_says_how_to_quit() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+c")
+        await op.until("Press q (or")
+        assert op.app.is_running
+
+
+def _key(name: str):  # type: ignore[no-untyped-def]
+    from textual.events import Key
+
+    return Key(name, name if len(name) == 1 else None)

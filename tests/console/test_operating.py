@@ -1,0 +1,172 @@
+"""Encoder, stop, parameters, battery, focus, help: an operator at the keyboard."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+
+from archo_tui.session import _robots_nodes
+from tests.support.console import FAST, SLOW, console
+
+
+async def test_r_resets_the_encoder() -> None:
+    async with console(*FAST) as op:
+        await op.until("15 420 ticks")
+        await op.press("r")
+        await op.until("        0 ticks")
+        await op.until("reset encoder: Encoder reset to zero   $ ros2 service call /reset_encoder")
+
+
+async def test_the_reset_button_does_the_same() -> None:
+    async with console(*FAST) as op:
+        await op.press("2", "enter")
+        await op.until("        0 ticks")
+
+
+async def test_r_asks_while_a_goal_runs_and_the_safe_answer_has_the_focus() -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        await op.press("escape", "r")
+        await op.until("The robot is on its way to shelf 12. Reset the encoder now?")
+        assert op.app.focused is not None
+        assert op.app.focused.id == "no"
+        await op.press("enter")
+        await op.until(lambda: op.app.screen is op.app.main)
+        assert "        0 ticks" not in op.text
+        await op.press("r")
+        await op.until("Reset the encoder now?")
+        await op.press("tab", "enter")
+        await op.until("reset encoder: Encoder reset to zero")
+        await op.press("ctrl+c")
+
+
+@pytest.mark.parametrize("where", ["main", "field", "edit dialog", "question", "help"])
+async def test_stop_acts_everywhere_and_is_released_apart(where: str) -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        if where != "field":
+            await op.press("escape")
+        if where == "edit dialog":
+            await op.press("4", "enter")
+            await op.until(lambda: op.app.screen is not op.app.main)
+        if where == "question":
+            await op.press("r")
+            await op.until("Reset the encoder now?")
+        if where == "help":
+            await op.press("question_mark")
+            await op.until("Keys")
+        await op.press("ctrl+x")
+        await op.until(lambda: op.app.view.snapshot.motor.stopped)
+        while op.app.screen is not op.app.main:
+            await op.press("escape")
+        await op.until("✗ ABORTED      Emergency stop at ")
+        await op.until("✗ STOPPED (R releases)")
+        await op.until("STOPPED: look for the cause, then R releases")
+        if where == "field":
+            await op.press("escape")
+        await op.press("R")
+        await op.until("Release the stop?")
+        await op.press("tab", "enter")
+        await op.until("● IDLE")
+
+
+async def test_a_goal_is_refused_while_stopped() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        await op.press("g", "7", "enter")
+        await op.until("✗ REFUSED      emergency stop: release it first")
+
+
+async def test_an_alarm_that_is_over_stays_until_acknowledged() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        await op.press("R")
+        await op.until("Release the stop?")
+        await op.press("tab", "enter")
+        await op.until("was: STOPPED, since ")
+        await op.press("a")
+        await op.until(lambda: "was: STOPPED" not in op.text)
+
+
+async def test_c_charges_and_stops_charging() -> None:
+    async with console(*FAST) as op:
+        await op.press("c")
+        await op.until("↯ CHARGING")
+        await op.press("c")
+        await op.until("● GOOD")
+
+
+class Sleeper(Node):
+    """A node whose callback does not return for a long time."""
+
+    awake = threading.Event()
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("sleeper", **options)
+        self.create_timer(0.01, lambda: self.awake.wait(10) and None)
+
+
+async def test_a_node_that_hangs_does_not_hang_the_keyboard() -> None:
+    Sleeper.awake.clear()
+    async with console(*FAST, node_makers=[*_robots_nodes(False), Sleeper]) as op:
+        try:
+            await op.press("g", "8", "enter")
+            await op.until("Arrived at shelf 8")
+        finally:
+            Sleeper.awake.set()
+
+
+async def test_nodes_tick_on_while_dialogs_are_open_and_the_terminal_is_resized() -> None:
+    async with console(*FAST) as op:
+        monitor = op.session.host.nodes[0].node
+        ticks = [0]
+        publish = monitor.publisher.publish  # type: ignore[attr-defined]
+
+        def counted(message: Any) -> None:
+            ticks[0] += 1
+            publish(message)
+
+        monitor.publisher.publish = counted  # type: ignore[attr-defined]
+        await op.press("4", "enter")
+        for width, height in ((80, 24), (160, 48), (40, 10), (120, 36)):
+            await op.pilot.resize_terminal(width, height)
+            wanted = ticks[0] + 2
+            while ticks[0] < wanted:
+                await op.pilot.pause(0.01)
+        await op.press("escape")
+        await op.until("1 Battery")
+
+
+async def test_quitting_with_a_goal_running_asks_cancels_and_goes() -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        await op.press("ctrl+q")
+        await op.until("The robot is on its way to shelf 12.")
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.press("ctrl+q")
+        await op.until("Cancel it and quit")
+        await op.press("tab", "enter")
+        await op.until(lambda: not op.app.is_running)
+        goal = op.session.robot.snapshot.goal
+        assert goal is not None
+        assert goal.message == "Cancelled mid-route"
+        assert op.app.return_code == 0
+
+
+async def test_quitting_leaves_no_thread_behind() -> None:
+    before = set(threading.enumerate())
+    async with console(*FAST) as op:
+        assert len(set(threading.enumerate()) - before) >= 4
+        await op.press("q")
+        await op.until(lambda: not op.app.is_running)
+    left = {t.name for t in set(threading.enumerate()) - before if not t.name.startswith("asyncio")}
+    assert left == set()

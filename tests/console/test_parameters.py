@@ -1,0 +1,103 @@
+"""An operator edits parameters, by the table and its dialog."""
+
+from __future__ import annotations
+
+import pytest
+from textual.widgets import DataTable, Input
+
+from tests.support.console import FAST, Console, console
+
+
+async def edit(op: Console, name: str, typed: str) -> None:
+    """Open the dialog of the first parameter of that name, and submit a value."""
+    await op.press("4")
+    names = [p.name for p in op.app.view.snapshot.parameters]
+    row = names.index(name)
+    op.app.query_one(DataTable).move_cursor(row=row)
+    await op.press("enter")
+    await op.until(lambda: op.app.screen.query("#value") and f" {name} " in op.text)
+    field = op.app.screen.query_one("#value", Input)
+    field.value = ""
+    await op.type(typed)
+    await op.press("enter")
+
+
+async def test_a_parameter_is_edited_mid_route_and_takes_effect() -> None:
+    async with console("-p", "feedback_period:=0.2", "-p", "time_scale:=3.0") as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        await op.press("escape")
+        await edit(op, "max_speed", "0.4")
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.until("0.4 *  double    0.05 .. 2")
+        await op.until("0.40 m/s")
+        await op.until("set motor_controller max_speed 0.4: max_speed is 0.4")
+        await op.press("ctrl+c")
+
+
+@pytest.mark.parametrize(
+    ("name", "typed", "said"),
+    [
+        ("max_speed", "", "a value is needed (double)"),
+        ("max_speed", "fast", "not a number: fast"),
+        ("max_speed", "9", "allowed 0.05 .. 2, not 9"),
+        ("max_speed", "nan", "not a finite number: nan"),
+        ("max_speed", "inf", "not a finite number: inf"),
+        ("shelf_count", "1.5", "not a whole number: 1.5"),
+        ("shelf_count", "0", "allowed 1 .. 9999, not 0"),
+        ("drain_min", "50", "drain_min 50 is above drain_max 0.2"),
+        ("use_sim_time", "maybe", "not true or false: maybe"),
+    ],
+)
+async def test_a_bad_value_is_said_and_changes_nothing(name: str, typed: str, said: str) -> None:
+    async with console(*FAST) as op:
+        before = op.app.view.snapshot.parameters
+        await edit(op, name, typed)
+        await op.until(said)
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+        assert op.app.view.snapshot.parameters == before
+
+
+async def test_a_whole_number_for_a_double_is_taken_as_a_double() -> None:
+    async with console(*FAST) as op:
+        await edit(op, "max_speed", "1")
+        await op.until("1.0 *  double")
+
+
+async def test_a_read_only_parameter_says_so() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "ctrl+end", "enter")
+        await op.until("ticks_per_revolution is read-only")
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+
+
+async def test_a_parameter_set_by_somebody_else_is_seen() -> None:
+    from rclpy.parameter import Parameter
+
+    async with console(*FAST) as op:
+        motor = op.session.host.nodes[2].node
+        motor.set_parameters([Parameter("max_speed", value=1.25)])
+        await op.until("1.25 *  double")
+        await op.until("max_speed")
+
+
+async def test_a_low_battery_is_a_word_a_banner_and_one_event_and_clears_above() -> None:
+    async with console(*FAST, "-p", "drain_min:=0.0", "-p", "drain_max:=0.0") as op:
+        await op.until("● GOOD      87.5 %")
+        await edit(op, "low_battery_threshold", "90")
+        await op.until("▲ LOW       87.5 %")
+        await op.until("▲ LOW BATTERY 87.5 %: dock the robot   (a acknowledge)")
+        await op.until("low 90 ")
+        await op.until(lambda: "Low battery: 87.5%  x " in op.line("Low battery"))
+        assert op.text.count("Low battery") == 1
+        await op.press("a")
+        await op.until(lambda: "acknowledge)" not in op.text)
+        assert "▲ LOW BATTERY 87.5 %" in op.text
+        await edit(op, "low_battery_threshold", "86")  # 87.5 is not yet 3 above
+        await op.until("low 86 ")
+        assert "▲ LOW       87.5 %" in op.text
+        await edit(op, "low_battery_threshold", "84.5")
+        await op.until("● GOOD      87.5 %")
+        await op.until(lambda: "LOW BATTERY" not in op.text)

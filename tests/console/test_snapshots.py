@@ -1,0 +1,116 @@
+"""The screen as a picture, in every state and size. `--update-snapshots` accepts what is seen."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from pathlib import Path
+
+import pytest
+
+from archo_tui.robot.state import Snapshot
+from tests.console.states import NORMAL, STATES
+from tests.support.stub import StandingClock, StubRobot, stub_app
+
+FOLDER = Path(__file__).parent.parent / "snapshots"
+SIZES = {"80x24": (80, 24), "120x36": (120, 36), "160x48": (160, 48)}
+
+
+@pytest.fixture(autouse=True)
+def _utc(monkeypatch: pytest.MonkeyPatch) -> None:
+    import time
+
+    monkeypatch.setenv("TZ", "UTC")
+    time.tzset()
+
+
+def normalised(svg: str) -> str:
+    """Without the ids that Rich makes anew each time."""
+    return re.sub(r"terminal-\d+", "terminal", svg)
+
+
+def compare(request: pytest.FixtureRequest, name: str, svg: str) -> None:
+    """Fail when the picture differs from the accepted one; the new one is left beside it."""
+    path = FOLDER / f"{name.replace(' ', '_')}.svg"
+    new = path.with_suffix(".new.svg")
+    actual = normalised(svg)
+    if request.config.getoption("--update-snapshots"):
+        path.write_text(actual)
+    if path.is_file() and path.read_text() == actual:
+        new.unlink(missing_ok=True)
+        return
+    new.write_text(actual)
+    pytest.fail(f"{path.name} differs: look at {new}, accept it with --update-snapshots")
+
+
+async def picture(
+    snapshot: Snapshot, size: tuple[int, int], *keys: str, theme: str = "textual-dark"
+) -> str:
+    """The screen after those keys; alarms with an on-delay have had their time."""
+    clock = StandingClock()
+    clock.passed = -3.0
+    app = stub_app(snapshot, clock)
+    async with app.run_test(size=size) as pilot:
+        app.theme = theme
+        clock.passed = 0.0
+        app.tick()
+        await pilot.press(*keys)
+        await pilot.pause()
+        app.tick()
+        await pilot.pause()
+        return app.export_screenshot(simplify=True)
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("state", STATES)
+async def test_every_state_looks_as_accepted(
+    request: pytest.FixtureRequest, state: str, size: str
+) -> None:
+    compare(request, f"{state} {size}", await picture(STATES[state], SIZES[size]))
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [("help", ["question_mark"]), ("edit", ["down", "down", "enter"]), ("field", ["g", "1", "2"])],
+)
+async def test_every_dialog_looks_as_accepted(
+    request: pytest.FixtureRequest, name: str, keys: list[str], size: str
+) -> None:
+    compare(request, f"{name} {size}", await picture(NORMAL, SIZES[size], *keys))
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_the_question_looks_as_accepted(request: pytest.FixtureRequest, size: str) -> None:
+    picture_ = await picture(STATES["goal cancelling"], SIZES[size], "q")
+    compare(request, f"question {size}", picture_)
+
+
+async def test_the_light_theme_looks_as_accepted(request: pytest.FixtureRequest) -> None:
+    svg = await picture(STATES["battery low and moving"], SIZES["120x36"], theme="textual-light")
+    compare(request, "light 120x36", svg)
+
+
+@pytest.mark.parametrize("size", [(40, 10), (20, 5), (79, 23), (300, 80)])
+async def test_odd_sizes_break_nothing(size: tuple[int, int]) -> None:
+    app = stub_app(STATES["battery low and moving"])
+    async with app.run_test(size=size) as pilot:
+        await pilot.pause()
+        assert app.is_running
+
+
+async def test_equal_snapshots_draw_nothing() -> None:
+    app = stub_app(NORMAL)
+    async with app.run_test(size=(120, 36)) as pilot:
+        await pilot.pause()
+        robot: StubRobot = app.robot  # type: ignore[assignment]
+        lines = list(app.query("Line"))
+        for line in lines:
+            line.update = _must_not  # type: ignore[attr-defined]
+        robot.put(NORMAL)
+        await asyncio.sleep(0)
+        assert len(lines) > 8
+
+
+def _must_not(*_: object, **__: object) -> None:
+    raise AssertionError("redrawn for nothing")
