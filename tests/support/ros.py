@@ -22,12 +22,12 @@ _domains = itertools.cycle(range(1, 100))
 class Ros:
     """One ROS graph of a test's own."""
 
-    def __init__(self, args: list[str] | None = None) -> None:
+    def __init__(self, args: list[str] | None = None, domain_id: int | None = None) -> None:
         self.context = Context()
         rclpy.init(
             args=["--ros-args", "--disable-stdout-logs", *(args or [])],
             context=self.context,
-            domain_id=next(_domains),
+            domain_id=next(_domains) if domain_id is None else domain_id,
             signal_handler_options=SignalHandlerOptions.NO,
         )
         self.errors: list[BaseException] = []

@@ -1,0 +1,1 @@
+"""The textbook's listings, as printed: they must run unchanged."""
