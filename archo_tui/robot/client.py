@@ -15,8 +15,8 @@ from rclpy.context import Context
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
-from archo_tui.robot import ros2_command
-from archo_tui.robot.calls import DEADLINE, Calls
+from archo_tui.robot import calls, ros2_command
+from archo_tui.robot.calls import Calls
 from archo_tui.robot.census import Census
 from archo_tui.robot.door import Door, Receiver
 from archo_tui.robot.events import EventLog
@@ -144,7 +144,7 @@ class Robot:
                 return Outcome(False, f"{full} is not offered by any node")
             answer = await self._calls.call(srv_type, name, request)
             if answer is None:
-                return Outcome(False, f"no answer in {DEADLINE:g} s")
+                return Outcome(False, f"no answer in {calls.DEADLINE:g} s")
             return Outcome(bool(answer.success), answer.message)
 
         return await self._do(title, ros2_command.service_call(full, request), call)
@@ -152,15 +152,27 @@ class Robot:
     async def _do(
         self, title: str, command: str, work: Callable[[], Coroutine[Any, Any, Outcome]]
     ) -> Outcome:
-        """Run a verb on the ROS thread and log how it ended."""
+        """Run a verb on the ROS thread and log how it ended; the snapshot then shows it."""
+
+        def log(outcome: Outcome) -> Outcome:
+            text = f"{title}: {outcome.text}"
+            self._add_event(Event(self._wall_clock(), "YOU", "console", text, command))
+            self._flush()
+            return outcome
+
+        async def there() -> Outcome:
+            try:
+                return log(await work())
+            except Exception as error:
+                return log(Outcome(False, f"{type(error).__name__}: {error}"))
+
+        deadline = 2 * calls.DEADLINE + 1.0  # more than any verb takes that still can end
         try:
-            outcome = await self._thread.run(work, DEADLINE + 1.0)
+            return await self._thread.run(there, deadline)
         except TimeoutError:
-            outcome = Outcome(False, f"no answer in {DEADLINE + 1.0:g} s from the ROS thread")
-        except Exception as error:
-            outcome = Outcome(False, f"{type(error).__name__}: {error}")
-        self.note("YOU", "console", f"{title}: {outcome.text}", command)
-        return outcome
+            outcome = Outcome(False, f"no answer in {deadline:g} s from the console's own node")
+            self.note("YOU", "console", f"{title}: {outcome.text}", command)
+            return outcome
 
     def _look(self) -> None:
         if self._census.look():

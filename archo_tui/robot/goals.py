@@ -17,7 +17,8 @@ from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient
 from rclpy.node import Node
 
-from archo_tui.robot.calls import DEADLINE, Calls
+from archo_tui.robot import calls
+from archo_tui.robot.calls import Calls
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase
 
 SILENCE = 3.0  # s without feedback or motor status until a moving goal counts as lost
@@ -68,7 +69,7 @@ class Goals:
         self._calls.watch(answer)
         if await answer is None:
             self._update(phase=Phase.UNKNOWN)
-            return Outcome(False, f"no answer in {DEADLINE:g} s: the goal may be running")
+            return Outcome(False, f"no answer in {calls.DEADLINE:g} s: the goal may be running")
         if not self._handle.accepted:
             reason = await self._reason()
             self._end(Phase.REFUSED, reason)
@@ -99,7 +100,7 @@ class Goals:
         self._calls.watch(future)
         answer = await future
         if answer is None:
-            return Outcome(False, f"no answer in {DEADLINE:g} s to the cancel")
+            return Outcome(False, f"no answer in {calls.DEADLINE:g} s to the cancel")
         if len(answer.goals_canceling):
             return Outcome(True, "cancelling")
         if self.goal is not None and self.goal.phase == Phase.CANCELLING:

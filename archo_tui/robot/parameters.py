@@ -15,7 +15,8 @@ from rcl_interfaces.msg import ParameterEvent, ParameterType
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from archo_tui.robot.calls import DEADLINE, Calls
+from archo_tui.robot import calls
+from archo_tui.robot.calls import Calls
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.values import TYPES, as_python, text_of
 
@@ -81,7 +82,7 @@ class Parameters:
         )
         answer = await self._calls.call(srv.SetParameters, f"{node}/set_parameters", request)
         if answer is None:
-            return Outcome(False, f"no answer in {DEADLINE:g} s from {node}")
+            return Outcome(False, f"no answer in {calls.DEADLINE:g} s from {node}")
         result = answer.results[0]
         if not result.successful:
             return Outcome(False, result.reason or "refused, no reason given")

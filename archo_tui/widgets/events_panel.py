@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+
 from rich.segment import Segment
 from rich.style import Style
 from textual.app import ComposeResult
@@ -16,6 +18,8 @@ from archo_tui.widgets.view import View
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
+_ONE_LINE = 70  # columns from which an event stands on one line
+_MEASURED = 100  # newest lines whose length decides how far the list scrolls sideways
 
 
 def is_shown(event: Event, level: str) -> bool:
@@ -23,12 +27,16 @@ def is_shown(event: Event, level: str) -> bool:
     return event.level == "YOU" or LEVELS.index(event.level) >= LEVELS.index(level)
 
 
-def event_line(event: Event) -> str:
-    """`12:04:31  WARN   dashboard         Low battery: 18.0%`."""
+def event_lines(event: Event, width: int) -> list[str]:
+    """`12:04:31  WARN   dashboard         Low battery: 18.0%`, wrapped where that is too wide."""
     count = f"  x {event.count}" if event.count > 1 else ""
     command = f"   $ {event.command}" if event.command else ""
-    head = f"{time_of_day(event.time)}  {event.level:<5}  {event.source:<16}"
-    return f"{head}  {event.text}{count}{command}"
+    text = f"{event.text}{count}{command}"
+    if width >= _ONE_LINE:
+        return [f"{time_of_day(event.time)}  {event.level:<5}  {event.source:<16}  {text}"]
+    head = f"{time_of_day(event.time)} {event.level:<5} {event.source}"
+    wrapped = textwrap.wrap(text, max(width - 2, 10), subsequent_indent="  ")
+    return [head, *(f"  {line}" for line in wrapped)]
 
 
 class EventList(ScrollView, can_focus=True):
@@ -37,30 +45,43 @@ class EventList(ScrollView, can_focus=True):
     def __init__(self) -> None:
         super().__init__(id="event-list")
         self._events: list[Event] = []
+        self._lines: list[tuple[str, Style]] = []
 
     def show(self, events: list[Event]) -> None:
         """Show these, newest first."""
         if events != self._events:
             self._events = events
-            width = max((len(event_line(event)) for event in events[:100]), default=0)
-            self.virtual_size = Size(width, len(events))
-            self.refresh()
+            self._lay_out()
+
+    def on_resize(self) -> None:
+        self._lay_out()
+
+    def _lay_out(self) -> None:
+        width = self.size.width
+        self._lines = [
+            (line, _style(event)) for event in self._events for line in event_lines(event, width)
+        ]
+        longest = max((len(line) for line, _ in self._lines[:_MEASURED]), default=0)
+        self.virtual_size = Size(longest, len(self._lines))
+        self.refresh()
 
     def render_line(self, y: int) -> Strip:
         row = y + self.scroll_offset.y
         width = self.size.width
-        if not self._events and y == 0:
+        if not self._lines and y == 0:
             return self._strip("Nothing to report.", Style(dim=True), width)
-        if row >= len(self._events):
+        if row >= len(self._lines):
             return Strip.blank(width, self.rich_style)
-        event = self._events[row]
-        style = Style(bold=event.level in ("WARN", "ERROR", "FATAL"), dim=event.level == "DEBUG")
-        return self._strip(event_line(event), style, width)
+        return self._strip(*self._lines[row], width)
 
     def _strip(self, text: str, style: Style, width: int) -> Strip:
         strip = Strip([Segment(text, self.rich_style + style)])
         left = self.scroll_offset.x
         return strip.crop_extend(left, left + width, self.rich_style)
+
+
+def _style(event: Event) -> Style:
+    return Style(bold=event.level in ("WARN", "ERROR", "FATAL"), dim=event.level == "DEBUG")
 
 
 class EventsPanel(Panel):

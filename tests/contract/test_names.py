@@ -175,7 +175,16 @@ def test_a_bad_parameter_file_is_an_error_of_init(tmp_path: Path, text: str) -> 
         Ros(["--params-file", str(file)])
 
 
-@pytest.mark.parametrize("words", [["--no-such-option"], ["-p", "novalue"], ["-r"]])
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--no-such-option"],
+        ["-p", "novalue"],
+        ["-r"],
+        ["-r", "__ns:=/dash-ed"],
+        ["-r", "__node:=a/b"],
+    ],
+)
 def test_a_bad_argument_is_an_error_of_init(words: list[str]) -> None:
     with pytest.raises(Exception, match=r".+"):
         Ros(words)

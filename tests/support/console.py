@@ -6,6 +6,7 @@ import itertools
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import Any
 
 from textual.pilot import Pilot
@@ -81,11 +82,17 @@ async def console(
     *ros_args: str,
     size: tuple[int, int] = (120, 36),
     node_makers: Sequence[Any] = (),
+    params_files: Sequence[Path] = (),
     clock: Clock | None = None,
     wait: bool = True,
 ) -> AsyncIterator[Console]:
     """The console with ARCHO's nodes (or others), on a graph of its own."""
-    options = Options(domain_id=next(_domains), ros_args=ros_args, node_makers=node_makers)
+    options = Options(
+        domain_id=next(_domains),
+        params_files=params_files,
+        ros_args=ros_args,
+        node_makers=node_makers,
+    )
     with Session(options) as session:
         app = ArchoApp(session, clock)
         async with app.run_test(size=size, notifications=True) as pilot:

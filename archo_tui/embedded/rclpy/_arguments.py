@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from rclpy._names import Remap
+from rclpy._names import Remap, validate_namespace, validate_node_name
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
+from rclpy.exceptions import NameValidationException
 
 from archo_tui.embedded.parameter_files import (
     Override,
@@ -95,7 +96,17 @@ def _split(text: str, what: str) -> tuple[str | None, str, str]:
 
 
 def _remap(text: str) -> Remap:
-    return Remap(*_split(text, "remap rule"))
+    rule = Remap(*_split(text, "remap rule"))
+    try:
+        if rule.match == "__ns":
+            validate_namespace(rule.replacement)
+        elif rule.match in ("__node", "__name"):
+            validate_node_name(rule.replacement)
+    except NameValidationException as error:
+        raise RCLInvalidROSArgsError(
+            f"not a {error.name_type}: {error.name!r}: {error.error_msg}"
+        ) from None
+    return rule
 
 
 def _assignment(text: str) -> Override:

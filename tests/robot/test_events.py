@@ -1,0 +1,53 @@
+"""The log: bounded, harmless, repeats counted."""
+
+from __future__ import annotations
+
+from archo_tui.robot.events import LIMIT, EventLog, harmless
+from archo_tui.robot.state import Event
+
+
+def event(text: str, level: str = "WARN", source: str = "dashboard", time: float = 1.0) -> Event:
+    return Event(time, level, source, text)
+
+
+def test_lines_that_differ_in_their_numbers_are_one_with_a_count() -> None:
+    log = EventLog()
+    for percentage in (19.9, 19.8, 19.7):
+        log.add(event(f"Dashboard sees: {percentage}%", "INFO"))
+        log.add(event(f"Low battery: {percentage}%"))
+    assert [(e.text, e.count) for e in log.all()] == [
+        ("Dashboard sees: 19.7%", 3),
+        ("Low battery: 19.7%", 3),
+    ]
+
+
+def test_other_levels_sources_and_the_operators_lines_are_never_merged() -> None:
+    log = EventLog()
+    log.add(event("a 1"))
+    log.add(event("a 2", "ERROR"))
+    log.add(event("a 3", source="other"))
+    for _ in range(2):
+        log.add(event("reset", "YOU"))
+    assert len(log.all()) == 5
+
+
+def test_a_repeat_long_after_is_a_line_of_its_own() -> None:
+    log = EventLog()
+    log.add(event("a"))
+    for letter in "bcdefghij":
+        log.add(event(letter))
+    log.add(event("a"))
+    assert len(log.all()) == 11
+
+
+def test_the_log_is_bounded() -> None:
+    log = EventLog()
+    for number in range(LIMIT + 50):
+        log.add(event("x" * (number % 7) + chr(0x4E00 + number)))
+    assert len(log.all()) == LIMIT
+
+
+def test_what_a_terminal_could_act_on_is_taken_out() -> None:
+    assert harmless("\x1b[2Jhidden\x07 \u202eright to left") == "�[2Jhidden� �right to left"
+    assert harmless("ünï ✓ 漢") == "ünï ✓ 漢"
+    assert len(harmless("x" * 1_000_000)) < 600

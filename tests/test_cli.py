@@ -1,0 +1,130 @@
+"""The command line: every mistake of a user is one clear line and exit code 2."""
+
+from __future__ import annotations
+
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from archo_tui import __version__
+from archo_tui.cli import split_ros_args
+
+
+def archo(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "archo_tui", *words],
+        capture_output=True,
+        text=True,
+        check=False,
+        stdin=subprocess.DEVNULL,
+        timeout=60,
+    )
+
+
+def refused(*words: str) -> str:
+    """The one line that a refused start prints."""
+    done = archo(*words)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1, done.stderr
+    assert lines[0].startswith("archo-tui: ")
+    return lines[0].removeprefix("archo-tui: ")
+
+
+def params(tmp_path: Path, text: str) -> str:
+    file = tmp_path / "params.yaml"
+    file.write_text(text)
+    return str(file)
+
+
+def test_version_and_help() -> None:
+    assert archo("--version").stdout == f"archo-tui {__version__}\n"
+    said = archo("--help").stdout
+    for option in ("--params-file", "--use-sim", "--namespace", "--engine", "--ros-args"):
+        assert option in said
+
+
+def test_an_unknown_option_is_refused() -> None:
+    done = archo("--no-such")
+    assert done.returncode == 2
+    assert "unrecognized arguments: --no-such" in done.stderr
+
+
+def test_without_a_terminal_it_says_so() -> None:
+    assert refused() == "stdin is not a terminal: run it in one"
+
+
+def test_stdout_must_be_a_terminal_too() -> None:
+    master, slave = pty.openpty()
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "archo_tui"], stdin=slave, capture_output=True, check=False
+        )
+    finally:
+        os.close(master)
+        os.close(slave)
+    assert done.returncode == 2
+    assert done.stderr == b"archo-tui: stdout is not a terminal: run it in one\n"
+
+
+def test_a_missing_parameter_file() -> None:
+    said = refused("--params-file", "/no/such.yaml")
+    assert said == "/no/such.yaml: cannot read the parameter file: No such file or directory"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("a: [1, 2\nb: 3\n", 2, "not YAML"),
+        ("a:\n\tb: 1\n", 2, "not YAML"),
+        ("max_speed: 1.0\n", 1, "not a ROS parameter file"),
+        ("motor_controller:\n  max_speed: 1.0\n", 2, "not a ROS parameter file"),
+        ("- 1\n", 1, "not a ROS parameter file"),
+        ("motor_controller:\n  ros__parameters:\n    max_speed: fast\n", 3, "expecting type"),
+        ("motor_controller:\n  ros__parameters:\n    max_speed: 1\n", 3, "expecting type"),
+        ("motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n", 3, "out of range"),
+        ("/**:\n  ros__parameters:\n    drain_min: 50.0\n", 3, "above drain_max"),
+        ("a:\n  ros__parameters:\n    mixed: [1, x]\n", 3, "values of one type"),
+    ],
+)
+def test_a_bad_parameter_file_names_file_and_line(
+    tmp_path: Path, text: str, line: int, said: str
+) -> None:
+    file = params(tmp_path, text)
+    message = refused("--params-file", file)
+    assert message.startswith(f"{file}:{line}: ")
+    assert said in message
+
+
+def test_a_bad_namespace() -> None:
+    assert "namespace" in refused("--namespace", "/dash-ed")
+
+
+def test_an_engine_that_this_build_has_not() -> None:
+    assert refused("--engine", "warp") == (
+        "no engine 'warp': this build has only the embedded engine"
+    )
+    assert "only the embedded engine" in refused("--engine", "ros2")
+
+
+@pytest.mark.parametrize(
+    "words", [["--ros-args", "--bogus"], ["--ros-args", "-p", "x"], ["--ros-args", "-r"]]
+)
+def test_bad_ros_arguments(words: list[str]) -> None:
+    assert refused(*words)
+
+
+def test_a_bad_value_behind_ros_args_is_said() -> None:
+    said = refused("--ros-args", "-p", "max_speed:=9.0")
+    assert "max_speed" in said
+    assert "out of range" in said
+
+
+def test_ros_args_are_taken_off() -> None:
+    words = ["--use-sim", "--ros-args", "-p", "a:=1", "--", "--namespace", "/x"]
+    assert split_ros_args(words) == (["--use-sim", "--namespace", "/x"], ["-p", "a:=1"])

@@ -1,0 +1,55 @@
+"""Parameter files: names that nobody declares are pointed at, with the nearest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from archo_tui import params
+from archo_tui.embedded.parameter_files import read
+from tests.support.console import console
+
+TEXT = """\
+motor_controler:
+  ros__parameters:
+    max_speed: 0.5
+motor_controller:
+  ros__parameters:
+    max_sped: 0.5
+/**:
+  ros__parameters:
+    anything: 1
+"""
+
+
+def test_unknown_names_are_said_with_the_nearest(tmp_path: Path) -> None:
+    file = tmp_path / "shared.yaml"
+    file.write_text(TEXT)
+    declared = {"/motor_controller": {"max_speed", "wheel_radius"}, "/dashboard": set[str]()}
+    assert params.unknown(read(file), declared) == [
+        f"{file}:3: no node /motor_controler here (nearest: /motor_controller)",
+        f"{file}:6: /motor_controller has no parameter max_sped (nearest: max_speed)",
+    ]
+
+
+async def test_unknown_names_are_events_on_the_screen(tmp_path: Path) -> None:
+    file = tmp_path / "shared.yaml"
+    file.write_text(TEXT)
+    async with console(params_files=[file], size=(200, 36)) as op:
+        await op.until("no node /motor_controler here (nearest: /motor_controller)")
+        await op.until("has no parameter max_sped (nearest: max_speed)")
+
+
+async def test_a_later_file_wins(tmp_path: Path) -> None:
+    first, second = tmp_path / "1.yaml", tmp_path / "2.yaml"
+    for file, speed in ((first, 0.3), (second, 1.7)):
+        file.write_text(f"motor_controller:\n  ros__parameters:\n    max_speed: {speed}\n")
+    async with console(params_files=[first, second]) as op:
+        await op.until("1.7  double")
+
+
+def test_the_projects_own_files_are_in_ros_form() -> None:
+    own = params.load(params.default_files())
+    assert {(o.pattern, o.name) for o in own} >= {
+        ("/motor_controller", "max_speed"),
+        ("/motor_controller", "wheel_radius"),
+    }
