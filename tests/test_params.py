@@ -34,7 +34,7 @@ def test_unknown_names_are_said_with_the_nearest(tmp_path: Path) -> None:
 async def test_unknown_names_are_events_on_the_screen(tmp_path: Path) -> None:
     file = tmp_path / "shared.yaml"
     file.write_text(TEXT)
-    async with console(params_files=[file], size=(200, 36)) as op:
+    async with console(params_files=[file], size=(300, 36)) as op:
         await op.until("no node /motor_controler here (nearest: /motor_controller)")
         await op.until("has no parameter max_sped (nearest: max_speed)")
 
