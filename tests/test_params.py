@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from archo_tui import params
 from archo_tui.embedded.parameter_files import read
 from tests.support.console import console
@@ -31,10 +33,13 @@ def test_unknown_names_are_said_with_the_nearest(tmp_path: Path) -> None:
     ]
 
 
-async def test_unknown_names_are_events_on_the_screen(tmp_path: Path) -> None:
-    file = tmp_path / "shared.yaml"
+async def test_unknown_names_are_events_on_the_screen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = Path("shared.yaml")
     file.write_text(TEXT)
-    async with console(params_files=[file], size=(300, 36)) as op:
+    async with console(params_files=[file]) as op:
         await op.until("no node /motor_controler here (nearest: /motor_controller)")
         await op.until("has no parameter max_sped (nearest: max_speed)")
 
