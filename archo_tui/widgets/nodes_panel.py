@@ -21,11 +21,17 @@ class NodesPanel(Panel, can_focus=True):
     def __init__(self) -> None:
         super().__init__()
         self._text = ""
+        self._drawn: tuple[float, int, int] | None = None
 
     def compose(self) -> ComposeResult:
         yield Static(id="nodes")
 
     def show(self, view: View) -> None:
+        # once a second is enough for ages: a chatty robot must not become a chatty terminal
+        drawn = (view.second, len(view.snapshot.nodes), self.size.width)
+        if drawn == self._drawn:
+            return
+        self._drawn = drawn
         wide = self.size.width >= _WITH_RATE
         lines = [
             words.node_line(node, view.second, with_rate=wide)
