@@ -7,7 +7,7 @@ import textwrap
 from rich.segment import Segment
 from rich.style import Style
 from textual.app import ComposeResult
-from textual.geometry import Size
+from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
@@ -57,13 +57,20 @@ class EventList(ScrollView, can_focus=True):
         self._lay_out()
 
     def _lay_out(self) -> None:
-        width = self.size.width
+        width, old = self.size.width, self._lines
         self._lines = [
             (line, _style(event)) for event in self._events for line in event_lines(event, width)
         ]
         longest = max((len(line) for line, _ in self._lines[:_MEASURED]), default=0)
-        self.virtual_size = Size(longest, len(self._lines))
-        self.refresh()
+        size = Size(longest, len(self._lines))
+        if size != self.virtual_size or len(old) != len(self._lines):
+            self.virtual_size = size
+            self.refresh()
+            return
+        top = int(self.scroll_offset.y)
+        for row in range(top, min(top + self.size.height, len(old))):
+            if old[row] != self._lines[row]:  # mostly one line, whose count has grown
+                self.refresh(Region(0, row - top, width, 1))
 
     def render_line(self, y: int) -> Strip:
         row = y + self.scroll_offset.y
