@@ -90,7 +90,7 @@ class ArchoApp(App[None]):
             self._clock.monotonic(),
             self._second,
             self._clock.now(),
-            self._session.options.engine,
+            self._session.engine,
             self._session.options.namespace,
             self._alarms.all(),
         )
@@ -142,11 +142,11 @@ class ArchoApp(App[None]):
         if not outcome.ok:
             self.notify(outcome.text, severity="error")
 
-    async def ask(self, question: Confirm) -> bool:
-        """Put a question and wait for the answer; one at a time."""
+    async def ask(self, question: Confirm) -> str:
+        """Put a question and wait for the answer, the safe one if another is being asked."""
         if isinstance(self.screen, Confirm):
-            return False
-        return bool(await self.push_screen_wait(question))  # type: ignore[arg-type]
+            return question.safe
+        return str(await self.push_screen_wait(question))  # type: ignore[arg-type]
 
     def acknowledge(self) -> None:
         """Acknowledge the alarm in the banner."""
@@ -193,11 +193,16 @@ class ArchoApp(App[None]):
         goal = self.view.snapshot.goal
         if goal is not None and goal.is_running:
             question = f"The robot is on its way to shelf {goal.shelf}."
-            if not await self.ask(Confirm("Quit", question, "Cancel it and quit", "Stay")):
+            answers = ["Stay", "Cancel it and quit"]
+            if self._session.options.attach:
+                answers.append("Leave it running and quit")
+            answer = await self.ask(Confirm("Quit", question, *answers))
+            if answer == "Cancel it and quit":
+                outcome = await self.robot.cancel()
+                if outcome.ok:
+                    await self._goal_ended()
+            elif answer != "Leave it running and quit":
                 return
-            outcome = await self.robot.cancel()
-            if outcome.ok:
-                await self._goal_ended()
         self.exit()
 
     async def _goal_ended(self) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from archo_tui import __version__
 from archo_tui.errors import ArchoError
+from archo_tui.terminal import guarded_stderr, log_file
 
 FAILED, MISUSED = 1, 2  # exit codes
 
@@ -18,7 +19,8 @@ def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(
         prog="archo-tui",
         description="Operate the warehouse robot ARCHO from a terminal.",
-        epilog="A stop from here is a software stop: it does not replace the hardware one.",
+        epilog="A stop from here is a software stop: it does not replace the hardware one. "
+        f"What libraries print while the screen is up goes to {log_file()}.",
     )
     made.add_argument("--version", action="version", version=f"archo-tui {__version__}")
     made.add_argument(
@@ -38,7 +40,12 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--engine",
         default="embedded",
-        help="what `import rclpy` means: embedded (default, no ROS needed)",
+        help="what `import rclpy` means: embedded (default, no ROS needed) or ros2 (the real one)",
+    )
+    made.add_argument(
+        "--attach",
+        action="store_true",
+        help="host no nodes: operate the robot that is on the ROS 2 graph",
     )
     made.add_argument(
         "--ros-args",
@@ -82,6 +89,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             use_sim=options.use_sim,
             namespace=options.namespace,
             ros_args=ros_args,
+            attach=options.attach,
         )
     )
     try:
@@ -90,7 +98,8 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
 
         session.start()
         app = ArchoApp(session)
-        app.run()
+        with guarded_stderr(log_file()):
+            app.run()
         return app.return_code or 0
     finally:
         session.close()

@@ -89,7 +89,7 @@ class Release(Command):
 
     async def run(self, app: ArchoApp) -> None:
         question = "Release the stop? Moves are allowed again; nothing resumes by itself."
-        if await app.ask(Confirm("Release", question, "Release", "Stay stopped")):
+        if await app.ask(Confirm("Release", question, "Stay stopped", "Release")) == "Release":
             app.tell(await app.robot.release_emergency_stop())
 
 
@@ -103,7 +103,7 @@ class Reset(Command):
         goal = app.view.snapshot.goal
         if goal is not None and goal.is_running:
             question = f"The robot is on its way to shelf {goal.shelf}. Reset the encoder now?"
-            if not await app.ask(Confirm("Reset encoder", question, "Reset", "Leave it")):
+            if await app.ask(Confirm("Reset encoder", question, "Leave it", "Reset")) != "Reset":
                 return
         app.tell(await app.robot.reset_encoder())
 

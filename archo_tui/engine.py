@@ -2,28 +2,93 @@
 
 from __future__ import annotations
 
+import importlib
+import importlib.metadata
+import importlib.util
+import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from archo_tui import embedded
 from archo_tui.errors import ArchoError
 
-ENGINES = ("embedded",)
+if TYPE_CHECKING:
+    from rclpy.context import Context
+
+EMBEDDED, ROS2 = "embedded", "ros2"
+ENGINES = (EMBEDDED, ROS2)
 
 _CHECKOUT = Path(__file__).parent.parent
+_GET_ROS = (
+    "source an installation (. /opt/ros/kilted/setup.bash) or, on Linux x86-64, "
+    "pip install 'archo-tui[ros2]'"
+)
+_GET_INTERFACES = (
+    "pip install ./interfaces, or colcon build --packages-select archo_interfaces and source "
+    "install/setup.bash"
+)
+# what the robot's own nodes need; a robot elsewhere may do with less
+_NEEDED = {
+    "msg": ("BatteryStatus", "MotorStatus"),
+    "srv": ("EmergencyStop", "ResetEncoder"),
+    "action": ("MoveToShelf",),
+}
 
 
-def activate(name: str) -> None:
-    """Make `import rclpy` mean the named engine.
+def activate(name: str, *, hosting: bool = True) -> None:
+    """Make `import rclpy` mean the named engine. Never falls back to another one.
 
-    Raises ArchoError for an engine that this build does not have, and when another `rclpy` is
-    imported already. Never falls back to another engine.
+    With `hosting` every interface of the robot's own nodes must be there.
+    Raises ArchoError that says what to type when something is missing.
     """
     if name not in ENGINES:
-        raise ArchoError(f"no engine {name!r}: this build has only the embedded engine")
+        raise ArchoError(f"no engine {name!r}: one of {', '.join(ENGINES)}")
+    if name == ROS2:
+        _activate_ros2(hosting)
+        return
     try:
         embedded.install(interface_packages())
     except RuntimeError as error:
         raise ArchoError(f"cannot use the embedded engine: {error}") from None
+
+
+def _activate_ros2(hosting: bool) -> None:
+    if embedded.is_installed():
+        raise ArchoError("cannot use ROS 2: this process uses the embedded engine already")
+    if importlib.util.find_spec("rclpy") is None:
+        raise ArchoError(f"ROS 2 is not here (no module rclpy): {_GET_ROS}")
+    try:
+        importlib.import_module("rclpy")
+    except Exception as error:
+        raise ArchoError(f"ROS 2 does not start ({_first_line(error)}): {_GET_ROS}") from None
+    if importlib.util.find_spec("archo_interfaces") is None:
+        raise ArchoError(f"archo_interfaces is not installed: {_GET_INTERFACES}")
+    missing = _missing_interfaces()
+    if hosting and missing:
+        raise ArchoError(
+            f"archo_interfaces is stale, it lacks {', '.join(missing)}: {_GET_INTERFACES}"
+        )
+    if "action/MoveToShelf" in missing:
+        raise ArchoError(f"archo_interfaces lacks action/MoveToShelf: {_GET_INTERFACES}")
+
+
+def _missing_interfaces() -> list[str]:
+    missing = []
+    for kind, names in _NEEDED.items():
+        try:
+            module = importlib.import_module(f"archo_interfaces.{kind}")
+        except ImportError:
+            module = None
+        missing += [f"{kind}/{name}" for name in names if not hasattr(module, name)]
+    if "msg/BatteryStatus" not in missing:
+        fields = importlib.import_module("archo_interfaces.msg").BatteryStatus
+        if "battery_health" not in fields.get_fields_and_field_types():
+            missing.append("msg/BatteryStatus.battery_health")
+    return missing
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]
 
 
 def interface_packages() -> dict[str, Path]:
@@ -33,3 +98,25 @@ def interface_packages() -> dict[str, Path]:
     """
     folder = _CHECKOUT / "interfaces"
     return {"archo_interfaces": folder} if (folder / "package.xml").is_file() else {}
+
+
+def describe(name: str, context: Context) -> str:
+    """The engine as the header names it: `embedded`, `ROS 2 kilted rmw_fastrtps_cpp domain 0`."""
+    if name == EMBEDDED:
+        return EMBEDDED
+    from rclpy.utilities import get_rmw_implementation_identifier
+
+    rmw = get_rmw_implementation_identifier()
+    return " ".join(f"ROS 2 {_distribution()} {rmw} domain {context.get_domain_id()}".split())
+
+
+def _distribution() -> str:
+    """`kilted`, from the sourced environment or the name of the installed wheel."""
+    sourced = os.environ.get("ROS_DISTRO")
+    if sourced:
+        return sourced
+    for distribution in importlib.metadata.distributions():
+        name = (distribution.metadata["Name"] or "").replace("_", "-")
+        if name.startswith("ros-") and name.endswith("-rclpy"):
+            return name.removeprefix("ros-").removesuffix("-rclpy")
+    return ""

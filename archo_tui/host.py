@@ -51,6 +51,7 @@ class HostedNode:
             return
         except Exception as error:
             self.crash = Crash(f"{type(error).__name__}: {error}", traceback.format_exc())
+            self._executor.remove_node(self.node)
             self.node.destroy_node()
             self._on_crash(self)
 

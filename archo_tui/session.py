@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,6 +26,7 @@ class Options:
     use_sim: bool = False
     namespace: str = "/"
     ros_args: Sequence[str] = ()
+    attach: bool = False  # host nothing: operate what is on the graph
     domain_id: int | None = None
     node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
 
@@ -41,9 +43,11 @@ class Session:
         Raises ArchoError for whatever is the user's to mend, before anything runs.
         """
         self.options = options
-        self._own_files = params.default_files()
+        if options.attach:
+            _check_attach(options)
+        self._own_files = [] if options.attach else params.default_files()
         self._overrides = params.load([*self._own_files, *options.params_files])
-        engine.activate(options.engine)
+        engine.activate(options.engine, hosting=not (options.attach or options.node_makers))
 
         import rclpy
         from rclpy.context import Context
@@ -60,16 +64,22 @@ class Session:
                 domain_id=options.domain_id,
                 signal_handler_options=SignalHandlerOptions.NO,
             )
-        except RuntimeError as error:
-            raise ArchoError(str(error)) from None
+        except Exception as error:  # ROS has a dozen of them, all for bad arguments
+            raise ArchoError((str(error).splitlines() or [repr(error)])[0]) from None
+        self.engine = engine.describe(options.engine, self._context)
         try:
             self.robot = Robot(self._context)
             self.host = Host(self._context, self.robot.note)
-            for make in options.node_makers or _robots_nodes(options.use_sim):
+            for make in self._makers():
                 self._construct(make)
         except Exception:
             self._context.try_shutdown()
             raise
+
+    def _makers(self) -> Sequence[Any]:
+        if self.options.attach:
+            return ()
+        return self.options.node_makers or _robots_nodes(self.options.use_sim)
 
     def _ros_args(self) -> list[str]:
         args = ["--ros-args", "--disable-stdout-logs"]
@@ -127,6 +137,7 @@ class Session:
         self.robot.stop()
         stuck = self.host.stop()
         self._context.try_shutdown()
+        gc.collect()  # rclpy's contexts hold file descriptors until they are collected
         return stuck
 
     def __enter__(self) -> Session:
@@ -135,6 +146,13 @@ class Session:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _check_attach(options: Options) -> None:
+    if options.engine == engine.EMBEDDED:
+        raise ArchoError("--attach needs --engine ros2: the embedded engine ends with this process")
+    if options.params_files or options.use_sim:
+        raise ArchoError("--attach hosts no nodes: --params-file and --use-sim mean nothing here")
 
 
 def _declared(node: Any) -> set[str]:

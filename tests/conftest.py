@@ -27,6 +27,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    from tests.support import chosen
+
+    chosen.ENGINE = config.getoption("--engine")
     if config.getoption("--engine") == "embedded":
         engine.activate("embedded")
     else:  # real ROS 2: nothing may leave this process, and fields are checked as ours are

@@ -105,11 +105,12 @@ def test_a_bad_namespace() -> None:
     assert "namespace" in refused("--namespace", "/dash-ed")
 
 
-def test_an_engine_that_this_build_has_not() -> None:
-    assert refused("--engine", "warp") == (
-        "no engine 'warp': this build has only the embedded engine"
-    )
-    assert "only the embedded engine" in refused("--engine", "ros2")
+def test_an_engine_that_there_is_not() -> None:
+    assert refused("--engine", "warp") == ("no engine 'warp': one of embedded, ros2")
+
+
+def test_attach_needs_the_real_ros() -> None:
+    assert "--attach needs --engine ros2" in refused("--attach")
 
 
 @pytest.mark.parametrize(

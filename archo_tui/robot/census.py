@@ -28,13 +28,13 @@ class Census:
         self._last: dict[str, float] = {}
         self._publisher: dict[str, str] = {}
         self.names: list[str] = []
-        self.services: set[str] = set()
+        self.services: dict[str, str] = {}  # name -> type
         self.offered: frozenset[str] = frozenset()
 
     def look(self) -> bool:
         """Ask the graph anew; True when something came or went."""
         names = sorted({_full(*pair) for pair in self._node.get_node_names_and_namespaces()})
-        services = {name for name, _ in self._node.get_service_names_and_types()}
+        services = {name: types[0] for name, types in self._node.get_service_names_and_types()}
         resolve = self._node.resolve_service_name
         offered = {name for name in (RESET, STOP, RELEASE, CHARGE) if resolve(name) in services}
         if f"{resolve(MOVE)}/_action/send_goal" in services:

@@ -9,13 +9,11 @@ import time
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from archo_interfaces.srv import EmergencyStop, ResetEncoder
 from rcl_interfaces.msg import Log
 from rclpy.context import Context
 from rclpy.node import Node
-from std_srvs.srv import SetBool, Trigger
 
-from archo_tui.robot import calls, ros2_command
+from archo_tui.robot import calls, interfaces, ros2_command
 from archo_tui.robot.calls import Calls
 from archo_tui.robot.census import Census
 from archo_tui.robot.door import Door, Receiver
@@ -39,6 +37,7 @@ from archo_tui.robot.values import text_of
 
 NODE_NAME = "archo_console"
 FLUSH_PERIOD = 0.08  # s between two snapshots while data streams in: 12.5 a second
+WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 _REFUSAL = "Goal refused: "
@@ -55,13 +54,18 @@ class Robot:
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
         self._calls = Calls(node)
         self._telemetry = Telemetry(node, self._on_telemetry)
-        self._goals = Goals(node, self._calls, self._flush)
+        self._goals = Goals(node, self._calls, self._goal_changed)
         self._parameters = Parameters(node, self._calls, self._mark)
         self._census = Census(node)
         node.create_subscription(Log, "/rosout", self._on_log, 1000)
         self._flusher = node.create_timer(FLUSH_PERIOD, self._flush)
         self._flusher.cancel()
         node.create_timer(LOOK_PERIOD, self._look)
+        self._watcher = node.create_timer(WATCH_PERIOD, self._watch)
+        self._watcher.cancel()
+        self._names = {
+            name: node.resolve_service_name(name) for name in (RESET, STOP, RELEASE, CHARGE, MOVE)
+        }
         self._thread = RosThread(node, context, self._on_error)
 
     # life
@@ -90,33 +94,32 @@ class Robot:
 
     async def reset_encoder(self) -> Outcome:
         """Set the encoder's ticks to zero."""
-        return await self._service("reset encoder", ResetEncoder, RESET)
+        return await self._service("reset encoder", RESET)
 
     async def emergency_stop(self) -> Outcome:
         """Stop at once; stays stopped until released."""
-        return await self._service("STOP", EmergencyStop, STOP)
+        return await self._service("STOP", STOP)
 
     async def release_emergency_stop(self) -> Outcome:
         """Allow moves again; none resumes by itself."""
-        return await self._service("release stop", Trigger, RELEASE)
+        return await self._service("release stop", RELEASE)
 
     async def set_charging(self, charge: bool) -> Outcome:
         """Begin or end charging."""
-        title = "charge" if charge else "stop charging"
-        return await self._service(title, SetBool, CHARGE, data=charge)
+        return await self._service("charge" if charge else "stop charging", CHARGE, data=charge)
 
     async def go_to_shelf(self, shelf: int) -> Outcome:
         """Send the robot to a shelf; ends when it has accepted or refused."""
         route = self.snapshot.parameter("route_length")
         length = float(route.value) if route is not None else None
-        command = ros2_command.send_goal(self._node.resolve_service_name(MOVE), shelf)
+        command = ros2_command.send_goal(self._names[MOVE], shelf)
         return await self._do(
             f"go to shelf {shelf}", command, lambda: self._goals.send(shelf, length)
         )
 
     async def cancel(self) -> Outcome:
         """Ask to cancel the running goal."""
-        command = ros2_command.cancel(self._node.resolve_service_name(MOVE))
+        command = ros2_command.cancel(self._names[MOVE])
         return await self._do("cancel", command, self._goals.cancel)
 
     async def set_parameter(self, node: str, name: str, value: Any) -> Outcome:
@@ -135,19 +138,28 @@ class Robot:
 
     # on the ROS thread
 
-    async def _service(self, title: str, srv_type: Any, name: str, **fields: Any) -> Outcome:
-        full = self._node.resolve_service_name(name)
+    async def _service(self, title: str, name: str, **fields: Any) -> Outcome:
+        """Call a service with the type that its server has."""
+        full = self._names[name]
+        type_name = self._census.services.get(full, "")
+        srv_type = interfaces.load(type_name) if type_name else None
+        if srv_type is None:
+            lacks = f": type {type_name} is not installed here"
+            text = full + (lacks if type_name else " is not offered by any node")
+
+            async def refuse() -> Outcome:
+                return Outcome(False, text)
+
+            return await self._do(title, "", refuse)
         request = srv_type.Request(**fields)
 
         async def call() -> Outcome:
-            if name not in self._census.offered:
-                return Outcome(False, f"{full} is not offered by any node")
             answer = await self._calls.call(srv_type, name, request)
             if answer is None:
                 return Outcome(False, f"no answer in {calls.DEADLINE:g} s")
             return Outcome(bool(answer.success), answer.message)
 
-        return await self._do(title, ros2_command.service_call(full, request), call)
+        return await self._do(title, ros2_command.service_call(full, type_name, request), call)
 
     async def _do(
         self, title: str, command: str, work: Callable[[], Coroutine[Any, Any, Outcome]]
@@ -179,7 +191,16 @@ class Robot:
             self._mark()
         self._telemetry.look()
         self._parameters.follow(self._census.names, self._census.services)
-        self._goals.check_silence(time.monotonic(), self._telemetry.motor.received)
+
+    def _watch(self) -> None:
+        self._goals.check(time.monotonic(), self._telemetry.motor.received)
+        if self._goals.goal is None or not self._goals.goal.is_running:
+            self._watcher.cancel()
+
+    def _goal_changed(self) -> None:
+        if self._watcher.is_canceled():
+            self._watcher.reset()
+        self._flush()
 
     def _on_telemetry(self, topic: str) -> None:
         self._census.heard_topic(topic, time.monotonic())

@@ -1,12 +1,13 @@
 """Follows the goals that this console sends. ROS thread only.
 
 A goal is never declared ended because the console stopped waiting: without an answer it is UNKNOWN,
-without news while it moves LOST, until the robot says how it ended.
+without news while it moves LOST, until the robot says how it ended, or that it knows it no more.
 """
 
 from __future__ import annotations
 
 import time
+import uuid
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
@@ -15,7 +16,10 @@ from typing import Any
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient
+from rclpy.action.client import ClientGoalHandle
 from rclpy.node import Node
+from rclpy.task import Future
+from unique_identifier_msgs.msg import UUID
 
 from archo_tui.robot import calls
 from archo_tui.robot.calls import Calls
@@ -30,81 +34,79 @@ _ENDS = {
     GoalStatus.STATUS_CANCELED: Phase.CANCELLED,
     GoalStatus.STATUS_ABORTED: Phase.ABORTED,
 }
+_FORGOTTEN = "the robot knows this goal no more (was it started anew?)"
 
 
 class Goals:
     """The goal that runs, and those that ended."""
 
-    def __init__(self, node: Node, calls: Calls, changed: Callable[[], None]) -> None:
+    def __init__(self, node: Node, pending: Calls, changed: Callable[[], None]) -> None:
         self._node = node
-        self._calls = calls
+        self._calls = pending
         self._changed = changed
         self._client = ActionClient(node, MoveToShelf, MOVE)
         self._handle: Any = None
+        self._result: Any = None  # the future of the last question for the result
+        self._asked = 0.0  # when that question was put
         self._refusals: deque[str] = deque(maxlen=5)
         self.goal: Goal | None = None
         self.history: deque[Goal] = deque(maxlen=HISTORY)
 
-    @property
-    def is_offered(self) -> bool:
-        """True when somebody serves the action."""
-        return bool(self._client.server_is_ready())
-
     async def send(self, shelf: int, route_length: float | None) -> Outcome:
-        """Send a goal; ends when it was accepted, refused, or nobody answered in DEADLINE."""
+        """Send a goal; ends when it was accepted, refused, or nobody answered in time."""
         if self.goal is not None and self.goal.is_running:
             return Outcome(False, "a goal is running already: cancel it first")
-        now = time.monotonic()
-        goal = self._set(Goal(shelf, Phase.SENT, now, time.time(), length=route_length))
+        if not self._client.server_is_ready():
+            return Outcome(False, f"{MOVE} is not offered by any node")
+        goal = Goal(shelf, Phase.SENT, time.monotonic(), time.time(), length=route_length)
+        self._set(goal)
         self._refusals.clear()
-        future = self._client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf), self._feedback)
-        answer = self._node.executor.create_future()  # type: ignore[union-attr]
+        self._handle = self._result = None
+        goal_id = UUID(uuid=list(uuid.uuid4().bytes))
+        answered: Future[bool] = Future(executor=self._node.executor)
+
+        def on_feedback(message: Any) -> None:
+            if self._is_current(goal):
+                self._feedback(float(message.feedback.distance_remaining))
 
         def on_answer(done: Any) -> None:
-            self._answered(goal, done.result())
-            if not answer.done() and not answer.cancelled():
-                answer.set_result(True)
+            if self._is_current(goal) and done.result() is not None:
+                self._answered(done.result())
+            answered.set_result(True)
+            self._wake()
 
+        future = self._client.send_goal_async(
+            MoveToShelf.Goal(shelf_number=shelf), on_feedback, goal_id
+        )
         future.add_done_callback(on_answer)
-        self._calls.watch(answer)
-        if await answer is None:
-            self._update(phase=Phase.UNKNOWN)
+        self._calls.watch(answered)
+        if await answered is None:
+            self._unanswered(goal_id)
             return Outcome(False, f"no answer in {calls.DEADLINE:g} s: the goal may be running")
-        if not self._handle.accepted:
+        if self._handle is None:
             reason = await self._reason()
             self._end(Phase.REFUSED, reason)
             return Outcome(False, reason)
         return Outcome(True, "accepted")
 
-    def _answered(self, sent: Goal, handle: Any) -> None:
-        """The server accepted or refused, in time or later."""
-        if self.goal is None or self.goal.sent != sent.sent:
-            return
-        self._handle = handle
-        if handle.accepted:
-            now = time.monotonic()
-            self._update(phase=Phase.MOVING, started=now, heard=now)
-            handle.get_result_async().add_done_callback(self._result)
-        elif self.goal.phase == Phase.UNKNOWN:
-            self._end(Phase.REFUSED, "refused (the answer came late)")
-
     async def cancel(self) -> Outcome:
         """Ask to cancel the running goal; how it ends is the robot's to say."""
-        if self.goal is None or not self.goal.is_running:
+        goal = self.goal
+        if goal is None or not goal.is_running:
             return Outcome(False, "no goal is running")
-        if self._handle is None or self.goal.phase == Phase.SENT:
+        if self._handle is None:
             return Outcome(False, "the goal is not accepted yet")
-        before = self.goal.phase
+        before = goal.phase
         self._update(phase=Phase.CANCELLING, cancel_asked=time.monotonic())
         future = self._handle.cancel_goal_async()
         self._calls.watch(future)
         answer = await future
+        if answer is not None and len(answer.goals_canceling):
+            return Outcome(True, "cancelling")
+        if self._is_current(goal) and self.goal and self.goal.phase == Phase.CANCELLING:
+            self._update(phase=before, cancel_asked=None)
         if answer is None:
             return Outcome(False, f"no answer in {calls.DEADLINE:g} s to the cancel")
-        if len(answer.goals_canceling):
-            return Outcome(True, "cancelling")
-        if self.goal is not None and self.goal.phase == Phase.CANCELLING:
-            self._update(phase=before, cancel_asked=None)
         return Outcome(False, "the robot rejected the cancel: the goal goes on or has ended")
 
     def refused(self, reason: str) -> None:
@@ -112,39 +114,73 @@ class Goals:
         self._refusals.append(reason)
 
     def heard(self) -> None:
-        """The robot was heard (motor status): a lost goal is found again."""
-        if self.goal is not None and self.goal.phase in (Phase.MOVING, Phase.LOST):
-            self.goal = replace(self.goal, phase=Phase.MOVING)
+        """The robot was heard again. Whether it still knows a lost goal is asked anew."""
+        if self.goal is not None and self.goal.phase == Phase.LOST:
+            self._update(phase=Phase.UNKNOWN)
+            self._asked = 0.0
 
-    def check_silence(self, now: float, last_heard: float | None) -> None:
-        """Declare a moving goal lost when nothing was heard for SILENCE."""
-        if self.goal is None or self.goal.phase != Phase.MOVING:
+    def check(self, now: float, last_heard: float | None) -> None:
+        """A moving goal that is silent for SILENCE is lost; ask about a doubtful one."""
+        goal = self.goal
+        if goal is None or not goal.is_running:
             return
-        last = max(last_heard or 0.0, self.goal.heard or 0.0)
-        if now - last > SILENCE:
+        silent = now - max(last_heard or 0.0, goal.heard or goal.sent) > SILENCE
+        if goal.phase in (Phase.MOVING, Phase.CANCELLING) and silent:
             self._update(phase=Phase.LOST)
+        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST) and self._handle is not None
+        if doubtful and now - self._asked > calls.DEADLINE and self._client.server_is_ready():
+            self._ask_result()
 
-    def _feedback(self, message: Any) -> None:
-        if self.goal is None or not self.goal.is_running:
-            return
-        remaining = float(message.feedback.distance_remaining)
-        phase = Phase.MOVING if self.goal.phase == Phase.LOST else self.goal.phase
-        length = self.goal.length
-        if length is None or remaining > length:
-            length = remaining
-        self._update(phase=phase, remaining=remaining, length=length, heard=time.monotonic())
+    def _answered(self, handle: Any) -> None:
+        """The server accepted or refused, in time or later."""
+        if handle.accepted:
+            self._handle = handle
+            now = time.monotonic()
+            self._update(phase=Phase.MOVING, started=now, heard=now)
+            self._ask_result()
+        elif self.goal is not None and self.goal.phase == Phase.UNKNOWN:
+            self._end(Phase.REFUSED, "refused (the answer came late)")
 
-    def _result(self, future: Any) -> None:
-        answer = future.result()
-        if answer is None or self.goal is None or not self.goal.is_running:
+    def _unanswered(self, goal_id: UUID) -> None:
+        """Nobody accepted or refused: go on as if accepted, and ask how it ended."""
+        accepted = MoveToShelf.Impl.SendGoalService.Response(accepted=True)
+        self._handle = ClientGoalHandle(self._client, goal_id, accepted)
+        self._update(phase=Phase.UNKNOWN)
+
+    def _ask_result(self) -> None:
+        if self._result is not None:
+            self._result.cancel()
+        goal = self.goal
+        self._asked = time.monotonic()
+        self._result = self._handle.get_result_async()
+
+        def on_result(future: Any) -> None:
+            if not future.cancelled() and future.result() is not None and self._is_current(goal):
+                self._ended(future.result())
+
+        self._result.add_done_callback(on_result)
+
+    def _ended(self, answer: Any) -> None:
+        if answer.status == GoalStatus.STATUS_UNKNOWN:
+            self._end(Phase.ABORTED, _FORGOTTEN)
             return
         phase = _ENDS.get(answer.status, Phase.ABORTED)
-        if phase == Phase.ARRIVED:
+        if phase == Phase.ARRIVED and self.goal is not None:
             self.goal = replace(self.goal, remaining=0.0)
-        message = answer.result.final_message
-        if answer.status == GoalStatus.STATUS_UNKNOWN:
-            message = "the robot does not know this goal any more"
-        self._end(phase, message)
+        self._end(phase, answer.result.final_message)
+
+    def _feedback(self, remaining: float) -> None:
+        goal = self.goal
+        assert goal is not None
+        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
+        length = remaining if goal.length is None else max(goal.length, remaining)
+        self._update(
+            phase=Phase.MOVING if doubtful else goal.phase,
+            remaining=remaining,
+            length=length,
+            heard=time.monotonic(),
+            started=goal.sent if goal.started is None else goal.started,
+        )
 
     async def _reason(self) -> str:
         """The reason of the refusal: an action has no field for it, the log has."""
@@ -154,13 +190,18 @@ class Goals:
         return self._refusals[-1] if self._refusals else "refused, no reason given"
 
     async def _pause(self, seconds: float) -> None:
-        future = self._node.executor.create_future()  # type: ignore[union-attr]
-        timer = self._node.create_timer(seconds, lambda: future.set_result(True))
-        await future
+        passed: Future[bool] = Future(executor=self._node.executor)
+        timer = self._node.create_timer(seconds, lambda: passed.set_result(True))
+        await passed
         self._node.destroy_timer(timer)
 
+    def _is_current(self, goal: Goal | None) -> bool:
+        """True while `goal` (or a later state of it) is the one that runs."""
+        now = self.goal
+        return now is not None and goal is not None and now.sent == goal.sent and now.is_running
+
     def _end(self, phase: Phase, message: str) -> None:
-        self._handle = None
+        self._handle = self._result = None
         if self.goal is not None:
             now = time.monotonic()
             ended = replace(self.goal, phase=phase, message=message, ended=now, time=time.time())
@@ -173,7 +214,10 @@ class Goals:
                 changes["time"] = time.time()
             self._set(replace(self.goal, **changes))
 
-    def _set(self, goal: Goal) -> Goal:
+    def _set(self, goal: Goal) -> None:
         self.goal = goal
         self._changed()
-        return goal
+
+    def _wake(self) -> None:
+        if self._node.executor is not None:
+            self._node.executor.wake()

@@ -6,7 +6,7 @@ from what was asked for.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import replace
 from typing import Any
 
@@ -38,7 +38,7 @@ class Parameters:
         """By node, then in the order in which the node declared them."""
         return tuple(p for node in sorted(self._by_node) for p in self._by_node[node].values())
 
-    def follow(self, nodes: list[str], services: set[str]) -> None:
+    def follow(self, nodes: list[str], services: Container[str]) -> None:
         """Load nodes that are new on the graph and offer parameters, forget those that left."""
         for gone in self._by_node.keys() - set(nodes):
             del self._by_node[gone]

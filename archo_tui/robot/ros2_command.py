@@ -7,12 +7,6 @@ from typing import Any
 from archo_tui.robot.values import text_of
 
 
-def _type_of(message: Any, kind: str) -> str:
-    """`package/kind/Name` of the interface that a request or goal belongs to."""
-    package = type(message).__module__.split(".")[0]
-    return f"{package}/{kind}/{type(message).__name__.partition('_')[0]}"
-
-
 def _fields(message: Any) -> str:
     values = (
         f"{name}: {text_of(getattr(message, name))}"
@@ -22,9 +16,9 @@ def _fields(message: Any) -> str:
     return "{" + ", ".join(values) + "}"
 
 
-def service_call(name: str, request: Any) -> str:
-    """Call a service with that request."""
-    return f'ros2 service call {name} {_type_of(request, "srv")} "{_fields(request)}"'
+def service_call(name: str, type_name: str, request: Any) -> str:
+    """Call a service of that type with that request."""
+    return f'ros2 service call {name} {type_name} "{_fields(request)}"'
 
 
 def send_goal(name: str, shelf: int) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 import time
 from collections.abc import Callable
@@ -11,6 +10,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from archo_tui.robot import interfaces
 from archo_tui.robot.state import BATTERY, MOTOR, Battery, Motor
 
 _DEPTH = 10
@@ -45,9 +45,11 @@ class Telemetry:
         old = self._subscriptions.get(topic)
         if old is not None and old[0] == wanted:
             return
-        message_class = self._import(topic, kind)
+        message_class = interfaces.load(kind)
         if message_class is None:
+            self.problem[topic] = f"type {kind} is not installed here"
             return
+        self.problem.pop(topic, None)
         if old is not None:
             self._node.destroy_subscription(old[1])
         qos = QoSProfile(
@@ -57,16 +59,6 @@ class Telemetry:
         )
         subscription = self._node.create_subscription(message_class, topic, callback, qos)
         self._subscriptions[topic] = (wanted, subscription)
-
-    def _import(self, topic: str, kind: str) -> Any:
-        package, _, name = kind.split("/")
-        try:
-            message_class = getattr(importlib.import_module(f"{package}.msg"), name)
-        except (ImportError, AttributeError):
-            self.problem[topic] = f"type {kind} is not installed here"
-            return None
-        self.problem.pop(topic, None)
-        return message_class
 
     def _on_battery(self, message: Any) -> None:
         now = time.monotonic()

@@ -1,4 +1,4 @@
-"""A question with two answers; the safe one has the focus."""
+"""A question with a few answers; the safe one stands first and has the focus."""
 
 from __future__ import annotations
 
@@ -9,29 +9,34 @@ from textual.screen import ModalScreen
 from textual.widgets import Button, Static
 
 
-class Confirm(ModalScreen[bool]):
-    """True for `yes`; False for `no` and escape."""
+class Confirm(ModalScreen[str]):
+    """Ends with the words of the answer; escape gives the safe one."""
 
-    BINDINGS = [("escape", "answer(False)", "No")]
+    BINDINGS = [("escape", "safe", "Safe answer")]
 
-    def __init__(self, title: str, question: str, yes: str, no: str) -> None:
+    def __init__(self, title: str, question: str, *answers: str) -> None:
         super().__init__()
-        self._title, self._question, self._yes, self._no = title, question, yes, no
+        self._title, self._question, self._answers = title, question, answers
+
+    @property
+    def safe(self) -> str:
+        """The answer that changes nothing."""
+        return self._answers[0]
 
     def compose(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
             box.border_title = self._title
             yield Static(Content(self._question))
             with Horizontal(classes="answers"):
-                yield Button(self._no, id="no", compact=True)
-                yield Button(self._yes, id="yes", compact=True)
+                for number, answer in enumerate(self._answers):
+                    yield Button(answer, id=f"answer-{number}", compact=True)
 
     def on_mount(self) -> None:
-        self.query_one("#no").focus()
+        self.query_one("#answer-0").focus()
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
-        self.action_answer(event.button.id == "yes")
+        self.dismiss(str(event.button.label))
 
-    def action_answer(self, answer: bool) -> None:
-        """Close with that answer."""
-        self.dismiss(answer)
+    def action_safe(self) -> None:
+        """Change nothing."""
+        self.dismiss(self.safe)

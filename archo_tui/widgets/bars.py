@@ -13,7 +13,7 @@ from archo_tui.widgets.view import View
 def header(view: View, width: int) -> Content:
     """Which robot, in contact or not, which engine, and what it does."""
     doing = _doing(view)
-    wide = f" ARCHO  {view.namespace:<12} {_contact(view):<20} {view.engine:<12}  {doing}"
+    wide = f" ARCHO  {view.namespace:<12} {_contact(view):<20} {view.engine:<10}  {doing}"
     tight = f" ARCHO {view.namespace} {_contact(view)} {view.engine}  {doing}"
     return Content.styled(wide if len(wide) <= width else tight, "bold")
 

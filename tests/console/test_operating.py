@@ -33,7 +33,7 @@ async def test_r_asks_while_a_goal_runs_and_the_safe_answer_has_the_focus() -> N
         await op.press("escape", "r")
         await op.until("The robot is on its way to shelf 12. Reset the encoder now?")
         assert op.app.focused is not None
-        assert op.app.focused.id == "no"
+        assert op.app.focused.id == "answer-0"
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
         assert "        0 ticks" not in op.text

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 import threading
 import time
 from collections.abc import AsyncIterator, Callable
@@ -22,15 +21,14 @@ from archo_tui.robot import calls
 from archo_tui.robot.client import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.session import Options, Session
+from tests.support import chosen
 from tests.support.waiting import DEADLINE
-
-_domains = itertools.count(5000)
 
 
 @asynccontextmanager
 async def robot(*makers: Callable[..., Node]) -> AsyncIterator[Robot]:
     """A Robot beside these nodes."""
-    options = Options(domain_id=next(_domains), node_makers=makers)
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=makers)
     with Session(options) as session:
         await until(lambda: len(session.robot.snapshot.nodes) == len(makers) + 1)
         yield session.robot

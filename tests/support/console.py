@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
@@ -15,9 +14,8 @@ from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
+from tests.support import chosen
 from tests.support.waiting import DEADLINE
-
-_domains = itertools.count(1000)
 
 # the textbook's move in a tenth of the time
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0", "-p", "publish_period:=0.05")
@@ -88,7 +86,8 @@ async def console(
 ) -> AsyncIterator[Console]:
     """The console with ARCHO's nodes (or others), on a graph of its own."""
     options = Options(
-        domain_id=next(_domains),
+        engine=chosen.ENGINE,
+        domain_id=chosen.next_domain(),
         params_files=params_files,
         ros_args=ros_args,
         node_makers=node_makers,

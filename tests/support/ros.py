@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import itertools
 import threading
 from collections.abc import Callable
 from typing import Any
@@ -14,9 +13,8 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from tests.support import chosen
 from tests.support.waiting import wait_until
-
-_domains = itertools.cycle(range(1, 100))
 
 
 class Ros:
@@ -27,7 +25,7 @@ class Ros:
         rclpy.init(
             args=["--ros-args", "--disable-stdout-logs", *(args or [])],
             context=self.context,
-            domain_id=next(_domains) if domain_id is None else domain_id,
+            domain_id=chosen.next_domain() if domain_id is None else domain_id,
             signal_handler_options=SignalHandlerOptions.NO,
         )
         self.errors: list[BaseException] = []

@@ -52,7 +52,7 @@ class StubRobot:
 
 def stub_app(snapshot: Snapshot, clock: Clock | None = None) -> ArchoApp:
     """The app over a stub."""
-    session: Any = SimpleNamespace(robot=StubRobot(snapshot), options=Options())
+    session: Any = SimpleNamespace(robot=StubRobot(snapshot), options=Options(), engine="embedded")
     app = ArchoApp(session, clock or StandingClock())
     app.animation_level = "none"
     return app

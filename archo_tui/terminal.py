@@ -1,0 +1,42 @@
+"""Keeps the screen clean: what libraries print to standard error goes to a file.
+
+ROS's C libraries write to file descriptor 2, under Textual's picture.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+
+def log_file() -> Path:
+    """Where it goes: `archo-tui/stderr.log` in the XDG state folder."""
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(state) / "archo-tui" / "stderr.log"
+
+
+@contextlib.contextmanager
+def guarded_stderr(path: Path) -> Iterator[None]:
+    """Descriptor 2 leads to the file, while Textual goes on with the terminal behind it.
+
+    Without a writable file it leads nowhere: a clean screen matters more.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        target = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+    except OSError:
+        target = os.open(os.devnull, os.O_WRONLY)
+    real = os.dup(2)
+    before = sys.__stderr__
+    try:
+        os.dup2(target, 2)
+        sys.__stderr__ = os.fdopen(os.dup(real), "w")  # type: ignore[misc]  # Textual draws here
+        yield
+    finally:
+        os.dup2(real, 2)
+        sys.__stderr__ = before  # type: ignore[misc]
+        os.close(real)
+        os.close(target)
