@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import signal
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -56,6 +57,8 @@ class ArchoApp(App[None]):
         return self.main
 
     def on_mount(self) -> None:
+        if not self.is_headless:
+            self._leave_on_signals()
         self.robot.subscribe(self._take)
         self.set_interval(1.0, self.tick)
 
@@ -204,6 +207,15 @@ class ArchoApp(App[None]):
             elif answer != "Leave it running and quit":
                 return
         self.exit()
+
+    def _leave_on_signals(self) -> None:
+        """End as usual on a signal, so that the terminal and ROS are put in order: 128 + n."""
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+            loop.add_signal_handler(number, self._leave_with, 128 + number)
+
+    def _leave_with(self, code: int) -> None:
+        self.exit(return_code=code)
 
     async def _goal_ended(self) -> None:
         loop = asyncio.get_running_loop()

@@ -35,9 +35,10 @@ class Census:
         """Ask the graph anew; True when something came or went."""
         names = sorted({_full(*pair) for pair in self._node.get_node_names_and_namespaces()})
         services = {name: types[0] for name, types in self._node.get_service_names_and_types()}
-        resolve = self._node.resolve_service_name
-        offered = {name for name in (RESET, STOP, RELEASE, CHARGE) if resolve(name) in services}
-        if f"{resolve(MOVE)}/_action/send_goal" in services:
+        # a name alone may be that of a client, our own for one: servers are counted
+        count = self._node.count_services
+        offered = {name for name in (RESET, STOP, RELEASE, CHARGE) if count(name)}
+        if count(f"{MOVE}/_action/send_goal"):
             offered.add(MOVE)
         for topic in (BATTERY, MOTOR):
             for info in self._node.get_publishers_info_by_topic(topic)[:1]:

@@ -143,9 +143,9 @@ class Robot:
         full = self._names[name]
         type_name = self._census.services.get(full, "")
         srv_type = interfaces.load(type_name) if type_name else None
-        if srv_type is None:
+        if srv_type is None or name not in self._census.offered:
             lacks = f": type {type_name} is not installed here"
-            text = full + (lacks if type_name else " is not offered by any node")
+            text = full + (lacks if name in self._census.offered else " is not offered by any node")
 
             async def refuse() -> Outcome:
                 return Outcome(False, text)

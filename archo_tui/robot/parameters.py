@@ -32,6 +32,7 @@ class Parameters:
         self._changed = changed
         self._by_node: dict[str, dict[str, Parameter]] = {}
         self._loading: set[str] = set()
+        self._refreshed = ""  # the node whose values were read again last
         node.create_subscription(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
@@ -47,7 +48,35 @@ class Parameters:
             known = name in self._by_node or name in self._loading
             if not known and f"{name}/list_parameters" in services:
                 self._loading.add(name)
-                self._node.executor.create_task(self._load, name)  # type: ignore[union-attr]
+                self._task(self._load, name)
+        self._refresh_next()
+
+    def _refresh_next(self) -> None:
+        """Read one node's values again: a node that was started anew under its name says nothing.
+
+        One node at each look, so that the cost does not grow with the number of nodes.
+        """
+        names = sorted(self._by_node.keys() - self._loading)
+        if names:
+            later = [name for name in names if name > self._refreshed]
+            self._refreshed = (later or names)[0]
+            self._task(self._refresh, self._refreshed)
+
+    async def _refresh(self, node: str) -> None:
+        names = list(self._by_node[node])
+        got = await self._calls.call(
+            srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
+        )
+        if got is None or node not in self._by_node:
+            return
+        if len(got.values) != len(names):
+            self._by_node.pop(node)  # another set of parameters: load it anew
+            return
+        for name, value in zip(names, got.values, strict=True):
+            self._take(node, name, as_python(value))
+
+    def _task(self, function: Callable[[str], Any], node: str) -> None:
+        self._node.executor.create_task(function, node)  # type: ignore[union-attr]
 
     async def _load(self, node: str) -> None:
         try:

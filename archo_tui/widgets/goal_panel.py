@@ -8,6 +8,7 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import Button, Input, Label
 
+from archo_tui.robot.state import MOVE
 from archo_tui.widgets import words
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -66,6 +67,7 @@ class GoalPanel(Panel):
         bar.show(words.goal_bar(snapshot.goal, bar.size.width))
         self.query_one("#goal-line", Line).show(words.goal_line(snapshot, view.now))
         self.query_one("#goal-history", Line).show(words.goal_history(snapshot.history))
+        self.grey(view, go=MOVE, cancel=MOVE)
 
     def take_focus(self) -> None:
         self.screen.set_focus(self.query_one("#shelf"))

@@ -6,6 +6,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.widgets import Button
 
+from archo_tui.robot.state import RESET, STOP
 from archo_tui.widgets import words
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -27,6 +28,7 @@ class MotorPanel(Panel):
     def show(self, view: View) -> None:
         self.query_one("#motor-line", Line).show(words.motor_line(view.snapshot, view.now))
         self.query_one("#motor-word", Line).show(words.motor_word(view.snapshot, view.now))
+        self.grey(view, reset=RESET, stop=STOP)
 
     def take_focus(self) -> None:
         self.screen.set_focus(self.query_one("#reset"))

@@ -23,6 +23,12 @@ class Panel(Container):
         """Show what changed."""
         raise NotImplementedError
 
+    def grey(self, view: View, **buttons: str) -> None:
+        """Dim each button whose service nobody offers; pressing it still says so."""
+        for button, service in buttons.items():
+            missing = service not in view.snapshot.offered
+            self.query_one(f"#{button}").set_class(missing, "-blocked")
+
     def take_focus(self) -> None:
         """Focus what a person expects to operate in this panel, at once: keys may follow."""
         self.screen.set_focus(self)

@@ -6,7 +6,7 @@ from textual.content import Content
 
 from archo_tui.alarms import is_low
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import MOVE, Goal, NodeState, Phase, Snapshot
+from archo_tui.robot.state import BATTERY, MOTOR, MOVE, Goal, NodeState, Phase, Snapshot
 
 OLD = "dim"
 BAD, WARN = "bold $text-error", "bold $text-warning"
@@ -65,7 +65,10 @@ def battery_trend(snapshot: Snapshot, now: float) -> Content:
     """What the charge does."""
     battery = snapshot.battery
     if battery.received is None:
-        return Content.styled("waiting for battery_level ...", OLD)
+        offered = BATTERY in snapshot.offered
+        return Content.styled(
+            "waiting for battery_level" if offered else "not offered by any node", OLD
+        )
     if battery.is_old(now):
         return Content.styled(f"last heard {age(now - battery.received)} ago", OLD)
     if battery.charging is None:
@@ -97,7 +100,8 @@ def motor_word(snapshot: Snapshot, now: float) -> Content:
     """IDLE, MOVING or STOPPED."""
     motor = snapshot.motor
     if motor.received is None:
-        return Content.styled("? NO DATA", OLD)
+        offered = MOTOR in snapshot.offered
+        return Content.styled("? NO DATA" if offered else "not offered by any node", OLD)
     if motor.is_old(now):
         return Content.styled(f"? silent, {age(now - motor.received)}", OLD)
     if motor.stopped:

@@ -76,6 +76,14 @@ def test_the_graph_names_nodes_topics_and_services(ros: Ros) -> None:
         two.get_service_names_and_types_by_node("nobody", "/")
 
 
+def test_a_service_that_has_only_clients_is_named_but_counts_no_server(ros: Ros) -> None:
+    one, two = ros.node("one"), ros.node("two")
+    one.create_client(Trigger, "wanted")
+    wait_until(lambda: two.count_clients("wanted") == 1)
+    assert two.count_services("wanted") == 0
+    assert ("/wanted", ["std_srvs/srv/Trigger"]) in two.get_service_names_and_types()
+
+
 def test_a_destroyed_node_is_off_the_graph(ros: Ros) -> None:
     one, two = ros.node("one"), ros.node("two")
     one.create_service(Trigger, "trigger", lambda request, response: response)

@@ -27,10 +27,11 @@ from tests.contract.textbook import (
     reset_client,
     reset_service,
 )
+from tests.support import chosen
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
-DOMAIN = 42  # of the listings, which use the default context
+DOMAIN = chosen.next_domain()  # of the listings, which use the default context
 
 
 class Listing:

@@ -26,11 +26,11 @@ from tests.support.waiting import DEADLINE
 
 
 @asynccontextmanager
-async def robot(*makers: Callable[..., Node]) -> AsyncIterator[Robot]:
+async def robot(*makers: Callable[..., Node], nodes: int | None = None) -> AsyncIterator[Robot]:
     """A Robot beside these nodes."""
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=makers)
     with Session(options) as session:
-        await until(lambda: len(session.robot.snapshot.nodes) == len(makers) + 1)
+        await until(lambda: len(session.robot.snapshot.nodes) == (nodes or len(makers)) + 1)
         yield session.robot
 
 
@@ -98,6 +98,23 @@ async def test_a_server_that_hangs_gives_no_answer_and_the_next_call_works() -> 
         assert outcome.text.startswith("no answer in ")
         hang.set()
         assert (await it.reset_encoder()).text == "the encoder is stuck"
+
+
+async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
+    unspun: list[Node] = []
+
+    def make(**options: Any) -> Node:
+        unspun.append(server()(**options))
+        return quiet(**options)
+
+    async with robot(make, nodes=2) as it:
+        await until(lambda: {"reset_encoder", "move_to_shelf"} <= it.snapshot.offered)
+        assert (await it.reset_encoder()).text.startswith("no answer in ")
+        assert (await it.go_to_shelf(3)).text.startswith("no answer in ")
+        assert it.snapshot.goal is not None
+        assert it.snapshot.goal.phase == Phase.UNKNOWN
+        assert (await it.cancel()).text.startswith("no answer in ")
+        unspun[0].destroy_node()
 
 
 async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -> None:

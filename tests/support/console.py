@@ -82,12 +82,15 @@ async def console(
     node_makers: Sequence[Any] = (),
     params_files: Sequence[Path] = (),
     clock: Clock | None = None,
+    attach: bool = False,
+    domain_id: int | None = None,
     wait: bool = True,
 ) -> AsyncIterator[Console]:
     """The console with ARCHO's nodes (or others), on a graph of its own."""
     options = Options(
         engine=chosen.ENGINE,
-        domain_id=chosen.next_domain(),
+        attach=attach,
+        domain_id=chosen.next_domain() if domain_id is None else domain_id,
         params_files=params_files,
         ros_args=ros_args,
         node_makers=node_makers,

@@ -59,12 +59,13 @@ class NodeGraph:
             )
 
     def get_service_names_and_types(self) -> NamesAndTypes:
-        """Every service that somebody offers."""
+        """Every service that somebody offers, or has a client of: `count_services` tells which."""
         with self._graph.lock:
             return _sorted(
-                (name, service.srv_type)
-                for name, services in self._graph.services.items()
-                for service in services
+                (name, endpoint.srv_type)
+                for table in (self._graph.services, self._graph.clients)
+                for name, endpoints in table.items()
+                for endpoint in endpoints
             )
 
     def get_publisher_names_and_types_by_node(

@@ -1,0 +1,60 @@
+"""Tests of the real ROS 2 between processes, on this machine's loopback only."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+from tests.support import chosen
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    if chosen.ENGINE != "ros2":
+        reason = "needs the real rclpy: run with --engine ros2 where it is installed"
+        for item in items:
+            if "/ros2/" in item.path.as_posix():
+                item.add_marker(pytest.mark.skip(reason=reason))
+
+
+class Processes:
+    """Nodes in processes of their own, on one domain."""
+
+    def __init__(self) -> None:
+        self.domain = chosen.next_domain()
+        self._running: list[subprocess.Popen[bytes]] = []
+
+    def start(self, module: str, *words: str) -> subprocess.Popen[bytes]:
+        """Run a module's main()."""
+        process = subprocess.Popen(
+            [sys.executable, "-m", module, "--ros-args", *words],
+            env=os.environ | {"ROS_DOMAIN_ID": str(self.domain)},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        self._running.append(process)
+        return process
+
+    def kill(self, process: subprocess.Popen[bytes]) -> None:
+        """As a crash: no good-bye on the graph."""
+        process.send_signal(signal.SIGKILL)
+        process.wait(10)
+
+    def close(self) -> None:
+        for process in self._running:
+            process.terminate()
+        for process in self._running:
+            process.wait(10)
+
+
+@pytest.fixture
+def processes(monkeypatch: pytest.MonkeyPatch) -> Iterator[Processes]:
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    # a domain apart from those of the workers' in-process tests, which hear no other process
+    running = Processes()
+    yield running
+    running.close()

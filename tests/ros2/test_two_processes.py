@@ -1,0 +1,78 @@
+"""The console attached to nodes that run elsewhere."""
+
+from __future__ import annotations
+
+from tests.ros2.conftest import Processes
+from tests.support.console import SLOW, console
+
+MOTOR, BATTERY = "archo_bringup.motor_controller", "archo_bringup.battery_monitor"
+FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
+TEXTBOOK = "tests.contract.textbook"
+
+
+async def test_it_operates_the_robot_of_another_process(processes: Processes) -> None:
+    processes.start(MOTOR, *FAST)
+    processes.start(BATTERY, "-p", "publish_period:=0.1")
+    async with console(attach=True, domain_id=processes.domain) as op:
+        assert "ROS 2" in op.text
+        assert f"domain {processes.domain}" in op.text
+        await op.press("r")
+        await op.until("        0 ticks")
+        await op.press("g", "1", "2", "enter")
+        await op.until("Arrived at shelf 12")
+
+
+async def test_what_nobody_offers_is_said_and_lights_up_when_it_comes(
+    processes: Processes,
+) -> None:
+    async with console(attach=True, domain_id=processes.domain, wait=False) as op:
+        await op.until("move_to_shelf: not offered by any node")
+        await op.press("r")
+        await op.until("Reset_encoder is not offered")
+        assert op.app.query_one("#stop").has_class("-blocked")
+        processes.start(MOTOR, *FAST)
+        await op.until("● IDLE")
+        await op.until(lambda: not op.app.query_one("#stop").has_class("-blocked"))
+        await op.until("No goal yet.")
+
+
+async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Processes) -> None:
+    motor = processes.start(MOTOR, *SLOW)
+    async with console(attach=True, domain_id=processes.domain, wait=False) as op:
+        await op.until("● IDLE")
+        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+        await op.press("g", "1", "2", "enter")
+        await op.until("m left of")
+        processes.kill(motor)
+        await op.until("✗ LOST         nothing heard for")
+        goal = op.app.view.snapshot.goal
+        assert goal is not None
+        assert goal.heard is not None
+        assert op.app.view.now - goal.heard < 8.0  # 3 s of silence, and a busy machine
+        await op.until("CONTACT LOST for")
+        await op.press("ctrl+x")  # ends, too
+        await op.until("no answer in 2 s")
+        processes.start(MOTOR, *FAST)
+        await op.until("✗ ABORTED      the robot knows this goal no more", deadline=30)
+        await op.press("7", "enter")  # the field still has the focus
+        await op.until("Arrived at shelf 7", deadline=30)
+        await op.until("feedback_period          0.05 *")  # the new one's parameters, too
+
+
+async def test_the_textbooks_own_nodes_are_operated(processes: Processes) -> None:
+    for listing in ("battery_publisher", "reset_service", "move_action_server"):
+        processes.start(f"{TEXTBOOK}.{listing}")
+    async with console(attach=True, domain_id=processes.domain, wait=False) as op:
+        wanted = {"battery_level", "reset_encoder", "move_to_shelf"}
+        await op.until(lambda: wanted <= op.app.view.snapshot.offered)
+        await op.until("charging: not reported")
+        assert "-- V" in op.text
+        await op.press("r")
+        await op.until("reset encoder: Encoder reset to zero")
+        await op.press("g", "1", "2", "enter")
+        await op.until(lambda: op.app.view.snapshot.goal is not None)
+        await op.press("ctrl+c")
+        await op.until("the robot rejected the cancel")
+        await op.until("✓ ARRIVED      Arrived at shelf 12")
+        await op.press("ctrl+x")
+        await op.until("Emergency_stop is not offered by any node")
