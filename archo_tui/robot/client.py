@@ -54,7 +54,7 @@ class Robot:
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
         self._calls = Calls(node)
         self._telemetry = Telemetry(node, self._on_telemetry)
-        self._goals = Goals(node, self._calls, self._goal_changed)
+        self._goals = Goals(node, self._calls, self._goal_changed, self._warn)
         self._parameters = Parameters(node, self._calls, self._mark)
         self._census = Census(node)
         node.create_subscription(Log, "/rosout", self._on_log, 1000)
@@ -215,6 +215,9 @@ class Robot:
         self._census.heard_log(message.name, time.monotonic())
         stamp = message.stamp.sec + message.stamp.nanosec / 1e9
         self._add_event(Event(stamp, level, message.name, message.msg))
+
+    def _warn(self, text: str) -> None:
+        self._add_event(Event(self._wall_clock(), "WARN", "console", text))
 
     def _on_error(self, error: Exception) -> None:
         self._add_event(

@@ -40,10 +40,18 @@ _FORGOTTEN = "the robot knows this goal no more (was it started anew?)"
 class Goals:
     """The goal that runs, and those that ended."""
 
-    def __init__(self, node: Node, pending: Calls, changed: Callable[[], None]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        pending: Calls,
+        changed: Callable[[], None],
+        note: Callable[[str], None],
+    ) -> None:
+        """`note` is told what happened after the verb that it belongs to had ended."""
         self._node = node
         self._calls = pending
         self._changed = changed
+        self._note = note
         self._client = ActionClient(node, MoveToShelf, MOVE)
         self._handle: Any = None
         self._result: Any = None  # the future of the last question for the result
@@ -63,7 +71,7 @@ class Goals:
         self._refusals.clear()
         self._handle = self._result = None
         goal_id = UUID(uuid=list(uuid.uuid4().bytes))
-        answered: Future[bool] = Future(executor=self._node.executor)
+        answered = self._future()
 
         def on_feedback(message: Any) -> None:
             if self._is_current(goal):
@@ -98,9 +106,17 @@ class Goals:
             return Outcome(False, "the goal is not accepted yet")
         before = goal.phase
         self._update(phase=Phase.CANCELLING, cancel_asked=time.monotonic())
-        future = self._handle.cancel_goal_async()
-        self._calls.watch(future)
-        answer = await future
+        future, in_time = self._handle.cancel_goal_async(), self._future()
+
+        def on_answer(done: Any) -> None:
+            if in_time.cancelled() and not len(done.result().goals_canceling):
+                self._note("the robot rejected the cancel (its answer came late)")
+            in_time.set_result(True)
+            self._wake()
+
+        future.add_done_callback(on_answer)
+        self._calls.watch(in_time)
+        answer = future.result() if await in_time else None
         if answer is not None and len(answer.goals_canceling):
             return Outcome(True, "cancelling")
         if self._is_current(goal) and self.goal and self.goal.phase == Phase.CANCELLING:
@@ -190,7 +206,7 @@ class Goals:
         return self._refusals[-1] if self._refusals else "refused, no reason given"
 
     async def _pause(self, seconds: float) -> None:
-        passed: Future[bool] = Future(executor=self._node.executor)
+        passed = self._future()
         timer = self._node.create_timer(seconds, lambda: passed.set_result(True))
         await passed
         self._node.destroy_timer(timer)
@@ -217,6 +233,9 @@ class Goals:
     def _set(self, goal: Goal) -> None:
         self.goal = goal
         self._changed()
+
+    def _future(self) -> Future[bool]:
+        return Future(executor=self._node.executor)
 
     def _wake(self) -> None:
         if self._node.executor is not None:

@@ -21,7 +21,7 @@ class MotorController(Node):
             feedback.distance_remaining = distance
             feedback.status = "moving"
             goal_handle.publish_feedback(feedback)
-            time.sleep(0.05)
+            time.sleep(0.5)
             distance -= 3.0
         goal_handle.succeed()
         result = MoveToShelf.Result()
