@@ -129,3 +129,39 @@ def test_a_bad_value_behind_ros_args_is_said() -> None:
 def test_ros_args_are_taken_off() -> None:
     words = ["--use-sim", "--ros-args", "-p", "a:=1", "--", "--namespace", "/x"]
     assert split_ros_args(words) == (["--use-sim", "--namespace", "/x"], ["-p", "a:=1"])
+
+
+def run_patched(patch: str, *words: str) -> subprocess.CompletedProcess[str]:
+    """archo-tui with a part of its engine module replaced, as on another machine."""
+    code = f"import sys\nfrom archo_tui import engine\n{patch}\n"
+    code += f"from archo_tui.cli import main\nsys.exit(main({list(words)!r}))"
+    return subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
+
+
+NO_ROS = "engine.importlib.util.find_spec = lambda name: None"
+NO_INTERFACES = (
+    "engine.importlib.util.find_spec = lambda name: None if 'archo' in name else 1\n"
+    "engine.importlib.import_module = lambda name: None"
+)
+STALE = (
+    "engine.importlib.util.find_spec = lambda name: 1\n"
+    "engine.importlib.import_module = lambda name: None"
+)
+
+
+@pytest.mark.parametrize(
+    ("patch", "said", "hint"),
+    [
+        (NO_ROS, "ROS 2 is not here", "pip install 'archo-tui[ros2]'"),
+        (NO_INTERFACES, "archo_interfaces is not installed", "pip install ./interfaces"),
+        (STALE, "archo_interfaces is stale, it lacks msg/BatteryStatus", "colcon build"),
+    ],
+)
+def test_a_lack_of_ros_is_one_line_with_what_to_type(patch: str, said: str, hint: str) -> None:
+    done = run_patched(patch, "--engine", "ros2")
+    assert done.returncode == 2
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert said in done.stderr
+    assert hint in done.stderr

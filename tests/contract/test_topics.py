@@ -138,7 +138,7 @@ def test_publishing_on_what_was_destroyed_or_shut_down_raises(ros: Ros) -> None:
         gone.publish(Float32())
     publisher = node.create_publisher(Float32, "topic", 10)
     ros.context.shutdown()
-    with pytest.raises(Exception, match="destruction was requested"):
+    with pytest.raises(Exception, match=r"destruction was requested|context is invalid"):
         publisher.publish(Float32())
 
 

@@ -1,0 +1,31 @@
+"""Starting and stopping, many times in a row, leaves nothing behind."""
+
+from __future__ import annotations
+
+import gc
+import os
+import threading
+
+from archo_tui.session import Options, Session
+from tests.support import chosen
+
+ROUNDS = 50
+
+
+def descriptors() -> int:
+    gc.collect()
+    return len(os.listdir("/proc/self/fd"))
+
+
+def test_fifty_sessions_in_a_row_leave_no_thread_and_no_descriptor() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain())
+    with Session(options):
+        pass  # what is made once, is made now
+    before, threads = descriptors(), threading.active_count()
+    for _ in range(ROUNDS):
+        session = Session(options)
+        session.start()
+        assert session.close() == []
+        del session  # rclpy frees a context's descriptors with its last reference
+    assert threading.active_count() == threads
+    assert descriptors() <= before + 4
