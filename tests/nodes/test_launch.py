@@ -1,4 +1,4 @@
-"""The launch file as far as it goes without ROS's launch packages: stand-ins record what it says."""
+"""The launch file, as far as it goes without ROS's launch packages: stand-ins record its words."""
 
 from __future__ import annotations
 
