@@ -123,7 +123,7 @@ class ArchoApp(App[None]):
         command = self._command(name)
         reason = self.blocked(command)
         if reason:
-            self.notify(reason[0].upper() + reason[1:] + ".", severity="warning")
+            self.notify(reason[0].upper() + reason[1:] + ".", severity="warning", markup=False)
             return
         work = command.run(self)  # at once: the next key may be for what this one focused
         if work is not None:
@@ -143,7 +143,7 @@ class ArchoApp(App[None]):
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed; what it did is seen on the screen."""
         if not outcome.ok:
-            self.notify(outcome.text, severity="error")
+            self.notify(outcome.text, severity="error", markup=False)
 
     async def ask(self, question: Confirm) -> str:
         """Put a question and wait for the answer, the safe one if another is being asked."""

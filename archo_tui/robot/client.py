@@ -17,7 +17,7 @@ from archo_tui.robot import calls, interfaces, ros2_command
 from archo_tui.robot.calls import Calls
 from archo_tui.robot.census import Census
 from archo_tui.robot.door import Door, Receiver
-from archo_tui.robot.events import EventLog
+from archo_tui.robot.events import EventLog, harmless
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.state import (
@@ -167,6 +167,7 @@ class Robot:
         """Run a verb on the ROS thread and log how it ended; the snapshot then shows it."""
 
         def log(outcome: Outcome) -> Outcome:
+            outcome = Outcome(outcome.ok, harmless(outcome.text))
             text = f"{title}: {outcome.text}"
             self._add_event(Event(self._wall_clock(), "YOU", "console", text, command))
             self._flush()

@@ -23,6 +23,7 @@ from unique_identifier_msgs.msg import UUID
 
 from archo_tui.robot import calls
 from archo_tui.robot.calls import Calls
+from archo_tui.robot.events import harmless
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase
 
 SILENCE = 3.0  # s without feedback or motor status until a moving goal counts as lost
@@ -220,6 +221,7 @@ class Goals:
         self._handle = self._result = None
         if self.goal is not None:
             now = time.monotonic()
+            message = harmless(message)
             ended = replace(self.goal, phase=phase, message=message, ended=now, time=time.time())
             self.history.appendleft(ended)
             self._set(ended)

@@ -17,6 +17,7 @@ from rclpy.parameter import Parameter as RosParameter
 
 from archo_tui.robot import calls
 from archo_tui.robot.calls import Calls
+from archo_tui.robot.events import harmless
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.values import TYPES, as_python, text_of
 
@@ -156,7 +157,7 @@ def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
         type=TYPES.get(descriptor.type or ParameterType.PARAMETER_NOT_SET, "not set"),
         value=value,
         initial=value,
-        description=descriptor.description,
+        description=harmless(descriptor.description),
         low=low,
         high=high,
         read_only=descriptor.read_only,

@@ -8,9 +8,11 @@ from typing import Any
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
+from textual.markup import escape
 from textual.screen import ModalScreen
 from textual.widgets import Button, Input, Static
 
+from archo_tui.robot.events import harmless
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.values import parse, range_text, text_of
 
@@ -29,14 +31,16 @@ class EditParameter(ModalScreen[None]):
         parameter = self._parameter
         allowed = range_text(parameter)
         with Vertical(classes="dialog") as box:
-            box.border_title = f"{parameter.node.lstrip('/')} {parameter.name}"
+            title = f"{parameter.node.lstrip('/')} {harmless(parameter.name)}"
+            box.border_title = escape(title)
             box.border_subtitle = "enter set   esc leave as it is"
             yield Static(Content(parameter.description or "no description"))
             kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
             yield Static(Content(f"type   {kind}"))
-            yield Static(Content(f"now    {text_of(parameter.value)}"))
-            yield Static(Content(f"start  {text_of(parameter.initial)}"))
-            field = Input(text_of(parameter.value), id="value", compact=True)
+            now = harmless(text_of(parameter.value))
+            yield Static(Content(f"now    {now}"))
+            yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
+            field = Input(now, id="value", compact=True)
             field.cursor_blink = False
             field.disabled = parameter.read_only
             yield field

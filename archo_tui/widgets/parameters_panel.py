@@ -9,6 +9,7 @@ from textual.content import Content
 from textual.message import Message
 from textual.widgets import DataTable
 
+from archo_tui.robot.events import harmless
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import range_text, text_of
 from archo_tui.widgets.panel import Panel
@@ -73,7 +74,7 @@ def _key(parameter: Parameter) -> str:
 
 
 def _value(parameter: Parameter) -> Content:
-    text = text_of(parameter.value)
+    text = harmless(text_of(parameter.value))
     text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
     mark = " *" if parameter.is_changed else ""
     return Content.styled(f"{text}{mark}".rjust(_COLUMNS[2][1]), "bold" if mark else "")
@@ -83,7 +84,7 @@ def _row(parameter: Parameter) -> list[Content]:
     node = Content(parameter.node.lstrip("/"))
     return [
         node,
-        Content(parameter.name),
+        Content(harmless(parameter.name)),
         _value(parameter),
         Content(parameter.type),
         Content(range_text(parameter)),

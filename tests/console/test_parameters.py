@@ -101,3 +101,15 @@ async def test_a_low_battery_is_a_word_a_banner_and_one_event_and_clears_above()
         await edit(op, "low_battery_threshold", "84.5")
         await op.until("● GOOD      87.5 %")
         await op.until(lambda: "LOW BATTERY" not in op.text)
+
+
+async def test_what_a_terminal_could_act_on_is_shown_harmlessly() -> None:
+    async with console(*FAST) as op:
+        dashboard = op.session.host.nodes[1].node
+        dashboard.declare_parameter("a[red]name", "\x1b[2Jgone\u202e [bold]x")
+        await op.until("a[red]name")
+        assert "\x1b" not in op.text
+        assert "�[2Jgone" in op.text.replace("  ", "") or "�[2J" in op.text
+        await edit(op, "a[red]name", "plain [b]text")
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.until("set dashboard a[red]name plain [b]text: a[red]name is plain [b]text")
