@@ -92,6 +92,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             attach=options.attach,
         )
     )
+    stuck: list[str] = []
     try:
         _need_terminal()
         from archo_tui.app import ArchoApp
@@ -100,9 +101,11 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
         app = ArchoApp(session)
         with guarded_stderr(log_file()):
             app.run()
-        return app.return_code or 0
     finally:
-        session.close()
+        stuck = session.close()
+    for name in stuck:
+        print(f"archo-tui: {name} did not stop: its callback does not return", file=sys.stderr)
+    return app.return_code or (FAILED if stuck else 0)
 
 
 def _need_terminal() -> None:

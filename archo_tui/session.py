@@ -51,6 +51,11 @@ class Session:
 
         import rclpy
         from rclpy.context import Context
+        from rclpy.exceptions import (
+            InvalidParameterTypeException,
+            InvalidParameterValueException,
+            NameValidationException,
+        )
         from rclpy.signals import SignalHandlerOptions
 
         from archo_tui.host import Host
@@ -71,10 +76,13 @@ class Session:
             self.robot = Robot(self._context)
             self.host = Host(self._context, self.robot.note)
             for make in self._makers():
-                self._construct(make)
-        except Exception:
+                self.host.add(make)
+        except (InvalidParameterTypeException, InvalidParameterValueException) as error:
             self._context.try_shutdown()
-            raise
+            raise ArchoError(self._refused(str(error))) from None
+        except NameValidationException as error:
+            self._context.try_shutdown()
+            raise ArchoError(f"{error.name_type} {error.name!r}: {error.error_msg}") from None
 
     def _makers(self) -> Sequence[Any]:
         if self.options.attach:
@@ -89,20 +97,6 @@ class Session:
             args += ["--params-file", str(path)]
         return [*args, *self.options.ros_args]
 
-    def _construct(self, make: Any) -> None:
-        from rclpy.exceptions import (
-            InvalidParameterTypeException,
-            InvalidParameterValueException,
-            NameValidationException,
-        )
-
-        try:
-            self.host.add(make)
-        except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-            raise ArchoError(self._refused(str(error))) from None
-        except NameValidationException as error:
-            raise ArchoError(f"{error.name_type} {error.name!r}: {error.error_msg}") from None
-
     def _refused(self, message: str) -> str:
         """The line for a parameter that a node refused at the start, with file and line."""
         quoted = message.split("'")
@@ -113,17 +107,11 @@ class Session:
 
     def start(self) -> None:
         """Let everything run."""
+        declared = {
+            hosted.name: set(hosted.node.list_parameters([], 0).names) for hosted in self.host.nodes
+        }
         self.robot.start()
         self.host.start()
-        declared = {
-            hosted.name: {
-                override.name
-                for override in self._overrides
-                if hosted.node.has_parameter(override.name)
-            }
-            | _declared(hosted.node)
-            for hosted in self.host.nodes
-        }
         for line in params.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
 
@@ -153,10 +141,6 @@ def _check_attach(options: Options) -> None:
         raise ArchoError("--attach needs --engine ros2: the embedded engine ends with this process")
     if options.params_files or options.use_sim:
         raise ArchoError("--attach hosts no nodes: --params-file and --use-sim mean nothing here")
-
-
-def _declared(node: Any) -> set[str]:
-    return set(node.list_parameters([], 0).names)
 
 
 def _robots_nodes(use_sim: bool) -> list[Any]:

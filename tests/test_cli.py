@@ -114,7 +114,13 @@ def test_attach_needs_the_real_ros() -> None:
 
 
 @pytest.mark.parametrize(
-    "words", [["--ros-args", "--bogus"], ["--ros-args", "-p", "x"], ["--ros-args", "-r"]]
+    "words",
+    [
+        ["--ros-args", "--bogus"],
+        ["--ros-args", "-p", "x"],
+        ["--ros-args", "-r"],
+        ["--ros-args", "-r", "a b:=c"],
+    ],
 )
 def test_bad_ros_arguments(words: list[str]) -> None:
     assert refused(*words)
