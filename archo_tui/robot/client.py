@@ -46,14 +46,13 @@ _REFUSAL = "Goal refused: "
 class Robot:
     """Operates whatever robot is on the graph of `context`."""
 
-    def __init__(self, context: Context, wall_clock: Callable[[], float] = time.time) -> None:
-        self._wall_clock = wall_clock
+    def __init__(self, context: Context) -> None:
         self._door = Door()
         self._log = EventLog()
         self._dirty = False
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
         self._calls = Calls(node)
-        self._telemetry = Telemetry(node, self._on_telemetry)
+        self._telemetry = Telemetry(node, self._on_telemetry, self._warn)
         self._goals = Goals(node, self._calls, self._goal_changed, self._warn)
         self._parameters = Parameters(node, self._calls, self._mark)
         self._census = Census(node)
@@ -133,7 +132,7 @@ class Robot:
 
     def note(self, level: str, source: str, text: str, command: str = "") -> None:
         """Add a line to the events, from any thread."""
-        event = Event(self._wall_clock(), level, source, text, command)
+        event = Event(time.time(), level, source, text, command)
         self._thread.submit(lambda: self._add_event(event))
 
     # on the ROS thread
@@ -169,7 +168,7 @@ class Robot:
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))
             text = f"{title}: {outcome.text}"
-            self._add_event(Event(self._wall_clock(), "YOU", "console", text, command))
+            self._add_event(Event(time.time(), "YOU", "console", text, command))
             self._flush()
             return outcome
 
@@ -218,12 +217,10 @@ class Robot:
         self._add_event(Event(stamp, level, message.name, message.msg))
 
     def _warn(self, text: str) -> None:
-        self._add_event(Event(self._wall_clock(), "WARN", "console", text))
+        self._add_event(Event(time.time(), "WARN", "console", text))
 
     def _on_error(self, error: Exception) -> None:
-        self._add_event(
-            Event(self._wall_clock(), "ERROR", "console", f"{type(error).__name__}: {error}")
-        )
+        self._add_event(Event(time.time(), "ERROR", "console", f"{type(error).__name__}: {error}"))
 
     def _add_event(self, event: Event) -> None:
         self._log.add(event)

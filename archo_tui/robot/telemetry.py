@@ -19,12 +19,15 @@ _DEPTH = 10
 class Telemetry:
     """The last battery and motor readings."""
 
-    def __init__(self, node: Node, changed: Callable[[str], None]) -> None:
-        """`changed(topic)` is called after each reading."""
+    def __init__(
+        self, node: Node, changed: Callable[[str], None], warn: Callable[[str], None]
+    ) -> None:
+        """`changed(topic)` is called after each reading, `warn` with what cannot be heard."""
         self._node = node
         self._changed = changed
+        self._warn = warn
         self._subscriptions: dict[str, tuple[tuple[str, bool], Any]] = {}
-        self.problem: dict[str, str] = {}  # topic -> why it cannot be heard
+        self._unknown: set[str] = set()  # types that were complained of
         self.battery = Battery()
         self.motor = Motor()
 
@@ -47,9 +50,10 @@ class Telemetry:
             return
         message_class = interfaces.load(kind)
         if message_class is None:
-            self.problem[topic] = f"type {kind} is not installed here"
+            if kind not in self._unknown:
+                self._unknown.add(kind)
+                self._warn(f"{topic} cannot be heard: its type {kind} is not installed here")
             return
-        self.problem.pop(topic, None)
         if old is not None:
             self._node.destroy_subscription(old[1])
         qos = QoSProfile(

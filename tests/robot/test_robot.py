@@ -223,3 +223,23 @@ async def test_every_verb_leaves_a_line_with_its_ros2_command() -> None:
             "ros2 action send_goal /move_to_shelf archo_interfaces/action/MoveToShelf "
             '"{shelf_number: 7}" --feedback',
         ]
+
+
+async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    from archo_tui.robot import interfaces
+
+    real = interfaces.load
+    monkeypatch.setattr(
+        interfaces, "load", lambda name: None if name == "std_msgs/msg/Float32" else real(name)
+    )
+
+    def make(**options: Any) -> Node:
+        node = Node("float", **options)
+        node.create_publisher(Float32, "battery_level", 10)
+        return node
+
+    async with robot(make) as it:
+        said = "battery_level cannot be heard: its type std_msgs/msg/Float32 is not installed here"
+        await until(lambda: [e.text for e in it.snapshot.events] == [said])
+        await until(lambda: len(it.snapshot.nodes) == 2)
+        assert [e.count for e in it.snapshot.events] == [1]
