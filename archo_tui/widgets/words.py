@@ -135,7 +135,8 @@ def goal_line(snapshot: Snapshot, now: float) -> Content:
         Phase.UNKNOWN: (
             WARN,
             "? UNKNOWN",
-            f"no answer for {_s(now - goal.sent)}; the goal may be running",
+            f"no answer for {_s(now - (goal.heard or goal.sent))}; "
+            "the goal may be running (asking again)",
         ),
         Phase.LOST: (
             BAD,
