@@ -36,6 +36,19 @@ async def test_letters_are_text_while_typing() -> None:
         assert op.app.screen is op.app.main
 
 
+async def test_letters_do_nothing_behind_a_dialog() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "ctrl+end", "enter")
+        await op.until("ticks_per_revolution is read-only")
+        await op.press("r", "c", "q")
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.press("a")
+        await op.until("No alarm to acknowledge.")  # whatever r and c did is done by now
+        assert "15 420 ticks" in op.text
+        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
+
+
 async def test_help_lists_every_command_with_its_key() -> None:
     async with console(*FAST, size=(120, 60)) as op:
         await op.press("question_mark")

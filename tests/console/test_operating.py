@@ -145,7 +145,8 @@ async def test_nodes_tick_on_while_dialogs_are_open_and_the_terminal_is_resized(
 
 
 async def test_quitting_with_a_goal_running_asks_cancels_and_goes() -> None:
-    async with console(*SLOW) as op:
+    # a cancel takes up to a second here: quitting waits for the end
+    async with console("-p", "feedback_period:=1.0", "-p", "time_scale:=1.0") as op:
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("ctrl+q")

@@ -117,6 +117,28 @@ async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
         unspun[0].destroy_node()
 
 
+async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
+    made: list[Node] = []
+
+    def make(**options: Any) -> Node:
+        made.append(server()(**options))  # never spun, as good as dead
+        made.append(quiet(**options))
+        return made[1]
+
+    async with robot(make, nodes=2) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        await it.go_to_shelf(3)
+        made[0].destroy_node()
+        reborn = server()(context=made[1].context)
+        executor = made[1].executor
+        assert executor is not None
+        executor.create_task(executor.add_node, reborn)
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
+        assert it.snapshot.goal is not None
+        assert it.snapshot.goal.message.startswith("the robot knows this goal no more")
+        reborn.destroy_node()
+
+
 async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -> None:
     hang = threading.Event()
     async with robot(server(hang=hang)) as it:

@@ -1,0 +1,30 @@
+"""The way up to the screen is bounded: a loop that stalled finds one snapshot, the newest."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from dataclasses import replace
+
+from archo_tui.robot.door import Door
+from archo_tui.robot.state import Motor, Snapshot
+
+
+async def test_a_stalled_loop_gets_one_call_with_the_newest() -> None:
+    door, got = Door(), list[Snapshot]()
+    door.open(got.append)
+
+    def flood() -> None:
+        for ticks in range(1000):
+            door.put(replace(Snapshot(), motor=Motor(ticks=ticks)))
+
+    thread = threading.Thread(target=flood)
+    thread.start()
+    thread.join()  # the loop stalls meanwhile, on purpose
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    assert [snapshot.motor.ticks for snapshot in got] == [999]
+    door.put(Snapshot())
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    assert len(got) == 2

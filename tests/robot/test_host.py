@@ -1,0 +1,62 @@
+"""A hosted node that fails fails alone, and it is said."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.node import Node
+
+from archo_tui.session import Options, Session
+from tests.support import chosen
+from tests.support.waiting import wait_until
+
+
+class Bad(Node):
+    """Raises in its first callback."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("bad", **options)
+        self.create_timer(0.01, self.explode)
+
+    def explode(self) -> None:
+        raise ZeroDivisionError("boom")
+
+
+class Good(Node):
+    """Ticks on."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("good", **options)
+        self.ticks = 0
+        self.create_timer(0.01, self.tick)
+
+    def tick(self) -> None:
+        self.ticks += 1
+
+
+def test_a_crash_is_an_event_and_the_others_go_on() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad, Good))
+    with Session(options) as session:
+        wait_until(
+            lambda: (
+                [
+                    (e.level, e.source, e.text)
+                    for e in session.robot.snapshot.events
+                    if e.source == "bad"
+                ]
+                == [("ERROR", "bad", "crashed: ZeroDivisionError: boom")]
+            )
+        )
+        bad, good = session.host.nodes
+        assert bad.crash is not None
+        assert "in explode" in bad.crash.traceback
+        seen = good.node.ticks  # type: ignore[attr-defined]
+        wait_until(lambda: good.node.ticks > seen)  # type: ignore[attr-defined]
+        wait_until(lambda: [n.name for n in session.robot.snapshot.nodes][-1] == "/good")
+
+
+def test_the_crashed_node_has_left_the_graph() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad,))
+    with Session(options) as session:
+        wait_until(lambda: session.host.nodes[0].crash)
+        wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/archo_console"])
