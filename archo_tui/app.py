@@ -123,7 +123,7 @@ class ArchoApp(App[None]):
         command = self._command(name)
         reason = self.blocked(command)
         if reason:
-            self.notify(reason[0].upper() + reason[1:] + ".", severity="warning", markup=False)
+            self.notify(reason, severity="warning", markup=False)
             return
         work = command.run(self)  # at once: the next key may be for what this one focused
         if work is not None:

@@ -28,7 +28,7 @@ async def test_what_nobody_offers_is_said_and_lights_up_when_it_comes(
     async with console(attach=True, domain_id=processes.domain, wait=False) as op:
         await op.until("move_to_shelf: not offered by any node")
         await op.press("r")
-        await op.until("Reset_encoder is not offered")
+        await op.until("reset_encoder is not offered")
         assert op.app.query_one("#stop").has_class("-blocked")
         processes.start(MOTOR, *FAST)
         await op.until("● IDLE")
@@ -75,4 +75,4 @@ async def test_the_textbooks_own_nodes_are_operated(processes: Processes) -> Non
         await op.until("the robot rejected the cancel")
         await op.until("✓ ARRIVED      Arrived at shelf 12")
         await op.press("ctrl+x")
-        await op.until("Emergency_stop is not offered by any node")
+        await op.until("emergency_stop is not offered by any node")
