@@ -79,7 +79,7 @@ class ArchoApp(App[None]):
         found = conditions(self._snapshot, self._clock.monotonic())
         self._alarms.update(found, self._clock.monotonic(), self._clock.now())
         self.view = self._view()
-        if self.main.is_mounted:
+        if self.is_running and self.main.is_mounted:  # neither before nor behind the screen's life
             footer = [
                 (c.id, c.footer_key or c.shown_key, c.footer, bool(self.blocked(c)))
                 for c in self.registry

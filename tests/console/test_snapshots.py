@@ -126,5 +126,18 @@ async def test_equal_snapshots_draw_nothing() -> None:
         assert len(lines) > 8
 
 
+async def test_what_comes_while_the_screen_is_taken_down_is_harmless() -> None:
+    app = stub_app(NORMAL)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await pilot.pause()
+        remove = app._close_all
+
+        async def close_all() -> None:
+            await remove()
+            app.tick()  # the clock or the robot, a moment too late
+
+        app._close_all = close_all  # type: ignore[method-assign]
+
+
 def _must_not(*_: object, **__: object) -> None:
     raise AssertionError("redrawn for nothing")
