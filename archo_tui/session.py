@@ -125,7 +125,8 @@ class Session:
         self.robot.stop()
         stuck = self.host.stop()
         self._context.try_shutdown()
-        gc.collect()  # rclpy's contexts hold file descriptors until they are collected
+        if self.options.engine == engine.ROS2:
+            gc.collect()  # rclpy's contexts hold file descriptors until they are collected
         return stuck
 
     def __enter__(self) -> Session:

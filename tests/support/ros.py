@@ -84,4 +84,5 @@ class Ros:
         for node in self._nodes:
             node.destroy_node()
         self.context.try_shutdown()
-        gc.collect()
+        if chosen.ENGINE == "ros2":
+            gc.collect()  # rclpy's contexts hold file descriptors until they are collected
