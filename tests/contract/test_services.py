@@ -79,5 +79,7 @@ def test_a_service_comes_and_goes(ros: Ros) -> None:
     service = server.create_service(Trigger, "trigger", lambda request, response: response)
     client = ros.spun("client").create_client(Trigger, "trigger")
     assert client.wait_for_service(10.0)
-    server.destroy_service(service)
+    executor = server.executor
+    assert executor is not None
+    executor.create_task(server.destroy_service, service)  # on the thread that spins it
     wait_until(lambda: not client.service_is_ready())

@@ -48,7 +48,10 @@ class Processes:
         for process in self._running:
             process.terminate()
         for process in self._running:
-            process.wait(10)
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                self.kill(process)
 
 
 @pytest.fixture
