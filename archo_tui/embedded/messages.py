@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from operator import attrgetter
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from . import fields as rules
-from .idl import Field, Section
+from .idl import Field, FieldType, Section
 
 Resolve = Callable[[Section, Field], Any]
 
@@ -133,10 +134,6 @@ def _wrapped_service(
 
 def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
     """A message whose field types are given as classes, as ROS derives them for actions."""
-    from pathlib import Path
-
-    from .idl import FieldType
-
     primitives = {bool: "bool", int: "int8"}
     classes = {
         name: load(member) if isinstance(member, str) else member

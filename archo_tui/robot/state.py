@@ -6,7 +6,7 @@ Unix time. None means: never heard, or not reported by this robot.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
@@ -178,7 +178,3 @@ class Snapshot:
         """The low-battery threshold in %: the robot's parameter, else the textbook's 20."""
         found = self.parameter("low_battery_threshold")
         return float(found.value) if found is not None else 20.0
-
-    def with_events(self, *events: Event) -> Snapshot:
-        """The same with more events."""
-        return replace(self, events=(*self.events, *events))
