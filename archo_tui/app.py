@@ -4,21 +4,29 @@ from __future__ import annotations
 
 import asyncio
 import signal
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from textual.app import App, SystemCommand
 from textual.binding import Binding
+from textual.filter import LineFilter
 from textual.screen import Screen
+from textual.theme import Theme
 from textual.widgets import Input
 
 from archo_tui.alarms import AlarmBoard, conditions
 from archo_tui.clock import Clock
-from archo_tui.commands import COMMANDS, EVERYWHERE, Command
+from archo_tui.commands import COMMANDS
+from archo_tui.commands.base import EVERYWHERE, Command
+from archo_tui.glyphs import Ascii, ascii_only
+from archo_tui.keymap import shown_keys
+from archo_tui.leaving import let_go
 from archo_tui.robot.state import Outcome, Snapshot
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.screens.main import MainScreen
+from archo_tui.themes import HIGH_CONTRAST, THEMES, remember
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.view import View
@@ -26,7 +34,17 @@ from archo_tui.widgets.view import View
 if TYPE_CHECKING:
     from archo_tui.session import Session
 
+_UNDOABLE = 100  # changes of parameters that can be undone
 _CANCEL_WAIT = 2.5  # s that quitting waits for the goal's end
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A change of parameters that was made here and can be undone."""
+
+    node: str
+    before: dict[str, Any]
+    after: dict[str, Any]
 
 
 class ArchoApp(App[None]):
@@ -34,24 +52,53 @@ class ArchoApp(App[None]):
 
     TITLE = "ARCHO"
     CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
-    # All have priority, so that a key acts before the next one is routed to whatever it focused:
-    # over a slow line several arrive at once. check_action takes the letters back while typing.
-    BINDINGS = [
-        *(Binding(c.key, f"command('{c.id}')", c.help, id=c.id, priority=True) for c in COMMANDS),
-        Binding("escape", "leave_field", "Out of the field", show=False, priority=True),
-    ]
+    BINDINGS = [Binding("escape", "leave_field", "Out of the field", show=False, priority=True)]
 
-    def __init__(self, session: Session, clock: Clock | None = None) -> None:
+    def __init__(
+        self,
+        session: Session,
+        clock: Clock | None = None,
+        keys: Mapping[str, str] | None = None,
+        theme: str = "",
+    ) -> None:
+        """`keys` of commands by id, when they are not the registry's own; `theme` by its name."""
         super().__init__()
         self.robot = session.robot
+        self.host = session.host
         self.registry = COMMANDS
+        self.edits: list[Edit] = []
         self._clock = clock or Clock()
         self._session = session
         self._alarms = AlarmBoard()
         self._snapshot = Snapshot()
         self._second = self._clock.monotonic()
+        self._keys = {command.id: command.key for command in COMMANDS} | dict(keys or {})
+        self._shown_keys = shown_keys(self._keys)
+        self._bind_commands()
+        for own in THEMES:
+            self.register_theme(own)
+        self._glyphs = [Ascii()] if ascii_only() else []
+        if theme or self.console.color_system == "standard":  # 16 colours: none in between
+            self.theme = theme or HIGH_CONTRAST.name
         self.main = MainScreen()
         self.view = self._view()
+
+    def _bind_commands(self) -> None:
+        """All have priority, so that a key acts before the next one goes to whatever it focused.
+
+        Over a slow line several arrive at once. check_action takes the letters back while typing.
+        App.bind knows no priority, and a keymap of Textual's drops what shares a key.
+        """
+        for command in self.registry:
+            key, action = self._keys[command.id], f"command('{command.id}')"
+            binding = Binding(key, action, command.help, id=command.id, priority=True)
+            # another list: the class's own bindings are shared by all apps
+            known = self._bindings.key_to_bindings.get(key, [])
+            ours = [b for b in known if b.action.startswith("command(")]
+            self._bindings.key_to_bindings[key] = [*ours, binding]
+
+    def get_line_filters(self) -> Sequence[LineFilter]:
+        return [*super().get_line_filters(), *self._glyphs]
 
     def get_default_screen(self) -> Screen[None]:
         return self.main
@@ -59,6 +106,7 @@ class ArchoApp(App[None]):
     def on_mount(self) -> None:
         if not self.is_headless:
             self._leave_on_signals()
+        self.theme_changed_signal.subscribe(self, self._theme_chosen)
         self.robot.subscribe(self._take)
         self.set_interval(1.0, self.tick)
 
@@ -81,7 +129,7 @@ class ArchoApp(App[None]):
         self.view = self._view()
         if self.is_running and self.main.is_mounted:  # neither before nor behind the screen's life
             footer = [
-                (c.id, c.footer_key or c.shown_key, c.footer, bool(self.blocked(c)))
+                (c.id, c.footer_key or self.view.key(c.id), c.footer, bool(self.blocked(c)))
                 for c in self.registry
                 if c.footer
             ]
@@ -96,6 +144,8 @@ class ArchoApp(App[None]):
             self._session.engine,
             self._session.options.namespace,
             self._alarms.all(),
+            self.host.states(),
+            self._shown_keys,
         )
 
     # commands
@@ -111,9 +161,12 @@ class ArchoApp(App[None]):
             return typing and self.screen is self.main
         if action != "command":
             return super().check_action(action, parameters)
-        return (self.screen is self.main and not typing) or self._command(
-            str(parameters[0])
-        ).where == EVERYWHERE
+        command = self._command(str(parameters[0]))
+        if command.where == EVERYWHERE:
+            return True
+        if self.screen is not self.main or typing:
+            return False
+        return not command.panel or command.panel == self.main.focused_panel
 
     def _command(self, name: str) -> Command:
         return next(c for c in self.registry if c.id == name)
@@ -132,13 +185,14 @@ class ArchoApp(App[None]):
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """The palette: the registry, and what Textual brings."""
         for command in self.registry:
-            title = f"{command.help.partition(';')[0]} ({command.shown_key})"
+            title = f"{command.help.partition(';')[0]} ({self.view.key(command.id)})"
             yield SystemCommand(
                 title,
                 self.blocked(command) or command.help,
                 lambda name=command.id: self.action_command(name),
             )
-        yield from (c for c in super().get_system_commands(screen) if c.title == "Theme")
+        brought = ("Theme", "Screenshot")
+        yield from (c for c in super().get_system_commands(screen) if c.title in brought)
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed; what it did is seen on the screen."""
@@ -185,9 +239,27 @@ class ArchoApp(App[None]):
         self.push_screen(
             EditParameter(
                 parameter,
-                lambda value: self.robot.set_parameter(parameter.node, parameter.name, value),
+                lambda value: self.set_parameters(parameter.node, {parameter.name: value}),
             )
         )
+
+    async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
+        """Set parameters of a node, all or none; what was done can be undone."""
+        known = {p.name: p.value for p in self.view.snapshot.parameters if p.node == node}
+        outcome = await self.robot.set_parameters(node, values)
+        if outcome.ok:
+            before = {name: known[name] for name in values}
+            self.edits = [*self.edits[-_UNDOABLE:], Edit(node, before, values)]
+        return outcome
+
+    def _theme_chosen(self, theme: Theme) -> None:
+        async def write() -> None:
+            try:
+                await asyncio.to_thread(remember, theme.name)
+            except OSError as error:
+                self.notify(f"The theme is not remembered: {error.strerror}", markup=False)
+
+        self.run_worker(write(), group="theme", exclusive=True)
 
     # the end
 
@@ -215,7 +287,12 @@ class ArchoApp(App[None]):
             loop.add_signal_handler(number, self._leave_with, 128 + number)
 
     def _leave_with(self, code: int) -> None:
-        self.exit(return_code=code)
+        async def leave() -> None:
+            why = f"ended by {signal.Signals(code - 128).name}"
+            await let_go(self.robot, self._session.options.on_disconnect, why)
+            self.exit(return_code=code)
+
+        self._leaving = asyncio.ensure_future(leave())
 
     async def _goal_ended(self) -> None:
         loop = asyncio.get_running_loop()

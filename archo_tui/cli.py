@@ -6,10 +6,15 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from archo_tui import __version__
 from archo_tui.errors import ArchoError
+from archo_tui.folders import config_file
 from archo_tui.terminal import guarded_stderr, log_file
+
+if TYPE_CHECKING:
+    from archo_tui.session import Session
 
 FAILED, MISUSED = 1, 2  # exit codes
 
@@ -46,6 +51,19 @@ def parser() -> argparse.ArgumentParser:
         "--attach",
         action="store_true",
         help="host no nodes: operate the robot that is on the ROS 2 graph",
+    )
+    made.add_argument(
+        "--on-disconnect",
+        choices=("cancel", "leave"),
+        default="cancel",
+        help="what becomes of a running goal when the terminal goes or a signal ends the console: "
+        "cancel it (default), or, with --attach, leave it running",
+    )
+    made.add_argument(
+        "--plain",
+        action="store_true",
+        help="no screen: commands on standard input (help lists them), an event a line on standard "
+        "output; the exit code is 0 when the last goal arrived and no command failed",
     )
     made.add_argument(
         "--ros-args",
@@ -90,22 +108,38 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             namespace=options.namespace,
             ros_args=ros_args,
             attach=options.attach,
+            on_disconnect=options.on_disconnect,
         )
     )
     stuck: list[str] = []
     try:
-        _need_terminal()
-        from archo_tui.app import ArchoApp
-
-        session.start()
-        app = ArchoApp(session)
-        with guarded_stderr(log_file()):
-            app.run()
+        code = _plain(session) if options.plain else _console(session)
     finally:
         stuck = session.close()
     for name in stuck:
         print(f"archo-tui: {name} did not stop: its callback does not return", file=sys.stderr)
-    return app.return_code or (FAILED if stuck else 0)
+    return code or (FAILED if stuck else 0)
+
+
+def _plain(session: Session) -> int:
+    from archo_tui import plain
+
+    session.start()
+    return plain.run(session)
+
+
+def _console(session: Session) -> int:
+    _need_terminal()
+    from archo_tui import keymap, themes
+    from archo_tui.app import ArchoApp
+    from archo_tui.commands import COMMANDS
+
+    keys = keymap.load(config_file("keymap.yaml"), COMMANDS)
+    session.start()
+    app = ArchoApp(session, keys=keys, theme=themes.remembered())
+    with guarded_stderr(log_file()):
+        app.run()
+    return app.return_code or 0
 
 
 def _need_terminal() -> None:

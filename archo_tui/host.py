@@ -5,35 +5,38 @@ from __future__ import annotations
 import threading
 import traceback
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
+from itertools import count
 from typing import Any
 
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
+from archo_tui.robot.state import Hosted, Life, Outcome
+
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take at the end
-
-
-@dataclass(frozen=True)
-class Crash:
-    """What a callback raised."""
-
-    error: str
-    traceback: str
 
 
 class HostedNode:
     """One node and the thread that spins it."""
 
     def __init__(
-        self, make: Callable[..., Node], context: Context, on_crash: Callable[[HostedNode], None]
+        self,
+        make: Callable[..., Node],
+        context: Context,
+        on_change: Callable[[HostedNode], None],
+        rename: str = "",
     ) -> None:
         """Constructs the node: what its constructor raises comes out here."""
-        self.node = make(context=context)
+        self.make, self._context, self._rename = make, context, rename
+        options = {"cli_args": ["--ros-args", "-r", f"__node:={rename}"]} if rename else {}
+        self.node = make(context=context, **options)
         self.name: str = self.node.get_fully_qualified_name()
-        self.crash: Crash | None = None
-        self._on_crash = on_crash
+        own = f"{self.name}/"  # those of its parameters: every node has them
+        serves = any(not service.service_name.startswith(own) for service in self.node.services)
+        self.state = Hosted(self.name, serves=serves)
+        self._on_change = on_change
         self._stopping = False
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
@@ -43,6 +46,10 @@ class HostedNode:
         """Begin to spin."""
         self._thread.start()
 
+    def anew(self) -> HostedNode:
+        """Another node of the same kind and name, as it was at the start."""
+        return HostedNode(self.make, self._context, self._on_change, self._rename)
+
     def _spin(self) -> None:
         try:
             while not self._stopping:
@@ -50,10 +57,13 @@ class HostedNode:
         except ExternalShutdownException:
             return
         except Exception as error:
-            self.crash = Crash(f"{type(error).__name__}: {error}", traceback.format_exc())
             self._executor.remove_node(self.node)
             self.node.destroy_node()
-            self._on_crash(self)
+            said = f"{type(error).__name__}: {error}".rstrip(": ")
+            self.state = replace(
+                self.state, life=Life.CRASHED, error=said, traceback=traceback.format_exc()
+            )
+            self._on_change(self)
 
     def stop(self) -> bool:
         """End the thread and destroy the node; False when a callback did not return in time."""
@@ -62,19 +72,23 @@ class HostedNode:
             self._executor.create_task(lambda: None)
             self._thread.join(JOIN_TIMEOUT)
             if self._thread.is_alive():
+                self.state = replace(self.state, life=Life.STUCK)
                 return False
         self._executor.shutdown(0)
         self.node.destroy_node()
+        if self.state.life != Life.CRASHED:
+            self.state = replace(self.state, life=Life.STOPPED)
         return True
 
 
 class Host:
-    """The nodes of this process."""
+    """The nodes of this process. What changes them may take JOIN_TIMEOUT: not for the screen."""
 
     def __init__(self, context: Context, on_event: Callable[[str, str, str], None]) -> None:
         """`on_event(level, source, text)` is told what befalls the nodes, from their threads."""
         self._context = context
         self._on_event = on_event
+        self._changing = threading.Lock()
         self.nodes: list[HostedNode] = []
 
     def add(self, make: Callable[..., Any]) -> HostedNode:
@@ -88,10 +102,58 @@ class Host:
         for hosted in self.nodes:
             hosted.start()
 
+    def states(self) -> tuple[Hosted, ...]:
+        """How each is doing; from any thread."""
+        return tuple(hosted.state for hosted in self.nodes)
+
+    def start_node(self, name: str) -> Outcome:
+        """Construct a stopped or crashed node anew and spin it."""
+        with self._changing:
+            old = self._find(name)
+            if old.state.life == Life.UP:
+                return Outcome(False, f"{name} is running")
+            if old.state.life == Life.STUCK and not old.stop():
+                return Outcome(False, f"{name} does not stop: its callback does not return")
+            return self._spin(old.anew, f"{name} started", instead_of=old)
+
+    def stop_node(self, name: str) -> Outcome:
+        """Stop a node; the others are not asked."""
+        with self._changing:
+            if not self._find(name).stop():
+                return Outcome(False, f"{name} does not stop: its callback does not return")
+            return Outcome(True, f"{name} stopped")
+
+    def copy_node(self, name: str) -> Outcome:
+        """Run one more node of the same kind, under the next free name: `dashboard_2`."""
+        with self._changing:
+            kind = self._find(name).make
+            first = next(hosted for hosted in self.nodes if hosted.make is kind)
+            taken = {hosted.name for hosted in self.nodes}
+            number = next(n for n in count(2) if f"{first.name}_{n}" not in taken)
+            short = f"{first.name.rpartition('/')[2]}_{number}"
+            return self._spin(
+                lambda: HostedNode(kind, self._context, self._crashed, short), f"{short} started"
+            )
+
+    def _spin(
+        self, make: Callable[[], HostedNode], said: str, instead_of: HostedNode | None = None
+    ) -> Outcome:
+        try:
+            new = make()
+        except Exception as error:  # whatever the node's constructor raises
+            return Outcome(False, f"{type(error).__name__}: {error}")
+        kept = [hosted for hosted in self.nodes if hosted is not instead_of]
+        self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
+        new.start()
+        return Outcome(True, said)
+
+    def _find(self, name: str) -> HostedNode:
+        return next(hosted for hosted in self.nodes if hosted.name == name)
+
     def stop(self) -> list[str]:
         """Stop every node; returns the names of those that did not end."""
-        return [hosted.name for hosted in self.nodes if not hosted.stop()]
+        with self._changing:
+            return [hosted.name for hosted in self.nodes if not hosted.stop()]
 
     def _crashed(self, hosted: HostedNode) -> None:
-        assert hosted.crash is not None
-        self._on_event("ERROR", hosted.name.lstrip("/"), f"crashed: {hosted.crash.error}")
+        self._on_event("ERROR", hosted.name.lstrip("/"), f"crashed: {hosted.state.error}")

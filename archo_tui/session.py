@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from archo_tui import engine, params
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
+from archo_tui.leaving import LEAVE
 
 if TYPE_CHECKING:
     from archo_tui.host import Host
@@ -27,6 +28,7 @@ class Options:
     namespace: str = "/"
     ros_args: Sequence[str] = ()
     attach: bool = False  # host nothing: operate what is on the graph
+    on_disconnect: str = "cancel"  # what becomes of a running goal: cancel or leave
     domain_id: int | None = None
     node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
 
@@ -45,6 +47,8 @@ class Session:
         self.options = options
         if options.attach:
             _check_attach(options)
+        elif options.on_disconnect == LEAVE:
+            raise ArchoError("--on-disconnect leave needs --attach: our nodes end with the console")
         self._own_files = [] if options.attach else params.default_files()
         self._overrides = params.load([*self._own_files, *options.params_files])
         engine.activate(options.engine, hosting=not (options.attach or options.node_makers))

@@ -11,11 +11,12 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from archo_tui.folders import state_file
+
 
 def log_file() -> Path:
     """Where it goes: `archo-tui/stderr.log` in the XDG state folder."""
-    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-    return Path(state) / "archo-tui" / "stderr.log"
+    return state_file("stderr.log")
 
 
 @contextlib.contextmanager

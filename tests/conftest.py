@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -36,6 +37,13 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
+
+
+@pytest.fixture(autouse=True)
+def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the console remembers stays in the test."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
 
 
 @pytest.fixture

@@ -44,6 +44,9 @@ class Census:
             for info in self._node.get_publishers_info_by_topic(topic)[:1]:
                 self._publisher[topic] = _full(info.node_name, info.node_namespace)
                 offered.add(topic)
+        for name in set(self._last) - set(names):  # its rate begins anew when it comes back
+            del self._last[name]
+            self._interval.pop(name, None)
         changed = names != self.names or offered != self.offered
         self.names, self.services, self.offered = names, services, frozenset(offered)
         return changed

@@ -6,7 +6,7 @@ Verbs are called on the asyncio loop. Each ends: done, refused with the reason, 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
 from rcl_interfaces.msg import Log
@@ -50,6 +50,7 @@ class Robot:
         self._door = Door()
         self._log = EventLog()
         self._dirty = False
+        self._stop_asked: float | None = None
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
         self._calls = Calls(node)
         self._telemetry = Telemetry(node, self._on_telemetry, self._warn)
@@ -97,7 +98,16 @@ class Robot:
 
     async def emergency_stop(self) -> Outcome:
         """Stop at once; stays stopped until released."""
-        return await self._service("STOP", STOP)
+
+        async def stop() -> Outcome:
+            self._stop_asked = time.monotonic()
+            self._flush()
+            outcome = await self._call(STOP)
+            if outcome.ok or STOP not in self._census.offered:
+                self._stop_asked = None
+            return outcome
+
+        return await self._do("STOP", self._command(STOP), stop)
 
     async def release_emergency_stop(self) -> Outcome:
         """Allow moves again; none resumes by itself."""
@@ -121,13 +131,12 @@ class Robot:
         command = ros2_command.cancel(self._names[MOVE])
         return await self._do("cancel", command, self._goals.cancel)
 
-    async def set_parameter(self, node: str, name: str, value: Any) -> Outcome:
-        """Set one parameter to a value of the Python type that fits its own."""
-        command = ros2_command.set_parameter(node, name, value)
+    async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
+        """Set parameters of one node, all or none, to values of the types that fit."""
+        command = "; ".join(ros2_command.set_parameter(node, *item) for item in values.items())
+        texts = ", ".join(f"{name} {text_of(value)}" for name, value in values.items())
         return await self._do(
-            f"set {node.lstrip('/')} {name} {text_of(value)}",
-            command,
-            lambda: self._parameters.set(node, name, value),
+            f"set {node.lstrip('/')} {texts}", command, lambda: self._parameters.set(node, values)
         )
 
     def note(self, level: str, source: str, text: str, command: str = "") -> None:
@@ -138,27 +147,33 @@ class Robot:
     # on the ROS thread
 
     async def _service(self, title: str, name: str, **fields: Any) -> Outcome:
+        return await self._do(
+            title, self._command(name, **fields), lambda: self._call(name, **fields)
+        )
+
+    def _type(self, name: str) -> str:
+        return self._census.services.get(self._names[name], "")
+
+    def _command(self, name: str, **fields: Any) -> str:
+        """The command line for a call, empty when the type of its server is not known here."""
+        kind = self._type(name)
+        srv_type = interfaces.load(kind) if kind else None
+        if srv_type is None:
+            return ""
+        return ros2_command.service_call(self._names[name], kind, srv_type.Request(**fields))
+
+    async def _call(self, name: str, **fields: Any) -> Outcome:
         """Call a service with the type that its server has."""
-        full = self._names[name]
-        type_name = self._census.services.get(full, "")
-        srv_type = interfaces.load(type_name) if type_name else None
-        if srv_type is None or name not in self._census.offered:
-            lacks = f": type {type_name} is not installed here"
-            text = full + (lacks if name in self._census.offered else " is not offered by any node")
-
-            async def refuse() -> Outcome:
-                return Outcome(False, text)
-
-            return await self._do(title, "", refuse)
-        request = srv_type.Request(**fields)
-
-        async def call() -> Outcome:
-            answer = await self._calls.call(srv_type, name, request)
-            if answer is None:
-                return Outcome(False, f"no answer in {calls.DEADLINE:g} s")
-            return Outcome(bool(answer.success), answer.message)
-
-        return await self._do(title, ros2_command.service_call(full, type_name, request), call)
+        full, kind = self._names[name], self._type(name)
+        if name not in self._census.offered:
+            return Outcome(False, f"{full} is not offered by any node")
+        srv_type = interfaces.load(kind) if kind else None
+        if srv_type is None:
+            return Outcome(False, f"{full}: type {kind} is not installed here")
+        answer = await self._calls.call(srv_type, name, srv_type.Request(**fields))
+        if answer is None:
+            return Outcome(False, f"no answer in {calls.DEADLINE:g} s")
+        return Outcome(bool(answer.success), answer.message)
 
     async def _do(
         self, title: str, command: str, work: Callable[[], Coroutine[Any, Any, Outcome]]
@@ -206,6 +221,8 @@ class Robot:
         self._census.heard_topic(topic, time.monotonic())
         if topic == MOTOR:
             self._goals.heard()
+            if self._telemetry.motor.stopped:
+                self._stop_asked = None
         self._mark()
 
     def _on_log(self, message: Log) -> None:
@@ -246,5 +263,7 @@ class Robot:
                 nodes=self._census.states(),
                 offered=self._census.offered,
                 events=self._log.all(),
+                charge=self._telemetry.charge,
+                stop_asked=self._stop_asked,
             )
         )

@@ -6,7 +6,7 @@ from what was asked for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -105,26 +105,29 @@ class Parameters:
         finally:
             self._loading.discard(node)
 
-    async def set(self, node: str, name: str, value: Any) -> Outcome:
-        """Set one value (of the Python type that fits); the node's own reason when it refuses."""
-        request = srv.SetParameters.Request(
-            parameters=[RosParameter(name, value=value).to_parameter_msg()]
+    async def set(self, node: str, values: Mapping[str, Any]) -> Outcome:
+        """Set values (of the Python types that fit), all or none; the node's reason if it refuses.
+
+        The outcome says what the node answers when it is asked for them afterwards.
+        """
+        request = srv.SetParametersAtomically.Request(
+            parameters=[RosParameter(n, value=v).to_parameter_msg() for n, v in values.items()]
         )
-        answer = await self._calls.call(srv.SetParameters, f"{node}/set_parameters", request)
+        answer = await self._calls.call(
+            srv.SetParametersAtomically, f"{node}/set_parameters_atomically", request
+        )
         if answer is None:
             return Outcome(False, f"no answer in {calls.DEADLINE:g} s from {node}")
-        result = answer.results[0]
-        if not result.successful:
-            return Outcome(False, result.reason or "refused, no reason given")
-        await self._read_back(node, name)
-        return Outcome(True, f"{name} is {text_of(self._value(node, name))}")
-
-    async def _read_back(self, node: str, name: str) -> None:
+        if not answer.result.successful:
+            return Outcome(False, answer.result.reason or "refused, no reason given")
+        names = list(values)
         got = await self._calls.call(
-            srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=[name])
+            srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
-        if got is not None and got.values:
-            self._take(node, name, as_python(got.values[0]))
+        for name, value in zip(names, got.values if got is not None else (), strict=False):
+            self._take(node, name, as_python(value))
+        said = ", ".join(f"{name} is {text_of(self._value(node, name))}" for name in names)
+        return Outcome(True, said)
 
     def _value(self, node: str, name: str) -> Any:
         known = self._by_node.get(node, {}).get(name)

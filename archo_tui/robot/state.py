@@ -135,6 +135,32 @@ class NodeState:
     heard: float | None = None
     rate: float | None = None  # Hz of what it publishes for the console
 
+    def is_silent(self, now: float) -> bool:
+        """True when what it publishes was not heard for three periods, at least 2.5 s."""
+        if self.heard is None or not self.rate:
+            return False
+        return now - self.heard > max(3 / self.rate, 2.5)
+
+
+class Life(Enum):
+    """How a node that this process hosts is doing."""
+
+    UP = "up"
+    STOPPED = "stopped by you"
+    CRASHED = "crashed"
+    STUCK = "does not stop"
+
+
+@dataclass(frozen=True)
+class Hosted:
+    """One node that this process hosts."""
+
+    name: str  # fully qualified
+    life: Life = Life.UP
+    error: str = ""  # what a callback raised
+    traceback: str = ""
+    serves: bool = False  # a second one of its kind would answer its services as well
+
 
 @dataclass(frozen=True)
 class Event:
@@ -168,6 +194,8 @@ class Snapshot:
     nodes: tuple[NodeState, ...] = ()
     offered: frozenset[str] = frozenset()  # which of the names above somebody serves
     events: tuple[Event, ...] = ()  # newest last
+    charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
+    stop_asked: float | None = None  # a STOP was sent then, and the robot has not confirmed it
 
     def parameter(self, name: str) -> Parameter | None:
         """The first parameter of that name on any node."""

@@ -14,6 +14,9 @@ from archo_tui.robot import interfaces
 from archo_tui.robot.state import BATTERY, MOTOR, Battery, Motor
 
 _DEPTH = 10
+_SAMPLE_PERIOD = 1.0  # s between two samples of the charge that are kept
+_SAMPLES = 300
+_JUMP = 0.5  # % in the wrong direction that is more than noise
 
 
 class Telemetry:
@@ -30,6 +33,7 @@ class Telemetry:
         self._unknown: set[str] = set()  # types that were complained of
         self.battery = Battery()
         self.motor = Motor()
+        self.charge: tuple[tuple[float, float], ...] = ()  # (s, %): never more than _SAMPLES
 
     def look(self) -> None:
         """(Re)subscribe to what is published now."""
@@ -66,7 +70,7 @@ class Telemetry:
 
     def _on_battery(self, message: Any) -> None:
         now = time.monotonic()
-        last = self.battery.received
+        last, charging = self.battery.received, self.battery.charging
         percentage = getattr(message, "percentage", getattr(message, "data", None))
         self.battery = Battery(
             percentage=_number(percentage),
@@ -76,7 +80,18 @@ class Telemetry:
             received=now,
             period=self.battery.period if last is None else min(now - last, 60.0),
         )
+        self._sample(now, turned=charging != self.battery.charging)
         self._changed(BATTERY)
+
+    def _sample(self, now: float, *, turned: bool) -> None:
+        """Keep the charge for its trend; what was before it turned says nothing about it."""
+        percentage, kept = self.battery.percentage, self.charge
+        if percentage is not None and kept:  # another battery, or its node was started anew
+            rise = percentage - kept[-1][1]
+            turned = turned or (-rise if self.battery.charging else rise) > _JUMP
+        kept = () if turned else kept
+        if percentage is not None and (not kept or now - kept[-1][0] >= _SAMPLE_PERIOD):
+            self.charge = (*kept[-_SAMPLES + 1 :], (now, percentage))
 
     def _on_motor(self, message: Any) -> None:
         self.motor = Motor(

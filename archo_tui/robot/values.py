@@ -55,10 +55,37 @@ def parse(parameter: Parameter, text: str) -> Any:
     if any(ord(char) < 32 or ord(char) == 127 for char in text):
         raise ValueError("control characters are not allowed")
     value = _value(parameter.type, text)
-    has_range = parameter.low is not None and parameter.high is not None
-    if has_range and not parameter.low <= value <= parameter.high:  # also refuses nan
-        raise ValueError(f"allowed {range_text(parameter)}, not {text.strip()}")
+    _check_range(parameter, value, text.strip())
     return value
+
+
+def fit(parameter: Parameter, value: Any) -> Any:
+    """A value from a file for this parameter, a whole number as a double. Raises ValueError."""
+    if parameter.type == "double" and type(value) is int:
+        value = float(value)
+    if parameter.type == "double[]" and type(value) is list and all(type(v) is int for v in value):
+        value = [float(item) for item in value]
+    found = _type_of(value)
+    if found != parameter.type and not (value == [] and parameter.type.endswith("[]")):
+        raise ValueError(f"needs a value of type {parameter.type}, not {text_of(value)} ({found})")
+    if parameter.read_only and value != parameter.value:
+        raise ValueError(f"read-only, and it is {text_of(parameter.value)}")
+    _check_range(parameter, value, text_of(value))
+    return value
+
+
+def _type_of(value: Any) -> str:
+    if isinstance(value, list):
+        return f"{_type_of(value[0])}[]" if value else "an empty list"
+    return {bool: "bool", int: "integer", float: "double", str: "string"}.get(type(value), "?")
+
+
+def _check_range(parameter: Parameter, value: Any, text: str) -> None:
+    """ROS's ranges are for numbers, not for lists of them."""
+    if parameter.low is None or parameter.high is None or isinstance(value, list):
+        return
+    if not parameter.low <= value <= parameter.high:  # also refuses nan
+        raise ValueError(f"allowed {range_text(parameter)}, not {text}")
 
 
 def _value(kind: str, text: str) -> Any:

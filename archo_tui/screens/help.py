@@ -12,7 +12,9 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 
 if TYPE_CHECKING:
-    from archo_tui.commands import Command
+    from archo_tui.commands.base import Command
+
+_USUAL = "not while typing"  # the introduction says it for all
 
 _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
@@ -25,9 +27,15 @@ class Help(ModalScreen[None]):
 
     BINDINGS = [("escape,question_mark,q", "close", "Close")]
 
-    def __init__(self, commands: Sequence[Command], blocked: Callable[[Command], str]) -> None:
+    def __init__(
+        self,
+        commands: Sequence[Command],
+        blocked: Callable[[Command], str],
+        key: Callable[[str], str],
+    ) -> None:
+        """`blocked(command)` says why one cannot run now, `key(id)` how its key reads."""
         super().__init__()
-        self._commands, self._blocked = commands, blocked
+        self._commands, self._blocked, self._key = commands, blocked, key
 
     def compose(self) -> ComposeResult:
         with VerticalScroll(classes="dialog keys") as box:
@@ -39,8 +47,9 @@ class Help(ModalScreen[None]):
 
     def _line(self, command: Command) -> Content:
         reason = self._blocked(command)
-        key = Content.styled(f"{command.shown_key:>3}", "dim" if reason else "bold")
-        text = f"  {command.help}"
+        key = Content.styled(f"{self._key(command.id):>5}", "dim" if reason else "bold")
+        place = "" if command.where == _USUAL else f" ({command.place})"
+        text = f"  {command.help}{place}"
         if reason:
             return Content.assemble(key, (f"{text}: {reason}", "dim"))
         return Content.assemble(key, text)

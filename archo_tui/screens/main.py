@@ -16,6 +16,7 @@ from archo_tui.widgets.motor_panel import MotorPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
+from archo_tui.widgets.search import Search
 from archo_tui.widgets.view import View
 
 
@@ -58,18 +59,42 @@ class MainScreen(Screen[None]):
         return self.query_one(EventsPanel)
 
     @property
+    def parameters(self) -> ParametersPanel:
+        """Panel 4."""
+        return self.query_one(ParametersPanel)
+
+    @property
+    def nodes(self) -> NodesPanel:
+        """Panel 5."""
+        return self.query_one(NodesPanel)
+
+    @property
     def goal(self) -> GoalPanel:
         """Panel 3."""
         return self.query_one(GoalPanel)
 
+    @property
+    def focused_panel(self) -> int:
+        """The number of the panel that has the focus, 0 for none."""
+        return 0 if self.focused is None else _panel_number(self.focused)
+
+    def toggle_events(self) -> None:
+        """The events on the full screen, or among the other panels."""
+        self.toggle_class("-full")
+        self.events.take_focus()
+
     def focus_panel(self, number: int) -> None:
-        """Focus a panel by its number."""
+        """Focus a panel by its number; one that the full screen hides brings the others back."""
+        if number != self.events.number:
+            self.remove_class("-full")
         self._before = self.focused
         self.query_one(f"#panel-{number}", Panel).take_focus()
 
     def focus_back(self) -> None:
-        """Focus what had it before, or the parameters."""
-        if self._before is None or self._before is self.focused:
+        """Out of a field: focus what had it before, or the parameters."""
+        if isinstance(self.focused, Search):
+            self.focused.close()
+        elif self._before is None or self._before is self.focused:
             self.focus_panel(4)
         else:
             self.set_focus(self._before)
@@ -79,8 +104,8 @@ class MainScreen(Screen[None]):
         width = self.size.width
         self.query_one("#header", Line).show(bars.header(view, width - 9))
         self.query_one("#clock", Line).show(bars.clock(view))
-        self.query_one("#banner", Line).show(bars.banner(view.alarms))
-        self.query_one("#footer", Line).show(bars.footer(commands, width))
+        self.query_one("#banner", Line).show(bars.banner(view.alarms, view.key("acknowledge")))
+        self.query_one("#footer", Line).show(bars.footer(commands, width, view.key("palette")))
         for panel in self.query(Panel):
             panel.show(view)
 

@@ -23,7 +23,7 @@ def clock(view: View) -> Content:
     return Content.styled(f"{time_of_day(view.time)} ", "bold")
 
 
-def banner(alarms: tuple[Alarm, ...]) -> Content:
+def banner(alarms: tuple[Alarm, ...], key: str) -> Content:
     """The alarm that matters most, and how many more there are."""
     if not alarms:
         return Content("")
@@ -33,12 +33,13 @@ def banner(alarms: tuple[Alarm, ...]) -> Content:
         text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
     else:
         text = alarm.text
-    hint = "" if alarm.acknowledged else "   (a acknowledge)"
-    style = "" if alarm.acknowledged else "bold $text-warning"
-    return Content.styled(f" ▲ {text}{more}{hint}", style)
+    if alarm.acknowledged:
+        return Content(f" ▲ {text}{more}")
+    hint = Content.from_markup(f"   [@click=app.command('acknowledge')]({key} acknowledge)[/]")
+    return Content.assemble((f" ▲ {text}{more}", "bold $text-warning"), hint)
 
 
-def footer(commands: list[tuple[str, str, str, bool]], width: int) -> Content:
+def footer(commands: list[tuple[str, str, str, bool]], width: int, palette_key: str) -> Content:
     """`(id, key, word, blocked)` of each command, clickable; blocked ones are dim."""
     parts: list[Content] = []
     for command, key, word, blocked in commands:
@@ -48,7 +49,9 @@ def footer(commands: list[tuple[str, str, str, bool]], width: int) -> Content:
             Content.from_markup(f" [@click=app.command('{command}')]{text}[/] ").stylize(style)
         )
     made = Content("").join(parts)
-    palette = Content.from_markup("[@click=app.command_palette][bold]^p[/] palette[/] ")
+    palette = Content.from_markup(
+        f"[@click=app.command('palette')][bold]{palette_key}[/] palette[/] "
+    )
     gap = width - made.cell_length - palette.cell_length
     return Content.assemble(made, " " * gap, palette) if gap > 0 else made
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from textual.app import ComposeResult
 from textual.content import Content
 
-from archo_tui.widgets import words
+from archo_tui.widgets import trend, words
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.view import View
@@ -14,11 +14,13 @@ from archo_tui.widgets.view import View
 class BatteryPanel(Panel, can_focus=True):
     """Percentage, voltage and word; a gauge with the threshold marked; what the charge does."""
 
-    number, title_text, keys = 1, "Battery", "c charge"
+    number, title_text = 1, "Battery"
+    keys = (("charge", "charge"),)
 
     def compose(self) -> ComposeResult:
         yield Line(id="battery-line")
         yield Line(id="battery-gauge")
+        yield Line(id="battery-history")
         yield Line(id="battery-trend")
 
     def show(self, view: View) -> None:
@@ -32,7 +34,8 @@ class BatteryPanel(Panel, can_focus=True):
             style = words.OLD
         text = words.gauge(battery.percentage, snapshot.threshold, width)
         bar.show(Content.styled(text, style))
-        self.query_one("#battery-trend", Line).show(words.battery_trend(snapshot, view.now))
-        keys = f"low {snapshot.threshold:g}   c charge"
-        if self.border_subtitle != keys:
-            self.border_subtitle = keys
+        history = trend.sparkline(snapshot.charge, width)
+        self.query_one("#battery-history", Line).show(Content.styled(history, words.OLD))
+        does = words.battery_trend(snapshot, view.now, width)
+        self.query_one("#battery-trend", Line).show(does)
+        self.show_keys(view, f"low {snapshot.threshold:g}")

@@ -9,7 +9,7 @@ from textual.message import Message
 from textual.widgets import Button, Input, Label
 
 from archo_tui.robot.state import MOVE
-from archo_tui.widgets import words
+from archo_tui.widgets import goal_words, words
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.view import View
@@ -39,7 +39,8 @@ def parse_shelf(text: str) -> int:
 class GoalPanel(Panel):
     """A form, a bar, where the goal stands, and the goals before."""
 
-    number, title_text, keys = 3, "Go to shelf", "enter go   ctrl+c cancel"
+    number, title_text = 3, "Go to shelf"
+    keys = (("cancel", "cancel"),)
 
     class Send(Message):
         """The operator wants the robot to go there."""
@@ -62,11 +63,15 @@ class GoalPanel(Panel):
         yield Line(id="goal-history")
 
     def show(self, view: View) -> None:
+        self.show_keys(view, "enter go")
         snapshot = view.snapshot
         bar = self.query_one("#goal-bar", Line)
-        bar.show(words.goal_bar(snapshot.goal, bar.size.width))
-        self.query_one("#goal-line", Line).show(words.goal_line(snapshot, view.now))
-        self.query_one("#goal-history", Line).show(words.goal_history(snapshot.history))
+        bar.show(goal_words.goal_bar(snapshot.goal, bar.size.width))
+        self.query_one("#goal-line", Line).show(
+            goal_words.goal_line(snapshot, view.now, view.key("go"))
+        )
+        before = goal_words.goal_history(snapshot.history, bar.size.width)
+        self.query_one("#goal-history", Line).show(before)
         self.grey(view, go=MOVE, cancel=MOVE)
 
     def take_focus(self) -> None:
@@ -76,17 +81,18 @@ class GoalPanel(Panel):
         self.hint("")
 
     def on_input_submitted(self) -> None:
-        self._submit()
+        self.submit()
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == "go":
-            self._submit()
+            self.submit()
 
     def hint(self, text: str) -> None:
         """Say why what was typed cannot be sent."""
         self.query_one("#goal-hint", Line).show(Content.styled(text, words.BAD))
 
-    def _submit(self) -> None:
+    def submit(self) -> None:
+        """Ask for the shelf that was typed, or say what is wrong with it."""
         try:
             shelf = parse_shelf(self.query_one("#shelf", Input).value)
         except ValueError as error:

@@ -16,7 +16,8 @@ from archo_tui.widgets.view import View
 class MotorPanel(Panel):
     """Live ticks and speed, and the two buttons, far apart."""
 
-    number, title_text, keys = 2, "Motor", "r reset  ^x stop"
+    number, title_text = 2, "Motor"
+    keys = (("reset", "reset"), ("stop", "stop"), ("release", "release"))
 
     def compose(self) -> ComposeResult:
         yield Line(id="motor-line")
@@ -26,8 +27,11 @@ class MotorPanel(Panel):
             yield Button("STOP", id="stop", compact=True, action="app.command('stop')")
 
     def show(self, view: View) -> None:
+        self.show_keys(view)
         self.query_one("#motor-line", Line).show(words.motor_line(view.snapshot, view.now))
-        self.query_one("#motor-word", Line).show(words.motor_word(view.snapshot, view.now))
+        word = self.query_one("#motor-word", Line)
+        release, width = view.key("release"), word.size.width
+        word.show(words.motor_word(view.snapshot, view.now, release, width))
         self.grey(view, reset=RESET, stop=STOP)
 
     def take_focus(self) -> None:

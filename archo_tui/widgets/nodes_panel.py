@@ -1,45 +1,119 @@
-"""Panel 5: who is on the graph."""
+"""Panel 5: who is on the graph, and how the nodes of this process are doing."""
 
 from __future__ import annotations
 
-from textual.app import ComposeResult
-from textual.content import Content
-from textual.widgets import Static
+import textwrap
+from dataclasses import dataclass
 
+from textual.app import ComposeResult
+
+from archo_tui.robot.state import Hosted, Life, NodeState, Snapshot
 from archo_tui.widgets import words
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.rows import Rows, Text, pad
 from archo_tui.widgets.view import View
 
 _WITH_RATE = 33  # columns that a line with its rate needs
+_CLIENT = "/archo_console"  # the console's own node
 
 
-class NodesPanel(Panel, can_focus=True):
-    """One line a node: when it was last heard, and how often it publishes."""
+@dataclass(frozen=True)
+class NodeRow:
+    """One line of the panel: a node that is on the graph, runs here, or both."""
+
+    state: NodeState
+    hosted: Hosted | None
+    second: float  # monotonic s of the last tick: ages need not be livelier
+
+    @property
+    def name(self) -> str:
+        """Fully qualified."""
+        return self.state.name
+
+    def word(self) -> tuple[str, str, str]:
+        """Glyph, what is wrong, and style; nothing is said while nothing is wrong."""
+        life = Life.UP if self.hosted is None else self.hosted.life
+        if life == Life.CRASHED and self.hosted is not None:
+            return "✗", f"crashed: {self.hosted.error}", "bold"
+        if life == Life.STUCK:
+            return "✗", life.value, "bold"
+        if life == Life.STOPPED:
+            return "○", life.value, "dim"
+        if self.state.is_silent(self.second) and self.state.heard is not None:
+            return "?", f"silent for {words.age(self.second - self.state.heard)}", "dim"
+        return "●", "", ""
+
+    def details(self, now: float, snapshot: Snapshot) -> str:
+        """Everything that is known of the node, for reading."""
+        glyph, word, _ = self.word()
+        heard, rate = self.state.heard, self.state.rate
+        parameters = sum(p.node == self.name for p in snapshot.parameters)
+        lines = [
+            f"{glyph} {word or 'up'}",
+            f"runs        {'in this process' if self.hosted else 'in another process'}",
+            f"last heard  {'--' if heard is None else words.age(now - heard) + ' ago'}",
+            f"publishes   {'--' if rate is None else f'{rate:.1f} Hz'}",
+            f"parameters  {parameters}",
+        ]
+        if self.hosted is not None and self.hosted.traceback:
+            lines += ["", self.hosted.traceback]
+        return "\n".join(lines)
+
+
+def node_rows(view: View) -> tuple[NodeRow, ...]:
+    """The nodes of the graph and of this process, by name."""
+    hosted = {node.name: node for node in view.hosted}
+    states = {node.name: node for node in view.snapshot.nodes if not node.name.endswith(_CLIENT)}
+    return tuple(
+        NodeRow(states.get(name, NodeState(name)), hosted.get(name), view.second)
+        for name in sorted(states.keys() | hosted.keys())
+    )
+
+
+def node_lines(row: NodeRow, width: int) -> list[Text]:
+    """`● battery_monitor    0.4 s  1.0 Hz`, or in words what is wrong with it."""
+    glyph, word, style = row.word()
+    name = f"{glyph} {pad(row.name.lstrip('/'), 16)} "
+    if word:
+        return [(f"{name}{textwrap.shorten(word, 60)}", style)]
+    heard, rate = row.state.heard, row.state.rate
+    age = "" if heard is None else words.age(row.second - heard)
+    often = f" {rate:5.1f} Hz" if rate is not None and width >= _WITH_RATE else ""
+    return [(f"{name}{age:>6}{often}", style)]
+
+
+class NodesPanel(Panel):
+    """One line a node: when it was last heard and how often it publishes, or what is wrong."""
 
     number, title_text = 5, "Nodes"
+    keys = (("start_stop", "start/stop"), ("copy_node", "copy"))
 
     def __init__(self) -> None:
         super().__init__()
-        self._text = ""
-        self._drawn: tuple[float, int, int] | None = None
+        self._rows: Rows[NodeRow] = Rows(
+            node_lines,
+            lambda row: row.name,
+            id="nodes",
+            empty="? no node on the graph",
+            action="app.command('details')",
+        )
+        self._drawn: object = None
 
     def compose(self) -> ComposeResult:
-        yield Static(id="nodes")
+        yield self._rows
+
+    @property
+    def selected(self) -> NodeRow | None:
+        """The node under the cursor."""
+        return self._rows.item
+
+    def take_focus(self) -> None:
+        self.screen.set_focus(self._rows)
 
     def show(self, view: View) -> None:
+        self.show_keys(view)
         # once a second is enough for ages: a chatty robot must not become a chatty terminal
-        drawn = (view.second, len(view.snapshot.nodes), self.size.width)
-        if drawn == self._drawn:
-            return
-        self._drawn = drawn
-        wide = self.size.width >= _WITH_RATE
-        lines = [
-            words.node_line(node, view.second, with_rate=wide)
-            for node in view.snapshot.nodes
-            if not node.name.endswith("/archo_console")
-        ]
-        text = "\n".join(lines) or "? no node on the graph"
-        if text != self._text:
-            moved = text.count("\n") != self._text.count("\n")
-            self._text = text
-            self.query_one("#nodes", Static).update(Content(text), layout=moved)
+        drawn = (view.second, view.hosted, len(view.snapshot.nodes))
+        if drawn != self._drawn:
+            self._drawn = drawn
+            self._rows.show(node_rows(view))

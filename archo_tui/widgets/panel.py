@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from textual.containers import Container
 
 from archo_tui.widgets.view import View
@@ -12,16 +14,30 @@ class Panel(Container):
 
     number = 0
     title_text = ""
-    keys = ""
+    keys: ClassVar[tuple[tuple[str, str], ...]] = ()  # (command, word) for the border below
 
     def __init__(self) -> None:
         super().__init__(id=f"panel-{self.number}", classes="panel")
         self.border_title = f"{self.number} {self.title_text}"
-        self.border_subtitle = self.keys
+        self._below = ""
 
     def show(self, view: View) -> None:
         """Show what changed."""
         raise NotImplementedError
+
+    def show_keys(self, view: View, before: str = "") -> None:
+        """Write the keys on the border, as many as there is room for; each can be clicked."""
+        room = self.size.width - 4
+        parts = [(before, before)] if before else []
+        for command, word in self.keys:
+            text = f"{view.key(command)} {word}"
+            parts.append((text, f"[@click=app.command('{command}')]{text}[/]"))
+        while parts and sum(len(text) + 3 for text, _ in parts) - 3 > room:
+            parts.pop()
+        below = "   ".join(markup for _, markup in parts)
+        if below != self._below:
+            self._below = below
+            self.border_subtitle = below
 
     def grey(self, view: View, **buttons: str) -> None:
         """Dim each button whose service nobody offers; pressing it still says so."""

@@ -2,27 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from textual.app import ComposeResult
 from textual.content import Content
 from textual.message import Message
-from textual.widgets import DataTable
 
 from archo_tui.robot.events import harmless
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import range_text, text_of
+from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.rows import Rows, Text, pad
+from archo_tui.widgets.search import Search
 from archo_tui.widgets.view import View
 
-_COLUMNS = (("node", 16), ("name", 21), ("value", 8), ("type", 8), ("allowed", 11))
+_NODE, _NAME, _VALUE, _TYPE = 16, 21, 10, 8  # columns
 _LONGEST = 60  # characters of a value in the table
 
 
 class ParametersPanel(Panel):
-    """A table whose cells change only when a node reports another value."""
+    """A table of what the nodes reported; `*` marks what differs from the start."""
 
-    number, title_text, keys = 4, "Parameters", "enter edit"
+    number, title_text = 4, "Parameters"
+    keys = (("edit", "edit"), ("filter", "filter"), ("undo", "undo"), ("save", "save"))
 
     class Edit(Message):
         """The operator wants to edit this parameter."""
@@ -34,58 +35,62 @@ class ParametersPanel(Panel):
     def __init__(self) -> None:
         super().__init__()
         self._shown: tuple[Parameter, ...] = ()
+        self._rows: Rows[Parameter] = Rows(
+            parameter_lines,
+            lambda p: (p.node, p.name),
+            id="parameters",
+            empty="? waiting for the nodes to tell their parameters",
+            action="app.command('edit')",
+        )
+        self.search = Search(self._rows)
 
     def compose(self) -> ComposeResult:
-        table: DataTable[Any] = DataTable(cursor_type="row", id="parameters")
-        for name, width in _COLUMNS:
-            label = name.rjust(width) if name == "value" else name
-            table.add_column(label, key=name, width=width)
-        yield table
+        yield Line(id="parameter-titles")
+        yield self._rows
+        yield self.search
+
+    def on_mount(self) -> None:
+        titles = f"{'node':<{_NODE}}  {'name':<{_NAME}}  {'value':>{_VALUE}}    "
+        titles += f"{'type':<{_TYPE}}  allowed"
+        self.query_one("#parameter-titles", Line).show(Content.styled(titles, "bold"))
 
     def take_focus(self) -> None:
-        self.screen.set_focus(self.query_one(DataTable))
+        self.screen.set_focus(self._rows)
+
+    def edit(self) -> None:
+        """Ask for the selected one to be edited."""
+        if self._rows.item is not None:
+            self.post_message(self.Edit(self._rows.item))
 
     def show(self, view: View) -> None:
-        parameters = view.snapshot.parameters
-        if parameters == self._shown:
+        self.show_keys(view)
+        if view.snapshot.parameters is not self._shown:
+            self._shown = view.snapshot.parameters
+            self._fill()
+
+    def on_input_changed(self) -> None:
+        self._fill()
+
+    def _fill(self) -> None:
+        if not self.search.value.strip():
+            self._rows.show(self._shown)
             return
-        old, self._shown = self._shown, parameters
-        table = self.query_one(DataTable)
-        if [_key(p) for p in old] == [_key(p) for p in parameters]:
-            for before, after in zip(old, parameters, strict=True):
-                if before != after:
-                    table.update_cell(_key(after), "value", _value(after))
-            return
-        row = table.cursor_row
-        table.clear()
-        for parameter in parameters:
-            table.add_row(*_row(parameter), key=_key(parameter))
-        table.move_cursor(row=min(row, len(parameters) - 1))
-
-    def on_data_table_row_selected(self, event: DataTable.RowSelected) -> None:
-        event.stop()
-        found = [p for p in self._shown if _key(p) == event.row_key.value]
-        if found:
-            self.post_message(self.Edit(found[0]))
+        matches = self.search.matches
+        self._rows.show(tuple(p for p in self._shown if matches(p.node, p.name, text_of(p.value))))
 
 
-def _key(parameter: Parameter) -> str:
-    return f"{parameter.node} {parameter.name}"
-
-
-def _value(parameter: Parameter) -> Content:
+def parameter_lines(parameter: Parameter, _width: int) -> list[Text]:
+    """`motor_controller  max_speed   0.5 *  double    0.05 .. 2`."""
     text = harmless(text_of(parameter.value))
     text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
-    mark = " *" if parameter.is_changed else ""
-    return Content.styled(f"{text}{mark}".rjust(_COLUMNS[2][1]), "bold" if mark else "")
-
-
-def _row(parameter: Parameter) -> list[Content]:
-    node = Content(parameter.node.lstrip("/"))
-    return [
-        node,
-        Content(harmless(parameter.name)),
-        _value(parameter),
-        Content(parameter.type),
-        Content(range_text(parameter)),
-    ]
+    mark = " *" if parameter.is_changed else "  "
+    line = "  ".join(
+        (
+            pad(parameter.node.lstrip("/"), _NODE),
+            pad(harmless(parameter.name), _NAME),
+            f"{text:>{_VALUE}}{mark}",
+            f"{parameter.type:<{_TYPE}}",
+            range_text(parameter),
+        )
+    )
+    return [(line.rstrip(), "bold" if parameter.is_changed else "")]

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from archo_tui.alarms import Alarm
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state import Hosted, Snapshot
 
 
 @dataclass(frozen=True)
@@ -19,3 +20,9 @@ class View:
     engine: str
     namespace: str
     alarms: tuple[Alarm, ...] = ()
+    hosted: tuple[Hosted, ...] = ()  # the nodes of this process
+    keys: Mapping[str, str] = field(default_factory=dict)  # of each command, as a person reads it
+
+    def key(self, command: str) -> str:
+        """The key of a command, by its id."""
+        return self.keys[command]

@@ -68,6 +68,6 @@ async def test_a_command_that_cannot_run_says_why() -> None:
 async def test_events_show_more_levels_on_demand() -> None:
     async with console(*FAST) as op:
         assert "Dashboard sees" not in op.text
-        await op.press("l")
+        await op.press("6", "l")
         await op.until("Dashboard sees: ")
         await op.until("INFO and above")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from textual.widgets import DataTable, Input
+from textual.widgets import Input
 
 from tests.support.console import FAST, Console, console
 
@@ -13,8 +13,7 @@ async def edit(op: Console, name: str, typed: str) -> None:
     await op.press("4")
     names = [p.name for p in op.app.view.snapshot.parameters]
     row = names.index(name)
-    op.app.query_one(DataTable).move_cursor(row=row)
-    await op.press("enter")
+    await op.press("home", *["down"] * row, "enter")
     await op.until(lambda: op.app.screen.query("#value") and f" {name} " in op.text)
     field = op.app.screen.query_one("#value", Input)
     field.value = ""

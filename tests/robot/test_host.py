@@ -6,6 +6,7 @@ from typing import Any
 
 from rclpy.node import Node
 
+from archo_tui.robot.state import Life
 from archo_tui.session import Options, Session
 from tests.support import chosen
 from tests.support.waiting import wait_until
@@ -48,8 +49,8 @@ def test_a_crash_is_an_event_and_the_others_go_on() -> None:
             )
         )
         bad, good = session.host.nodes
-        assert bad.crash is not None
-        assert "in explode" in bad.crash.traceback
+        assert bad.state.life is Life.CRASHED
+        assert "in explode" in bad.state.traceback
         seen = good.node.ticks  # type: ignore[attr-defined]
         wait_until(lambda: good.node.ticks > seen)  # type: ignore[attr-defined]
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes][-1] == "/good")
@@ -58,5 +59,5 @@ def test_a_crash_is_an_event_and_the_others_go_on() -> None:
 def test_the_crashed_node_has_left_the_graph() -> None:
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad,))
     with Session(options) as session:
-        wait_until(lambda: session.host.nodes[0].crash)
+        wait_until(lambda: session.host.states()[0].error)
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/archo_console"])

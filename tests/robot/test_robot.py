@@ -221,7 +221,7 @@ async def test_parameters_of_a_node_that_comes_and_goes_come_and_go() -> None:
 
     async with robot(make) as it:
         await until(lambda: it.snapshot.parameter("number"))
-        outcome = await it.set_parameter("/guest", "number", 2)
+        outcome = await it.set_parameters("/guest", {"number": 2})
         assert (outcome.ok, outcome.text) == (True, "number is 2")
         parameter = it.snapshot.parameter("number")
         assert parameter is not None
@@ -236,7 +236,7 @@ async def test_every_verb_leaves_a_line_with_its_ros2_command() -> None:
     async with robot(server()) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
         await it.reset_encoder()
-        await it.set_parameter("/server", "use_sim_time", True)
+        await it.set_parameters("/server", {"use_sim_time": True})
         await it.go_to_shelf(7)
         await until(lambda: len([e for e in it.snapshot.events if e.level == "YOU"]) == 3)
         assert [e.command for e in it.snapshot.events if e.level == "YOU"] == [

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
-from archo_tui.robot.state import Outcome, Snapshot
+from archo_tui.robot.state import Hosted, Outcome, Snapshot
 from archo_tui.session import Options
 
 NOW = 1000.0  # monotonic s of every snapshot
@@ -47,12 +48,25 @@ class StubRobot:
         async def refuse(*_: Any) -> Outcome:
             return Outcome(False, f"{verb}: the robot says why not")
 
+        if verb == "note":
+            return lambda *_: None
+
         return refuse
 
 
-def stub_app(snapshot: Snapshot, clock: Clock | None = None) -> ArchoApp:
+def stub_app(
+    snapshot: Snapshot,
+    clock: Clock | None = None,
+    hosted: tuple[Hosted, ...] = (),
+    keys: Mapping[str, str] | None = None,
+) -> ArchoApp:
     """The app over a stub."""
-    session: Any = SimpleNamespace(robot=StubRobot(snapshot), options=Options(), engine="embedded")
-    app = ArchoApp(session, clock or StandingClock())
+    session: Any = SimpleNamespace(
+        robot=StubRobot(snapshot),
+        host=SimpleNamespace(states=lambda: hosted),
+        options=Options(),
+        engine="embedded",
+    )
+    app = ArchoApp(session, clock or StandingClock(), keys)
     app.animation_level = "none"
     return app

@@ -1,0 +1,97 @@
+"""Keys of the operator's own choice: `keymap.yaml` in the configuration folder, `command: key`."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import yaml
+from textual.keys import Keys, _character_to_key, format_key
+
+from archo_tui.commands.base import EVERYWHERE, IN_PANEL, Command
+from archo_tui.errors import ArchoError
+
+_RESERVED = ("tab", "shift+tab", "escape", "up", "down", "left", "right", "enter")
+_NAMES = {key.value for key in Keys}
+
+
+def load(path: Path, commands: Iterable[Command]) -> dict[str, str]:
+    """The key of every command by its id. Raises ArchoError that names the line."""
+    known = {command.id: command for command in commands}
+    keys = {command.id: command.key for command in known.values()}
+    lines: dict[str, int] = {}
+    for line, name, key in _entries(path):
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f" (nearest: {near[0]})" if near else f": one of {', '.join(known)}"
+            raise ArchoError(f"{path}:{line}: no command {name!r}{hint}")
+        keys[name] = _checked(path, line, known[name], key)
+        lines[name] = line
+    for name, line in lines.items():
+        for other in known.values():
+            if other.id != name and keys[other.id] == keys[name] and _meet(known[name], other):
+                raise ArchoError(f"{path}:{line}: {keys[name]} is the key of {other.id} already")
+    return keys
+
+
+def shown(key: str) -> str:
+    """A key as a person reads it: `^x`, `?`, `enter`."""
+    if key == "enter":
+        return key
+    return format_key(key).replace("ctrl+", "^")
+
+
+def _entries(path: Path) -> Iterable[tuple[int, str, str]]:
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except FileNotFoundError:
+        return
+    except OSError as error:
+        raise ArchoError(f"{path}: cannot be read: {error.strerror}") from None
+    try:
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = mark.line + 1 if mark else 1
+        problem = getattr(error, "problem", None) or "control characters"
+        raise ArchoError(f"{path}:{line}: not YAML: {problem}") from None
+    if root is None:
+        return
+    if not isinstance(root, yaml.MappingNode):
+        raise ArchoError(f"{path}:{root.start_mark.line + 1}: expected lines like 'stop: ctrl+x'")
+    for name, key in root.value:
+        line = name.start_mark.line + 1
+        if not (isinstance(name, yaml.ScalarNode) and isinstance(key, yaml.ScalarNode)):
+            raise ArchoError(f"{path}:{line}: expected 'command: key'")
+        yield line, name.value, key.value
+
+
+def _checked(path: Path, line: int, command: Command, key: str) -> str:
+    name = _character_to_key(key) if len(key) == 1 else key.lower()
+    types = _types_text(name)
+    if not types and name not in _NAMES:
+        raise ArchoError(f"{path}:{line}: no key {key!r}: like x, ctrl+x, f5, question_mark")
+    if name in _RESERVED and command.key != name:
+        raise ArchoError(f"{path}:{line}: {key} leads through fields and dialogs: choose another")
+    if types and command.where == EVERYWHERE:
+        raise ArchoError(
+            f"{path}:{line}: {command.id} must work while typing too: "
+            f"{key} would be text, take one like ctrl+{key[0]} or f5"
+        )
+    return name
+
+
+def _types_text(name: str) -> bool:
+    return name == "space" or (len(format_key(name)) == 1 and name not in _NAMES)
+
+
+def _meet(one: Command, other: Command) -> bool:
+    """True when there is a place where both would get the key."""
+    both = one.where == other.where == IN_PANEL
+    return not both or one.panel == other.panel
+
+
+def shown_keys(keys: Mapping[str, str]) -> dict[str, str]:
+    """Every command's key as a person reads it."""
+    return {command: shown(key) for command, key in keys.items()}

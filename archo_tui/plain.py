@@ -1,0 +1,258 @@
+"""`archo-tui --plain`: the same Robot line by line, for scripts, screen readers, dumb terminals."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+import threading
+from collections.abc import Awaitable, Callable
+from typing import TYPE_CHECKING, TextIO
+
+from archo_tui.alarms import AlarmBoard, conditions
+from archo_tui.clock import Clock, time_of_day
+from archo_tui.glyphs import ascii_only, in_ascii
+from archo_tui.leaving import let_go
+from archo_tui.robot.state import MOVE, Goal, Outcome, Phase, Snapshot
+from archo_tui.robot.values import parse, range_text, text_of
+from archo_tui.widgets import goal_words, words
+from archo_tui.widgets.goal_panel import parse_shelf
+
+if TYPE_CHECKING:
+    from archo_tui.session import Session
+
+_SHOWN_LEVELS = ("YOU", "WARN", "ERROR", "FATAL")
+_WAIT = 5.0  # s for the robot to be there before a command is tried
+
+HELP = """\
+go N                      send the robot to shelf N
+cancel                    cancel the running goal
+stop                      software stop, at once and latched; not the hardware one
+release                   release the stop; nothing resumes by itself
+reset                     reset the encoder to zero
+charge, discharge         begin or end charging
+set NODE NAME VALUE       set a parameter
+params                    list the parameters
+status                    say how the robot is
+quit                      end; a running goal is waited for"""
+
+
+class Plain:
+    """Reads commands, prints what happens, one line each."""
+
+    def __init__(self, session: Session, read: int, write: TextIO) -> None:
+        """Reads from a file descriptor."""
+        self._session, self._robot = session, session.robot
+        self._read, self._write = read, write
+        self._ascii = ascii_only()
+        self._clock = Clock()
+        self._alarms = AlarmBoard()
+        self._told: set[tuple[float, str, str]] = set()
+        self._said_alarms: dict[str, bool] = {}
+        self._goal: Goal | None = None
+        self._failed = self._go_failed = False
+        self._changed = asyncio.Event()
+        self._typed: asyncio.Queue[str | None] = asyncio.Queue()
+        self._end: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+
+    async def run(self) -> int:
+        """Until `quit`, the end of the input, or a signal; returns the exit code."""
+        self._robot.subscribe(self._take)
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+            loop.add_signal_handler(number, self._leave, 128 + number)
+        threading.Thread(target=self._listen, args=(loop,), name="stdin", daemon=True).start()
+        tasks = [asyncio.create_task(work()) for work in (self._serve, self._tick)]
+        code = await self._end
+        for task in tasks:
+            task.cancel()
+        return code
+
+    def _listen(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Its own thread; no buffered reader, which would hold up the end of the process."""
+        rest = b""
+        with contextlib.suppress(RuntimeError, OSError):  # the loop is closed: nobody listens
+            while chunk := os.read(self._read, 4096):
+                *lines, rest = (rest + chunk).split(b"\n")
+                for line in lines:
+                    loop.call_soon_threadsafe(self._typed.put_nowait, line.decode(errors="replace"))
+            for last in (rest.decode(errors="replace"), None):
+                loop.call_soon_threadsafe(self._typed.put_nowait, last)
+
+    async def _serve(self) -> None:
+        urgent = []
+        while (line := await self._typed.get()) is not None and line.split() != ["quit"]:
+            if line.split() == ["stop"]:  # does not wait for what was typed before
+                urgent.append(asyncio.create_task(self._run(["stop"])))
+            elif line.strip():
+                await self._run(line.split())
+        await asyncio.gather(*urgent)
+        await self._until(lambda: self._goal is None or not self._goal.is_running)
+        arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
+        self._finish(0 if arrived and not self._failed and not self._go_failed else 1)
+
+    async def _tick(self) -> None:
+        while True:
+            await asyncio.sleep(1)
+            self._take(self._robot.snapshot)
+
+    def _leave(self, code: int) -> None:
+        async def leave() -> None:
+            why = "the console was ended"
+            await let_go(self._robot, self._session.options.on_disconnect, why)
+            self._finish(code)
+
+        self._leaving = asyncio.ensure_future(leave())
+
+    def _finish(self, code: int) -> None:
+        if not self._end.done():
+            self._end.set_result(code)
+
+    def _out(self, text: str) -> None:
+        try:
+            self._write.write(f"{in_ascii(text) if self._ascii else text}\n")
+            self._write.flush()
+        except OSError:  # nobody reads any more
+            self._leave(1)
+
+    async def _run(self, typed: list[str]) -> None:
+        verb, *rest = typed
+        outcome = await self._do(verb, rest)
+        if outcome is not None and not outcome.ok:
+            self._say(f"failed: {verb}: {outcome.text}")
+            self._failed = self._failed or verb != "go"  # a goal may be tried again
+
+    async def _do(self, verb: str, rest: list[str]) -> Outcome | None:
+        robot = self._robot
+        if verb == "set" and len(rest) >= 3:
+            return await self._set(rest[0], rest[1], " ".join(rest[2:]))
+        if verb == "go" and len(rest) == 1:
+            return await self._go(rest[0])
+        if rest:
+            return Outcome(False, f"unknown: {' '.join([verb, *rest])} (help lists the commands)")
+        simple: dict[str, Callable[[], Awaitable[Outcome]]] = {
+            "cancel": robot.cancel,
+            "stop": robot.emergency_stop,
+            "release": robot.release_emergency_stop,
+            "reset": robot.reset_encoder,
+            "charge": lambda: robot.set_charging(True),
+            "discharge": lambda: robot.set_charging(False),
+        }
+        if verb in simple:
+            await self._until(lambda: robot.snapshot.offered, _WAIT)
+            return await simple[verb]()
+        told: dict[str, Callable[[], None]] = {
+            "params": self._params,
+            "status": self._status,
+            "help": lambda: self._out(HELP),
+        }
+        if verb not in told:
+            return Outcome(False, f"no command {verb!r} (help lists them)")
+        await self._until(lambda: robot.snapshot.battery.received is not None, _WAIT)
+        told[verb]()
+        return None
+
+    async def _go(self, text: str) -> Outcome:
+        before = self._robot.snapshot.goal
+        try:
+            shelf = parse_shelf(text)
+        except ValueError as error:
+            outcome = Outcome(False, str(error))
+        else:
+            await self._until(lambda: MOVE in self._robot.snapshot.offered, _WAIT)
+            outcome = await self._robot.go_to_shelf(shelf)
+        self._take(self._robot.snapshot)
+        same = before is self._goal or (before and self._goal and before.sent == self._goal.sent)
+        self._go_failed = not outcome.ok and bool(same)  # it did not even become a goal
+        return outcome
+
+    async def _set(self, node: str, name: str, text: str) -> Outcome:
+        full = node if node.startswith("/") else f"/{node}"
+
+        def found() -> list[object]:
+            known = self._robot.snapshot.parameters
+            return [p for p in known if (p.node, p.name) == (full, name)]
+
+        await self._until(found, _WAIT)
+        for parameter in self._robot.snapshot.parameters:
+            if (parameter.node, parameter.name) == (full, name):
+                try:
+                    value = parse(parameter, text)
+                except ValueError as error:
+                    return Outcome(False, str(error))
+                return await self._robot.set_parameters(full, {name: value})
+        return Outcome(False, f"{full} has no parameter {name}")
+
+    def _params(self) -> None:
+        for p in self._robot.snapshot.parameters:
+            mark = "*" if p.is_changed else ""
+            line = f"{p.node.lstrip('/')} {p.name} {text_of(p.value)}{mark} {p.type}"
+            self._out(f"{line} {range_text(p)}".rstrip())
+
+    def _status(self) -> None:
+        snapshot, now = self._robot.snapshot, self._clock.monotonic()
+        self._out(f"battery {words.battery_line(snapshot, now, 80).plain}")
+        self._out(f"motor {words.motor_word(snapshot, now, 'release', 80).plain}")
+        self._out(f"encoder {words.motor_line(snapshot, now).plain.strip()}")
+        self._out(f"goal {goal_words.goal_line(snapshot, now, 'go').plain}")
+        for alarm in self._alarms.all():
+            self._out(f"alarm {alarm.text}")
+
+    # what happens
+
+    def _take(self, snapshot: Snapshot) -> None:
+        for event in snapshot.events:
+            key = (event.time, event.source, event.text)
+            if key not in self._told and event.level in _SHOWN_LEVELS and event.count == 1:
+                self._say(f"{event.level} {event.source}: {event.text}", event.time)
+        self._told = {(event.time, event.source, event.text) for event in snapshot.events}
+        self._tell_goal(snapshot)
+        self._tell_alarms(snapshot)
+        self._changed.set()
+
+    def _tell_goal(self, snapshot: Snapshot) -> None:
+        goal, before = snapshot.goal, self._goal
+        self._goal = goal
+        if goal is None:
+            return
+        same = before is not None and before.sent == goal.sent
+        if before is None or not same or _told_of(before) != _told_of(goal):
+            line = goal_words.goal_line(snapshot, self._clock.monotonic(), "go").plain
+            self._say(f"goal {' '.join(line.split())}")
+
+    def _tell_alarms(self, snapshot: Snapshot) -> None:
+        now = self._clock.monotonic()
+        self._alarms.update(conditions(snapshot, now), now, self._clock.now())
+        alarms = self._alarms.all()
+        for alarm in alarms:
+            if self._said_alarms.get(alarm.name) != alarm.is_over:
+                self._say(f"alarm {'over: ' if alarm.is_over else ''}{alarm.text}")
+        self._said_alarms = {alarm.name: alarm.is_over for alarm in alarms}
+
+    def _say(self, text: str, at: float | None = None) -> None:
+        self._out(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
+
+    async def _until(self, condition: Callable[[], object], timeout: float | None = None) -> None:
+        """Wait until the condition holds after a snapshot, or the time (s) has passed."""
+        with contextlib.suppress(asyncio.TimeoutError):
+            await asyncio.wait_for(self._hold(condition), timeout)
+
+    async def _hold(self, condition: Callable[[], object]) -> None:
+        while not condition():
+            self._changed.clear()
+            await self._changed.wait()
+
+
+def _told_of(goal: Goal) -> tuple[Phase, float | None]:
+    return goal.phase, goal.remaining
+
+
+def run(session: Session) -> int:
+    """Operate by standard input and output; returns the exit code."""
+
+    async def operate() -> int:
+        return await Plain(session, sys.stdin.fileno(), sys.stdout).run()
+
+    return asyncio.run(operate())

@@ -1,0 +1,30 @@
+"""Something to read at length: a traceback, a whole event."""
+
+from __future__ import annotations
+
+from textual.app import ComposeResult
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.markup import escape
+from textual.screen import ModalScreen
+from textual.widgets import Static
+
+
+class ShowText(ModalScreen[None]):
+    """Scrolls; escape, enter or q closes it."""
+
+    BINDINGS = [("escape,enter,q", "close", "Close")]
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__()
+        self._title, self._text = title, text
+
+    def compose(self) -> ComposeResult:
+        with VerticalScroll(classes="dialog reading") as box:
+            box.border_title = escape(self._title)
+            box.border_subtitle = "esc close"
+            yield Static(Content(self._text))
+
+    def action_close(self) -> None:
+        """Back to where the focus was."""
+        self.dismiss(None)

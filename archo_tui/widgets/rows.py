@@ -1,0 +1,175 @@
+"""A list with a cursor that draws only the lines that are seen, and only those that changed."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from typing import Generic, TypeVar
+
+from rich.cells import cell_len
+from rich.segment import Segment
+from rich.style import Style
+from textual import events
+from textual.geometry import Region, Size
+from textual.scroll_view import ScrollView
+from textual.strip import Strip
+
+T = TypeVar("T")
+Text = tuple[str, str]  # a line and its Rich style
+
+_MEASURED = 100  # first lines whose length decides how far the list scrolls sideways
+
+
+def pad(text: str, width: int) -> str:
+    """Text with blanks behind it, by the cells that it takes on a terminal."""
+    return text + " " * (width - cell_len(text))
+
+
+class Rows(ScrollView, Generic[T], can_focus=True):
+    """Items by the thousand cost what the seen ones cost; the cursor stays with its item."""
+
+    BINDINGS = [
+        ("up", "move(-1)", "Up"),
+        ("down", "move(1)", "Down"),
+        ("pageup", "page(-1)", "Page up"),
+        ("pagedown", "page(1)", "Page down"),
+        ("home,ctrl+home", "edge(0)", "First"),
+        ("end,ctrl+end", "edge(-1)", "Last"),
+    ]
+
+    def __init__(
+        self,
+        lines: Callable[[T, int], Sequence[Text]],
+        key: Callable[[T], object],
+        *,
+        id: str,
+        empty: str,
+        action: str = "",
+        wraps: bool = False,
+    ) -> None:
+        """`lines(item, width)` draws an item: one line unless `wraps`; `key` tells items apart.
+
+        A click on the item that has the cursor runs `action`.
+        """
+        super().__init__(id=id)
+        self._action = action
+        self._draw, self._key, self.empty, self._wraps = lines, key, empty, wraps
+        self._items: Sequence[T] = ()
+        self._starts: list[int] = []  # first line of each item, when they wrap
+        self._seen: dict[int, tuple[Text, bool]] = {}  # what each line of the window shows
+        self.cursor = 0
+
+    @property
+    def item(self) -> T | None:
+        """The item under the cursor."""
+        return self._items[self.cursor] if self.cursor < len(self._items) else None
+
+    def show(self, items: Sequence[T]) -> None:
+        """Show these. A cursor on the first line stays there, where what is new appears."""
+        if items == self._items:
+            return
+        here = self.item
+        self._items = items
+        if self.cursor > 0 and here is not None:
+            wanted = self._key(here)
+            found = (n for n, item in enumerate(items) if self._key(item) == wanted)
+            self.cursor = next(found, min(self.cursor, max(len(items) - 1, 0)))
+        self._lay_out()
+
+    def redraw(self) -> None:
+        """Draw the seen lines that look another way now."""
+        top = self.scroll_offset.y
+        for y in range(self.size.height):
+            if self._seen.get(y) != self._line(top + y):
+                self.refresh(Region(0, y, self.size.width, 1))
+
+    def on_resize(self) -> None:
+        self._lay_out()
+
+    def watch_has_focus(self, focused: bool) -> None:
+        super().watch_has_focus(focused)
+        self.refresh()
+
+    def _lay_out(self) -> None:
+        width = self.size.width
+        if self._wraps:
+            self._starts, total = [], 0
+            for item in self._items:
+                self._starts.append(total)
+                total += len(self._draw(item, width))
+        else:
+            total = len(self._items)
+        size = Size(max(self._longest(width), 1), total)
+        if size != self.virtual_size:
+            self.virtual_size = size
+            self._keep_cursor_in_sight()
+            self.refresh()
+        else:
+            self.redraw()
+
+    def _longest(self, width: int) -> int:
+        lines = (line for item in self._items[:_MEASURED] for line in self._draw(item, width))
+        return max((cell_len(text) for text, _ in lines), default=0)
+
+    def _line(self, row: int) -> tuple[Text, bool]:
+        """What stands on a line of the whole list, and whether the cursor is on it."""
+        number, part = row, 0
+        if self._wraps and row < self.virtual_size.height:
+            number = self._number_at(row)
+            part = row - self._starts[number]
+        if number >= len(self._items):
+            return (self.empty, "dim") if row == 0 else ("", ""), False
+        lines = self._draw(self._items[number], self.size.width)
+        return lines[part], self.has_focus and number == self.cursor
+
+    def _number_at(self, row: int) -> int:
+        return bisect_right(self._starts, row) - 1 if self._wraps else row
+
+    def render_line(self, y: int) -> Strip:
+        seen = self._line(self.scroll_offset.y + y)
+        self._seen[y] = seen
+        (text, style), selected = seen
+        width, left = self.size.width, self.scroll_offset.x
+        base = self.rich_style
+        drawn = base + Style.parse(style or "none")
+        if selected:
+            base = drawn = drawn + Style(reverse=True)
+        return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)
+
+    # the cursor
+
+    def action_move(self, by: int) -> None:
+        """Move the cursor by so many items."""
+        last = max(len(self._items) - 1, 0)
+        self.cursor = min(max(self.cursor + by, 0), last)
+        self._keep_cursor_in_sight()
+        self.redraw()
+
+    def action_page(self, by: int) -> None:
+        """Move the cursor by a window."""
+        self.action_move(by * max(self.size.height - 1, 1))
+
+    def action_edge(self, index: int) -> None:
+        """Move the cursor to the first (0) or last (-1) item."""
+        self.action_move(len(self._items) if index else -len(self._items))
+
+    async def on_click(self, event: events.Click) -> None:
+        row = self.scroll_offset.y + event.y
+        if not 0 <= row < self.virtual_size.height:
+            return
+        number = self._number_at(row)
+        if number != self.cursor:
+            self.action_move(number - self.cursor)
+        elif self._action:
+            await self.run_action(self._action)
+
+    def _keep_cursor_in_sight(self) -> None:
+        if self.item is None:
+            return
+        first = self._starts[self.cursor] if self._wraps else self.cursor
+        height = len(self._draw(self._items[self.cursor], self.size.width))
+        window, top = self.size.height, self.scroll_offset.y
+        if first < top:
+            self.scroll_to(y=first, animate=False)
+        elif first + height > top + window:
+            self.scroll_to(y=min(first, first + height - window), animate=False)
