@@ -12,7 +12,6 @@ from textual.app import App, SystemCommand
 from textual.binding import Binding
 from textual.filter import LineFilter
 from textual.screen import Screen
-from textual.theme import Theme
 from textual.widgets import Input
 
 from archo_tui.alarms import AlarmBoard, conditions
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from archo_tui.session import Session
 
 _UNDOABLE = 100  # changes of parameters that can be undone
-_CANCEL_WAIT = 2.5  # s that quitting waits for the goal's end
 
 
 @dataclass(frozen=True)
@@ -66,6 +64,7 @@ class ArchoApp(App[None]):
         self.robot = session.robot
         self.host = session.host
         self.registry = COMMANDS
+        self.main = MainScreen()
         self.edits: list[Edit] = []
         self._clock = clock or Clock()
         self._session = session
@@ -80,7 +79,6 @@ class ArchoApp(App[None]):
         self._glyphs = [Ascii()] if ascii_only() else []
         if theme or self.console.color_system == "standard":  # 16 colours: none in between
             self.theme = theme or HIGH_CONTRAST.name
-        self.main = MainScreen()
         self.view = self._view()
 
     def _bind_commands(self) -> None:
@@ -106,7 +104,6 @@ class ArchoApp(App[None]):
     def on_mount(self) -> None:
         if not self.is_headless:
             self._leave_on_signals()
-        self.theme_changed_signal.subscribe(self, self._theme_chosen)
         self.robot.subscribe(self._take)
         self.set_interval(1.0, self.tick)
 
@@ -177,7 +174,8 @@ class ArchoApp(App[None]):
         reason = self.blocked(command)
         if reason:
             self.notify(reason, severity="warning", markup=False)
-            return
+            if not command.runs_blocked:
+                return
         work = command.run(self)  # at once: the next key may be for what this one focused
         if work is not None:
             self.run_worker(work, group=name)
@@ -252,33 +250,24 @@ class ArchoApp(App[None]):
             self.edits = [*self.edits[-_UNDOABLE:], Edit(node, before, values)]
         return outcome
 
-    def _theme_chosen(self, theme: Theme) -> None:
+    def watch_theme(self, before: str, theme: str) -> None:
+        """Remember a theme that the operator chose."""
+
         async def write() -> None:
             try:
-                await asyncio.to_thread(remember, theme.name)
+                await asyncio.to_thread(remember, theme)
             except OSError as error:
                 self.notify(f"The theme is not remembered: {error.strerror}", markup=False)
 
-        self.run_worker(write(), group="theme", exclusive=True)
+        if self.main.is_mounted and before != theme:
+            self.run_worker(write(), group="theme", exclusive=True)
 
     # the end
 
-    async def leave(self) -> None:
-        """Quit; with a goal running ask, cancel it, and wait for its end first."""
-        goal = self.view.snapshot.goal
-        if goal is not None and goal.is_running:
-            question = f"The robot is on its way to shelf {goal.shelf}."
-            answers = ["Stay", "Cancel it and quit"]
-            if self._session.options.attach:
-                answers.append("Leave it running and quit")
-            answer = await self.ask(Confirm("Quit", question, *answers))
-            if answer == "Cancel it and quit":
-                outcome = await self.robot.cancel()
-                if outcome.ok:
-                    await self._goal_ended()
-            elif answer != "Leave it running and quit":
-                return
-        self.exit()
+    @property
+    def attached(self) -> bool:
+        """True when the robot lives on without this process."""
+        return self._session.options.attach
 
     def _leave_on_signals(self) -> None:
         """End as usual on a signal, so that the terminal and ROS are put in order: 128 + n."""
@@ -293,12 +282,3 @@ class ArchoApp(App[None]):
             self.exit(return_code=code)
 
         self._leaving = asyncio.ensure_future(leave())
-
-    async def _goal_ended(self) -> None:
-        loop = asyncio.get_running_loop()
-        end = loop.time() + _CANCEL_WAIT
-        while loop.time() < end:
-            goal = self._snapshot.goal
-            if goal is None or not goal.is_running:
-                return
-            await asyncio.sleep(0.02)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -60,6 +61,9 @@ def parser() -> argparse.ArgumentParser:
         "cancel it (default), or, with --attach, leave it running",
     )
     made.add_argument(
+        "--keys", action="store_true", help="print every command's name and key, as keymap.yaml"
+    )
+    made.add_argument(
         "--plain",
         action="store_true",
         help="no screen: commands on standard input (help lists them), an event a line on standard "
@@ -97,7 +101,22 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
+def _keys() -> int:
+    """The keymap as it is now, in the form of its file."""
+    from archo_tui import keymap
+    from archo_tui.commands import COMMANDS
+
+    path = config_file("keymap.yaml")
+    keys = keymap.load(path, COMMANDS)
+    print(f"# {path}")
+    for command in COMMANDS:
+        print(f"{command.id}: {keys[command.id]:<16} # {command.place}: {command.help}")
+    return 0
+
+
 def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
+    if options.keys:
+        return _keys()
     from archo_tui.session import Options, Session
 
     session = Session(
@@ -143,6 +162,8 @@ def _console(session: Session) -> int:
 
 
 def _need_terminal() -> None:
+    if os.environ.get("TEXTUAL_DRIVER"):  # a browser, for one
+        return
     for stream in (sys.stdin, sys.stdout):
         if not stream.isatty():
             raise ArchoError(f"{stream.name.strip('<>')} is not a terminal: run it in one")

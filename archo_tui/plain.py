@@ -53,6 +53,7 @@ class Plain:
         self._said_alarms: dict[str, bool] = {}
         self._goal: Goal | None = None
         self._failed = self._go_failed = False
+        self._leaving: asyncio.Task[None] | None = None
         self._changed = asyncio.Event()
         self._typed: asyncio.Queue[str | None] = asyncio.Queue()
         self._end: asyncio.Future[int] = asyncio.get_running_loop().create_future()
@@ -91,7 +92,8 @@ class Plain:
         await asyncio.gather(*urgent)
         await self._until(lambda: self._goal is None or not self._goal.is_running)
         arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
-        self._finish(0 if arrived and not self._failed and not self._go_failed else 1)
+        if self._leaving is None:
+            self._finish(0 if arrived and not self._failed and not self._go_failed else 1)
 
     async def _tick(self) -> None:
         while True:
@@ -104,7 +106,7 @@ class Plain:
             await let_go(self._robot, self._session.options.on_disconnect, why)
             self._finish(code)
 
-        self._leaving = asyncio.ensure_future(leave())
+        self._leaving = asyncio.create_task(leave())
 
     def _finish(self, code: int) -> None:
         if not self._end.done():
@@ -128,8 +130,8 @@ class Plain:
         robot = self._robot
         if verb == "set" and len(rest) >= 3:
             return await self._set(rest[0], rest[1], " ".join(rest[2:]))
-        if verb == "go" and len(rest) == 1:
-            return await self._go(rest[0])
+        if verb == "go":
+            return await self._go(" ".join(rest))
         if rest:
             return Outcome(False, f"unknown: {' '.join([verb, *rest])} (help lists the commands)")
         simple: dict[str, Callable[[], Awaitable[Outcome]]] = {

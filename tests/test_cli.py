@@ -49,6 +49,17 @@ def test_version_and_help() -> None:
         assert option in said
 
 
+def test_the_keymap_is_printed_in_the_form_of_its_file(tmp_path: Path) -> None:
+    said = archo("--keys").stdout
+    assert "stop: ctrl+x           # everywhere: STOP: software stop" in said
+    (tmp_path / "config" / "archo-tui").mkdir(parents=True)
+    file = tmp_path / "config" / "archo-tui" / "keymap.yaml"
+    file.write_text(said.replace("stop: ctrl+x", "stop: f5"))
+    assert "\nstop: f5 " in archo("--keys").stdout
+    file.write_text("reset: 1\n")
+    assert refused("--keys") == f"{file}:1: 1 is the key of panel_1 already"
+
+
 def test_an_unknown_option_is_refused() -> None:
     done = archo("--no-such")
     assert done.returncode == 2

@@ -49,7 +49,7 @@ async def test_a_later_file_wins(tmp_path: Path) -> None:
     for file, speed in ((first, 0.3), (second, 1.7)):
         file.write_text(f"motor_controller:\n  ros__parameters:\n    max_speed: {speed}\n")
     async with console(params_files=[first, second]) as op:
-        await op.until("1.7  double")
+        await op.until("1.7    double")
 
 
 def test_the_projects_own_files_are_in_ros_form() -> None:

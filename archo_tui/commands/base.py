@@ -23,6 +23,7 @@ class Command:
     where: ClassVar[str] = NOT_TYPING
     panel: ClassVar[int] = 0  # the panel's number, for IN_PANEL
     service: ClassVar[str] = ""  # what somebody must offer
+    runs_blocked: ClassVar[bool] = False  # says why, and does its harmless part all the same
 
     @property
     def help(self) -> str:

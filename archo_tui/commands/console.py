@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import EVERYWHERE, PANELS, Command
+from archo_tui.leaving import CANCEL, LEAVE, let_go
+from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.help import Help
 
 if TYPE_CHECKING:
@@ -68,7 +70,17 @@ class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
 
     async def run(self, app: ArchoApp) -> None:
-        await app.leave()
+        goal = app.view.snapshot.goal
+        if goal is not None and goal.is_running:
+            question = f"The robot is on its way to shelf {goal.shelf}."
+            answers = ["Stay", "Cancel it and quit"]
+            if app.attached:
+                answers.append("Leave it running and quit")
+            answer = await app.ask(Confirm("Quit", question, *answers))
+            if answer == answers[0]:
+                return
+            await let_go(app.robot, CANCEL if answer == answers[1] else LEAVE, "quit")
+        app.exit()
 
 
 class QuitEverywhere(Quit):

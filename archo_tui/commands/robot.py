@@ -17,6 +17,7 @@ class Go(Command):
 
     id, key, footer = "go", "g", "Go"
     service = MOVE
+    runs_blocked = True  # what is typed next is meant for the field, not for the panels
 
     def run(self, app: ArchoApp) -> None:
         app.main.focus_panel(3)
@@ -38,7 +39,7 @@ class Cancel(Command):
 
 
 class Stop(Command):
-    """Software stop, at once and latched; does not replace the hardware one."""
+    """STOP: software stop, at once and latched; does not replace the hardware one."""
 
     id, key, footer = "stop", "ctrl+x", "STOP"
     where = EVERYWHERE

@@ -46,7 +46,7 @@ def read(path: Path) -> list[Override]:
         line = mark.line + 1 if mark else 1
         raise ParameterFileError(f"{path}:{line}: not YAML: {error.problem}") from None
     except yaml.YAMLError as error:
-        raise ParameterFileError(f"{path}:1: not YAML: {error}") from None
+        raise ParameterFileError(f"{path}:1: not YAML: {str(error).splitlines()[0]}") from None
     if root is None:
         return []
     if not isinstance(root, yaml.MappingNode):

@@ -34,7 +34,7 @@ class NodeRow:
         """Glyph, what is wrong, and style; nothing is said while nothing is wrong."""
         life = Life.UP if self.hosted is None else self.hosted.life
         if life == Life.CRASHED and self.hosted is not None:
-            return "✗", f"crashed: {self.hosted.error}", "bold"
+            return "✗", f"crashed: {self.hosted.error} (enter: traceback)", "bold"
         if life == Life.STUCK:
             return "✗", life.value, "bold"
         if life == Life.STOPPED:
@@ -49,7 +49,7 @@ class NodeRow:
         heard, rate = self.state.heard, self.state.rate
         parameters = sum(p.node == self.name for p in snapshot.parameters)
         lines = [
-            f"{glyph} {word or 'up'}",
+            f"{glyph} {word.replace(' (enter: traceback)', '') or 'up'}",
             f"runs        {'in this process' if self.hosted else 'in another process'}",
             f"last heard  {'--' if heard is None else words.age(now - heard) + ' ago'}",
             f"publishes   {'--' if rate is None else f'{rate:.1f} Hz'}",
@@ -74,12 +74,15 @@ def node_lines(row: NodeRow, width: int) -> list[Text]:
     """`● battery_monitor    0.4 s  1.0 Hz`, or in words what is wrong with it."""
     glyph, word, style = row.word()
     name = f"{glyph} {pad(row.name.lstrip('/'), 16)} "
+    if word and len(name + word) > width:
+        more = textwrap.wrap(word, max(width - 2, 10))
+        return [(name, style), *((f"  {line}", style) for line in more)]
     if word:
-        return [(f"{name}{textwrap.shorten(word, 60)}", style)]
+        return [(name + word, style)]
     heard, rate = row.state.heard, row.state.rate
     age = "" if heard is None else words.age(row.second - heard)
     often = f" {rate:5.1f} Hz" if rate is not None and width >= _WITH_RATE else ""
-    return [(f"{name}{age:>6}{often}", style)]
+    return [(f"{name}{age:>5}{often}", style)]
 
 
 class NodesPanel(Panel):
@@ -96,6 +99,7 @@ class NodesPanel(Panel):
             id="nodes",
             empty="? no node on the graph",
             action="app.command('details')",
+            wraps=True,
         )
         self._drawn: object = None
 

@@ -15,7 +15,7 @@ from archo_tui.widgets.rows import Rows, Text, pad
 from archo_tui.widgets.search import Search
 from archo_tui.widgets.view import View
 
-_NODE, _NAME, _VALUE, _TYPE = 16, 21, 10, 8  # columns
+_NODE, _NAME, _VALUE, _TYPE = 16, 21, 8, 8  # columns
 _LONGEST = 60  # characters of a value in the table
 
 
@@ -50,8 +50,7 @@ class ParametersPanel(Panel):
         yield self.search
 
     def on_mount(self) -> None:
-        titles = f"{'node':<{_NODE}}  {'name':<{_NAME}}  {'value':>{_VALUE}}    "
-        titles += f"{'type':<{_TYPE}}  allowed"
+        titles = _line("node", "name", "value", "", "type", "allowed")
         self.query_one("#parameter-titles", Line).show(Content.styled(titles, "bold"))
 
     def take_focus(self) -> None:
@@ -83,14 +82,17 @@ def parameter_lines(parameter: Parameter, _width: int) -> list[Text]:
     """`motor_controller  max_speed   0.5 *  double    0.05 .. 2`."""
     text = harmless(text_of(parameter.value))
     text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
-    mark = " *" if parameter.is_changed else "  "
-    line = "  ".join(
-        (
-            pad(parameter.node.lstrip("/"), _NODE),
-            pad(harmless(parameter.name), _NAME),
-            f"{text:>{_VALUE}}{mark}",
-            f"{parameter.type:<{_TYPE}}",
-            range_text(parameter),
-        )
+    line = _line(
+        parameter.node.lstrip("/"),
+        harmless(parameter.name),
+        text,
+        "*" if parameter.is_changed else "",
+        parameter.type,
+        range_text(parameter),
     )
-    return [(line.rstrip(), "bold" if parameter.is_changed else "")]
+    return [(line, "bold" if parameter.is_changed else "")]
+
+
+def _line(node: str, name: str, value: str, mark: str, kind: str, allowed: str) -> str:
+    left = f"{pad(node, _NODE)}  {pad(name, _NAME)} {value:>{_VALUE}}"
+    return f"{left} {mark:1}  {kind:<{_TYPE}} {allowed}".rstrip()

@@ -57,6 +57,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self._items: Sequence[T] = ()
         self._starts: list[int] = []  # first line of each item, when they wrap
         self._seen: dict[int, tuple[Text, bool]] = {}  # what each line of the window shows
+        self._width = 0  # that the lines were laid out for: the window's may be newer
         self.cursor = 0
 
     @property
@@ -91,7 +92,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self.refresh()
 
     def _lay_out(self) -> None:
-        width = self.size.width
+        width = self._width = self.size.width
         if self._wraps:
             self._starts, total = [], 0
             for item in self._items:
@@ -119,7 +120,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
             part = row - self._starts[number]
         if number >= len(self._items):
             return (self.empty, "dim") if row == 0 else ("", ""), False
-        lines = self._draw(self._items[number], self.size.width)
+        lines = self._draw(self._items[number], self._width)
         return lines[part], self.has_focus and number == self.cursor
 
     def _number_at(self, row: int) -> int:
@@ -167,7 +168,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         if self.item is None:
             return
         first = self._starts[self.cursor] if self._wraps else self.cursor
-        height = len(self._draw(self._items[self.cursor], self.size.width))
+        height = len(self._draw(self._items[self.cursor], self._width))
         window, top = self.size.height, self.scroll_offset.y
         if first < top:
             self.scroll_to(y=first, animate=False)

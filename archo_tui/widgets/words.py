@@ -24,10 +24,12 @@ def thousands(value: int | None) -> str:
 
 
 def age(seconds: float) -> str:
-    """`0.4 s`, `12 s`, `3 min`."""
-    if seconds < 10:
+    """`0.4 s`, `12 s`, `3 min`, `0.2 h`: five characters at most up to 99 hours."""
+    if seconds < 9.95:
         return f"{max(seconds, 0.0):.1f} s"
-    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"
+    if seconds < 600:
+        return f"{seconds:.0f} s" if seconds < 119.5 else f"{seconds // 60:.0f} min"
+    return f"{seconds / 3600:.1f} h" if seconds < 35_000 else f"{seconds / 3600:.0f} h"
 
 
 def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:

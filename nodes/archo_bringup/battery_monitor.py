@@ -25,12 +25,12 @@ class BatteryMonitor(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("battery_monitor", **options)
         self.declare_parameter(
-            "low_battery_threshold", 20.0, double("% below which the battery is low", 0.0, 100.0)
+            "low_battery_threshold", *double(20.0, "% below which the battery is low", 0.0, 100.0)
         )
-        self.declare_parameter("publish_period", 1.0, double("s between two readings", 0.02, 10.0))
-        self.declare_parameter("drain_min", 0.05, double("least % drained a tick", 0.0, 100.0))
-        self.declare_parameter("drain_max", 0.2, double("most % drained a tick", 0.0, 100.0))
-        self.declare_parameter("charge_rate", 1.0, double("%/s gained on the dock", 0.0, 100.0))
+        self.declare_parameter("publish_period", *double(1.0, "s between two readings", 0.02, 10.0))
+        self.declare_parameter("drain_min", *double(0.05, "least % drained a tick", 0.0, 100.0))
+        self.declare_parameter("drain_max", *double(0.2, "most % drained a tick", 0.0, 100.0))
+        self.declare_parameter("charge_rate", *double(1.0, "%/s gained on the dock", 0.0, 100.0))
         refused = self.check_drain([])
         if not refused.successful:
             raise InvalidParameterValueException(

@@ -17,7 +17,7 @@ class FakeBatteryDrain(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("fake_battery_drain", **options)
-        self.declare_parameter("drain", 2.0, double("% taken off each second", 0.0, 100.0))
+        self.declare_parameter("drain", *double(2.0, "% taken off each second", 0.0, 100.0))
         self.publisher = self.create_publisher(Float32, "battery_drain", 10)
         self.create_timer(1.0, self.on_timer)
 

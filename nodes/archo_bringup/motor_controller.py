@@ -30,18 +30,20 @@ class MotorController(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("motor_controller", **options)
-        self.declare_parameter("max_speed", 0.8, double("m/s along the route", 0.05, 2.0))
-        self.declare_parameter("wheel_radius", 0.05, double("m", 0.01, 0.5))
-        self.declare_parameter("feedback_period", 0.5, double("s between two feedbacks", 0.02, 5.0))
+        self.declare_parameter("max_speed", *double(0.8, "m/s along the route", 0.05, 2.0))
+        self.declare_parameter("wheel_radius", *double(0.05, "m", 0.01, 0.5))
         self.declare_parameter(
-            "route_length", 18.0, double("m from here to any shelf", 0.1, 1000.0)
+            "feedback_period", *double(0.5, "s between two feedbacks", 0.02, 5.0)
         )
         self.declare_parameter(
-            "time_scale", 7.5, double("simulated seconds per real second", 0.1, 100.0)
+            "route_length", *double(18.0, "m from here to any shelf", 0.1, 1000.0)
         )
-        self.declare_parameter("shelf_count", 40, integer("shelves are 1 .. this", 1, 9999))
         self.declare_parameter(
-            "ticks_per_revolution", 1024, fixed("encoder ticks of one turn of a wheel")
+            "time_scale", *double(7.5, "simulated seconds per real second", 0.1, 100.0)
+        )
+        self.declare_parameter("shelf_count", *integer(40, "shelves are 1 .. this", 1, 9999))
+        self.declare_parameter(
+            "ticks_per_revolution", *fixed(1024, "encoder ticks of one turn of a wheel")
         )
         self.add_post_set_parameters_callback(self.follow_parameters)
 

@@ -1,22 +1,30 @@
-"""Descriptors for the parameters of the nodes: what a console shows and rclpy checks."""
+"""Defaults and descriptors of the nodes' parameters: what a console shows and rclpy checks.
+
+A descriptor has no field for the default, so it stands in the description.
+"""
 
 from __future__ import annotations
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 
 
-def double(description: str, low: float, high: float) -> ParameterDescriptor:
+def double(
+    default: float, description: str, low: float, high: float
+) -> tuple[float, ParameterDescriptor]:
     """A double in low .. high."""
     allowed = FloatingPointRange(from_value=low, to_value=high, step=0.0)
-    return ParameterDescriptor(description=description, floating_point_range=[allowed])
+    described = f"{description}; default {default}"
+    return default, ParameterDescriptor(description=described, floating_point_range=[allowed])
 
 
-def integer(description: str, low: int, high: int) -> ParameterDescriptor:
+def integer(default: int, description: str, low: int, high: int) -> tuple[int, ParameterDescriptor]:
     """An integer in low .. high."""
     allowed = IntegerRange(from_value=low, to_value=high, step=1)
-    return ParameterDescriptor(description=description, integer_range=[allowed])
+    described = f"{description}; default {default}"
+    return default, ParameterDescriptor(description=described, integer_range=[allowed])
 
 
-def fixed(description: str) -> ParameterDescriptor:
-    """A value that can only be given at the start."""
-    return ParameterDescriptor(description=description, read_only=True)
+def fixed(default: int, description: str) -> tuple[int, ParameterDescriptor]:
+    """An integer that can only be given at the start."""
+    described = f"{description}; default {default}"
+    return default, ParameterDescriptor(description=described, read_only=True)

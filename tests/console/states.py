@@ -70,8 +70,10 @@ EVENTS = (
     ),
     Event(TIME - 1, "WARN", "dashboard", "Low battery: 18.0%", count=12),
 )
+CHARGE = tuple((NOW - 170 + second, 87.5 + (170 - second) / 10) for second in range(171))
 NORMAL = Snapshot(
     battery=BATTERY,
+    charge=CHARGE,
     motor=MOTOR,
     parameters=PARAMETERS,
     nodes=(
@@ -104,7 +106,10 @@ STATES: dict[str, Snapshot] = {
         battery=replace(BATTERY, percentage=18.0, voltage=21.3, health="warning"),
     ),
     "battery empty": battery(0.0, voltage=20.6, health="warning"),
-    "battery charging": battery(43.0, voltage=22.3, charging=True),
+    "battery charging": replace(
+        battery(43.0, voltage=22.3, charging=True),
+        charge=tuple((NOW - 60 + second, 13.0 + second / 2) for second in range(61)),
+    ),
     "battery to be replaced": battery(87.5, health="replace"),
     "battery without health": battery(18.0, voltage=None, health=None, charging=None),
     "battery not a number": battery(None, voltage=None),
@@ -128,5 +133,16 @@ STATES: dict[str, Snapshot] = {
     "goal cancelled": replace(NORMAL, goal=CANCELLED, history=(CANCELLED,)),
     "goal arrived": replace(NORMAL, goal=ARRIVED, history=(ARRIVED, CANCELLED)),
     "goal unknown": goal(Phase.UNKNOWN, started=None, heard=None, remaining=None),
+    "motor stop not confirmed": replace(NORMAL, stop_asked=NOW - 2.0),
+    "node silent": replace(
+        NORMAL, nodes=(replace(NORMAL.nodes[0], heard=NOW - 4.0), *NORMAL.nodes[1:])
+    ),
+    "many parameters": replace(
+        NORMAL,
+        parameters=tuple(
+            Parameter(f"/guest_{n // 20}", f"gain_{n}", "double", n + 0.5, n + 0.5)
+            for n in range(10_000)
+        ),
+    ),
     "nothing offered": replace(NORMAL, offered=frozenset(), nodes=()),
 }

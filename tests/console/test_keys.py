@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from rclpy.node import Node
 from textual.widgets import Input
 
+from archo_tui import themes
+from archo_tui.folders import config_file
 from tests.support.console import FAST, console
+
+
+class Nobody(Node):
+    """Offers nothing."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("nobody", **options)
 
 
 async def test_numbers_and_tab_walk_through_the_panels() -> None:
@@ -65,9 +77,46 @@ async def test_a_command_that_cannot_run_says_why() -> None:
         await op.until("the robot is not stopped")
 
 
-async def test_events_show_more_levels_on_demand() -> None:
+async def test_the_palette_has_the_registry_and_the_themes() -> None:
     async with console(*FAST) as op:
-        assert "Dashboard sees" not in op.text
-        await op.press("6", "l")
-        await op.until("Dashboard sees: ")
-        await op.until("INFO and above")
+        await op.press("ctrl+p")
+        await op.type("reset the")
+        await op.until("Reset the encoder to zero (r)")
+        await op.press("enter")
+        await op.until("reset encoder: Encoder reset to zero")
+        await op.press("ctrl+p")
+        await op.type("theme")
+        await op.until("Change the current theme")
+
+
+async def test_a_theme_is_remembered() -> None:
+    async with console(*FAST) as op:
+        assert themes.remembered() == ""
+        op.app.theme = "nord"
+        await op.until(lambda: themes.remembered() == "nord")
+    config_file("theme").write_text("no such theme\n")
+    assert themes.remembered() == ""
+
+
+async def test_a_click_does_what_the_key_does() -> None:
+    async with console(*FAST, size=(120, 36)) as op:
+        lines = op.text.splitlines()
+        footer = lines[-1]
+        await op.pilot.click(offset=(footer.index("r Reset") + 1, len(lines) - 1))
+        await op.until("reset encoder: Encoder reset to zero")
+        row = next(n for n, line in enumerate(lines) if "wheel_radius" in line)
+        await op.pilot.click(offset=(60, row))
+        await op.pilot.click(offset=(60, row))
+        await op.until(" motor_controller wheel_radius ")
+        await op.press("escape")
+        border = next(n for n, line in enumerate(lines) if "c charge" in line)
+        await op.pilot.click(offset=(lines[border].index("c charge") + 2, border))
+        await op.until("charge: Charging")
+
+
+async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
+    async with console(node_makers=[Nobody], wait=False) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("move_to_shelf is not offered by any node")
+        assert op.app.query_one("#shelf", Input).value == "12"
+        assert op.focused_panel == 3

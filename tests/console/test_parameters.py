@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from textual.widgets import Input
 
@@ -28,7 +30,7 @@ async def test_a_parameter_is_edited_mid_route_and_takes_effect() -> None:
         await op.press("escape")
         await edit(op, "max_speed", "0.4")
         await op.until(lambda: op.app.screen is op.app.main)
-        await op.until("0.4 *  double    0.05 .. 2")
+        await op.until("0.4 *  double   0.05 .. 2")
         await op.until("0.40 m/s")
         await op.until("set motor_controller max_speed 0.4: max_speed is 0.4")
         await op.press("ctrl+c")
@@ -112,3 +114,125 @@ async def test_what_a_terminal_could_act_on_is_shown_harmlessly() -> None:
         await edit(op, "a[red]name", "plain [b]text")
         await op.until(lambda: op.app.screen is op.app.main)
         await op.until("set dashboard a[red]name plain [b]text: a[red]name is plain [b]text")
+
+
+async def test_u_undoes_the_last_change_and_says_when_there_is_none() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "u")
+        await op.until("nothing to undo")
+        await edit(op, "max_speed", "0.4")
+        await op.until("0.4 *  double")
+        await edit(op, "max_speed", "0.6")
+        await op.until("0.6 *  double")
+        await op.press("u")
+        await op.until("0.4 *  double")
+        await op.press("u")
+        await op.until("0.8    double   0.05 .. 2")
+        await op.until("set motor_controller max_speed 0.8: max_speed is 0.8")
+
+
+async def test_undo_asks_when_somebody_else_has_changed_it_since() -> None:
+    async with console(*FAST) as op:
+        await edit(op, "max_speed", "0.4")
+        await op.until("0.4 *  double")
+        await op.app.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+        await op.until("1.25 *  double")
+        await op.press("4", "u")
+        await op.until("max_speed is 1.25 by now. Set it back to max_speed 0.8?")
+        await op.press("enter")
+        await op.until(lambda: op.app.screen is op.app.main)
+        assert "1.25 *  double" in op.text
+        await op.press("u")
+        await op.until("Set it back to max_speed 0.8?")
+        await op.press("tab", "enter")
+        await op.until("0.8    double   0.05 .. 2")
+
+
+async def test_a_filter_finds_by_node_name_and_value() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash")
+        await op.type("speed")
+        await op.until(lambda: "low_battery_threshold" not in op.text)
+        assert "max_speed" in op.text
+        await op.press("enter", "enter")  # the first leaves the field
+        await op.until(" motor_controller max_speed ")
+        await op.press("escape", "slash", "escape")
+        await op.until("low_battery_threshold")
+
+
+async def test_parameters_are_saved_and_loaded_with_a_preview(tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    async with console(*FAST) as op:
+        await edit(op, "max_speed", "0.4")
+        await op.until("0.4 *  double")
+        await op.press("ctrl+s")
+        await op.until("ROS parameter file")
+        op.app.screen.query_one("#path", Input).value = str(file)
+        await op.press("enter")
+        await op.until(file.exists)
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.press("u")
+        await op.until("0.8    double   0.05 .. 2")
+        await op.press("ctrl+o")
+        await op.until("ROS parameter file")
+        op.app.screen.query_one("#path", Input).value = str(file)
+        await op.press("enter")
+        await op.until("motor_controller max_speed: 0.8 -> 0.4")
+        await op.press("tab", "enter")
+        await op.until("0.4 *  double")
+        await op.press("u")
+        await op.until("0.8    double   0.05 .. 2")
+
+
+async def test_a_file_that_exists_is_replaced_only_when_asked_twice(tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text("precious")
+    async with console(*FAST) as op:
+        await op.press("4", "ctrl+s")
+        await op.until("ROS parameter file")
+        op.app.screen.query_one("#path", Input).value = str(file)
+        await op.press("enter")
+        await op.until("exists: enter again replaces it")
+        assert file.read_text() == "precious"
+        await op.press("enter")
+        await op.until(lambda: "max_speed" in file.read_text())
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (None, "cannot read the parameter file: No such file"),
+        ("{", "not YAML"),
+        ("motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n", "allowed 0.05 .. 2"),
+        ("motor_controller:\n  ros__parameters:\n    max_speed: fast\n", "needs a value"),
+    ],
+)
+async def test_a_file_that_cannot_be_loaded_is_said_and_changes_nothing(
+    tmp_path: Path, text: str | None, said: str
+) -> None:
+    file = tmp_path / "f.yaml"
+    if text is not None:
+        file.write_text(text)
+    async with console(*FAST) as op:
+        before = op.app.view.snapshot.parameters
+        await op.press("4", "ctrl+o")
+        await op.until("ROS parameter file")
+        op.app.screen.query_one("#path", Input).value = str(file)
+        await op.press("enter")
+        await op.until(lambda: said in " ".join(op.text.replace("┃", " ").split()))
+        await op.press("escape")
+        assert op.app.view.snapshot.parameters == before
+
+
+async def test_parameters_that_belong_together_are_loaded_together(tmp_path: Path) -> None:
+    file = tmp_path / "drain.yaml"  # one after the other the first would be refused
+    file.write_text("/**:\n  ros__parameters:\n    drain_min: 5.0\n    drain_max: 6.0\n")
+    async with console(*FAST) as op:
+        await op.press("4", "ctrl+o")
+        await op.until("ROS parameter file")
+        op.app.screen.query_one("#path", Input).value = str(file)
+        await op.press("enter")
+        await op.until("drain_max: 0.2 -> 6.0")
+        await op.press("tab", "enter")
+        await op.until("5.0 *  double")
+        await op.until("6.0 *  double")

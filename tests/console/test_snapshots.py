@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state import Hosted, Life, Snapshot
 from tests.console.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_app
 from tests.support.waiting import DEADLINE
@@ -18,9 +18,24 @@ FOLDER = Path(__file__).parent.parent / "snapshots"
 SIZES = {"80x24": (80, 24), "120x36": (120, 36), "160x48": (160, 48)}
 
 
+HOSTED = (
+    Hosted(
+        "/battery_monitor",
+        Life.CRASHED,
+        "ZeroDivisionError: division by zero",
+        'Traceback (most recent call last):\n  File "battery_monitor.py", line 60, in on_timer\n'
+        "ZeroDivisionError: division by zero\n",
+    ),
+    Hosted("/dashboard"),
+    Hosted("/dashboard_2", Life.STOPPED),
+    Hosted("/motor_controller", Life.STUCK, serves=True),
+)
+
+
 @pytest.fixture(autouse=True)
 def _utc(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TZ", "UTC")
+    monkeypatch.setenv("LC_ALL", "C.UTF-8")
     time.tzset()
 
 
@@ -48,11 +63,12 @@ async def picture(
     *keys: str,
     dialog: bool = False,
     theme: str = "textual-dark",
+    hosted: tuple[Hosted, ...] = (),
 ) -> str:
     """The screen after those keys, when it has come to rest; on-delays of alarms have passed."""
     clock = StandingClock()
     clock.passed = -3.0
-    app = stub_app(snapshot, clock)
+    app = stub_app(snapshot, clock, hosted)
     async with app.run_test(size=size) as pilot:
         app.theme = theme
         clock.passed = 0.0
@@ -100,9 +116,62 @@ async def test_the_question_looks_as_accepted(request: pytest.FixtureRequest, si
     compare(request, f"question {size}", svg)
 
 
-async def test_the_light_theme_looks_as_accepted(request: pytest.FixtureRequest) -> None:
-    svg = await picture(STATES["battery low and moving"], SIZES["120x36"], theme="textual-light")
-    compare(request, "light 120x36", svg)
+@pytest.mark.parametrize("size", SIZES)
+async def test_nodes_of_this_process_look_as_accepted(
+    request: pytest.FixtureRequest, size: str
+) -> None:
+    svg = await picture(NORMAL, SIZES[size], "5", hosted=HOSTED)
+    compare(request, f"nodes hosted {size}", svg)
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize(
+    ("name", "keys", "dialog"),
+    [
+        ("traceback", ["5", "home", "enter"], True),
+        ("filter", ["4", "slash", *"speed"], False),
+        ("filter finds nothing", ["4", "slash", *"warp", "enter"], False),
+        ("search", ["6", "slash", *"shelf", "enter"], False),
+        ("full screen", ["6", "e"], False),
+        ("event", ["6", "down", "enter"], True),
+        ("save", ["4", "ctrl+s"], True),
+        ("palette", ["ctrl+p"], True),
+    ],
+)
+async def test_what_keys_open_looks_as_accepted(
+    request: pytest.FixtureRequest, name: str, keys: list[str], dialog: bool, size: str
+) -> None:
+    svg = await picture(NORMAL, SIZES[size], *keys, dialog=dialog, hosted=HOSTED)
+    compare(request, f"{name} {size}", svg)
+
+
+@pytest.mark.parametrize("theme", ["textual-light", "high-contrast"])
+async def test_the_other_themes_look_as_accepted(
+    request: pytest.FixtureRequest, theme: str
+) -> None:
+    svg = await picture(STATES["battery low and moving"], SIZES["120x36"], theme=theme)
+    compare(request, f"{theme.removeprefix('textual-')} 120x36", svg)
+
+
+async def test_without_utf_8_it_is_all_ascii(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LC_ALL", "C")
+    svg = await picture(STATES["battery low and moving"], SIZES["80x24"])
+    drawn = "".join(re.findall(r"<text[^>]*>([^<]*)</text>", svg)).replace("&#160;", " ")
+    assert drawn.isascii(), set(drawn) - set(map(chr, range(128)))
+    compare(request, "ascii 80x24", svg)
+
+
+async def test_without_colour_every_word_stays(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    svg = await picture(STATES["battery low and moving"], SIZES["80x24"])
+    colours = {tuple(c[i : i + 2] for i in (1, 3, 5)) for c in re.findall(r"#[0-9a-f]{6}", svg)}
+    grey = {colour for colour in colours if len(set(colour)) == 1}
+    assert len(colours - grey) <= 4, colours - grey  # the drawn window's own frame and buttons
+    compare(request, "no colour 80x24", svg)
 
 
 @pytest.mark.parametrize("size", [(40, 10), (20, 5), (79, 23), (300, 80)])

@@ -1,0 +1,79 @@
+"""Events: level, search, full screen, and the command to copy."""
+
+from __future__ import annotations
+
+from tests.support.console import FAST, console
+
+
+async def test_events_show_more_levels_on_demand() -> None:
+    async with console(*FAST) as op:
+        assert "Dashboard sees" not in op.text
+        await op.press("6", "l")
+        await op.until("Dashboard sees: ")
+        await op.until("INFO and above")
+
+
+async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
+    async with console(*FAST) as op:
+        await op.press("r", "c")
+        await op.until("charge: Charging")
+        await op.press("6", "slash")
+        await op.type("ENCODER")
+        await op.until(lambda: "charge: Charging" not in op.text)
+        assert "reset encoder: Encoder reset to zero" in op.text
+        await op.press("enter")
+        assert op.app.focused is not None
+        assert op.app.focused.id == "event-list"
+        await op.press("slash", "escape")
+        await op.until("charge: Charging")
+
+
+async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> None:
+    async with console(*FAST) as op:
+        await op.press("6", "y")
+        await op.until("no command was given yet")
+        await op.press("r")
+        await op.until("Encoder reset to zero")
+        await op.press("c")
+        await op.until("charge: Charging")
+        await op.press("down", "y")
+        wanted = 'ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder "{}"'
+        await op.until(lambda: op.app.clipboard == wanted)
+        await op.press("home", "y")
+        await op.until(lambda: "/set_charging std_srvs/srv/SetBool" in op.app.clipboard)
+
+
+async def test_e_shows_events_on_the_full_screen_and_a_panel_key_leads_back() -> None:
+    async with console(*FAST, size=(80, 24)) as op:
+        await op.press("6", "e")
+        await op.until(lambda: "1 Battery" not in op.text)
+        assert "ARCHO" in op.text
+        assert "6 Events" in op.text
+        await op.press("e")
+        await op.until("1 Battery")
+        await op.press("e", "4")
+        await op.until("4 Parameters")
+        assert op.focused_panel == 4
+
+
+async def test_enter_shows_an_event_in_full() -> None:
+    async with console(*FAST, size=(80, 24)) as op:
+        await op.press("r")
+        await op.until("Encoder reset to zero")
+        await op.press("6", "enter")
+        await op.until("$ ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder")
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+
+
+async def test_the_cursor_stays_with_its_event_while_others_come() -> None:
+    async with console(*FAST) as op:
+        await op.press("r")
+        await op.until("Encoder reset to zero")
+        await op.press("c")
+        await op.until("charge: Charging")
+        await op.press("6", "down")
+        before = op.app.main.events.selected
+        await op.press("c")
+        await op.until("stop charging: Not charging")
+        assert op.app.main.events.selected == before

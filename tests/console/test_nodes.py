@@ -1,0 +1,133 @@
+"""Nodes are started, stopped and copied; none needs another."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rclpy.node import Node
+
+from archo_tui.robot.state import Life
+from archo_tui.session import _robots_nodes
+from tests.support.console import FAST, SLOW, Console, console
+
+
+async def select(op: Console, name: str) -> None:
+    """Put the cursor on a node."""
+    await op.press("5", "home")
+    await op.until(lambda: op.app.main.nodes.selected)
+    for _ in range(50):
+        selected = op.app.main.nodes.selected
+        if selected is not None and selected.name == name:
+            return
+        await op.press("down")
+    raise AssertionError(f"no {name}:\n{op.text}")
+
+
+async def test_without_the_battery_monitor_the_gauge_goes_old_and_recovers() -> None:
+    async with console(*FAST) as op:
+        await select(op, "/battery_monitor")
+        await op.press("s")
+        await op.until("○ battery_monitor  stopped by you")
+        await op.until("stop /battery_monitor: /battery_monitor stopped")
+        await op.until("(old, 3 s)")
+        await op.press("g", "7", "enter")
+        await op.until("Arrived at shelf 7")  # the motor does not notice
+        await op.press("escape")
+        await select(op, "/battery_monitor")
+        await op.press("s")
+        await op.until("● battery_monitor")
+        await op.until(lambda: "old" not in op.line("GOOD") and op.line("GOOD"))
+
+
+async def test_ten_dashboards_and_nobody_notices() -> None:
+    async with console(*FAST, size=(120, 60)) as op:
+        await select(op, "/dashboard")
+        for _ in range(9):
+            await op.press("plus")
+        await op.until("● dashboard_10")
+        states = op.app.host.states()
+        assert sum(s.name.startswith("/dashboard") and s.life is Life.UP for s in states) == 10
+        await op.until(
+            lambda: (
+                sum(n.name.startswith("/dashboard") and n.heard is not None for n in _nodes(op))
+                == 10
+            )
+        )
+        await op.press("g", "7", "enter")
+        await op.until("Arrived at shelf 7")
+
+
+def _nodes(op: Console) -> Any:
+    return op.app.view.snapshot.nodes
+
+
+async def test_one_more_node_that_serves_is_asked_about_first() -> None:
+    async with console(*FAST) as op:
+        await select(op, "/motor_controller")
+        await op.press("plus")
+        await op.until("With two of them each call, STOP")
+        await op.press("enter")  # the safe answer
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.press("plus")
+        await op.until("Run one more?")
+        await op.press("tab", "enter")
+        await op.until("● motor_controller_2")
+
+
+async def test_stopping_what_drives_is_asked_about_and_the_goal_is_not_called_ended() -> None:
+    async with console(*SLOW) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        await op.press("escape")
+        await select(op, "/motor_controller")
+        await op.press("s")
+        await op.until("what drives it")
+        await op.press("enter")
+        await op.until(lambda: op.app.screen is op.app.main)
+        assert "stopped by you" not in op.text
+        await op.press("s")
+        await op.until("Stop the node?")
+        await op.press("tab", "enter")
+        await op.until("○ motor_controller stopped by you")
+        await op.until("✗ LOST")
+        await op.press("s")
+        await op.until("the robot knows this goal no more")
+
+
+class Fragile(Node):
+    """Fails when it is told to."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("fragile", **options)
+        self.declare_parameter("divisor", 1)
+        self.create_timer(0.01, self.divide)
+
+    def divide(self) -> None:
+        1 / self.get_parameter("divisor").value
+
+
+async def test_a_crashed_node_says_why_and_is_started_again() -> None:
+    async with console(*FAST, node_makers=[*_robots_nodes(False), Fragile]) as op:
+        await op.until(lambda: op.app.view.snapshot.parameter("divisor"))
+        await op.app.robot.set_parameters("/fragile", {"divisor": 0})
+        await op.until("✗ fragile")
+        await op.until("crashed: ZeroDivisionError:")
+        await select(op, "/fragile")
+        await op.press("enter")
+        await op.until("Traceback (most recent call last):")
+        await op.until("in divide")
+        await op.press("escape", "s")
+        await op.until("● fragile")
+        await op.until(lambda: op.app.view.snapshot.parameter("divisor"))
+
+
+async def test_nodes_elsewhere_are_not_started_or_stopped_from_here() -> None:
+    async with console(*FAST) as op:
+        other = Node("guest", context=op.session._context)
+        try:
+            await op.until("● guest")
+            await select(op, "/guest")
+            await op.press("s")
+            await op.until("/guest does not run in this process")
+        finally:
+            other.destroy_node()

@@ -1,0 +1,123 @@
+"""Every command's key, in every place that the table says and in no other; README's table."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from textual.pilot import Pilot
+
+from archo_tui.app import ArchoApp
+from archo_tui.commands import COMMANDS
+from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, PANELS, Command
+from archo_tui.keymap import shown
+from tests.console.states import STATES
+from tests.support.stub import stub_app
+
+README = Path(__file__).parent.parent.parent / "README.md"
+PLACES = [f"panel {number}" for number in range(1, 7)] + [
+    "shelf field", "filter field", "search field", "full screen",
+    "edit dialog", "question", "help", "file dialog", "palette",
+]  # fmt: skip
+
+
+async def go_to(app: ArchoApp, pilot: Pilot[None], place: str) -> int:
+    """Bring the app to a place by keys; returns the number of the focused panel, 0 for none."""
+    keys = {
+        "shelf field": ["g"],
+        "filter field": ["4", "slash"],
+        "search field": ["6", "slash"],
+        "full screen": ["6", "e"],
+        "edit dialog": ["4", "enter"],
+        "question": ["r"],
+        "help": ["question_mark"],
+        "file dialog": ["4", "ctrl+s"],
+        "palette": ["ctrl+p"],
+    }.get(place, [place[-1]])
+    if place == "panel 3":
+        keys = ["3", "tab"]
+    await pilot.press(*keys)
+    await pilot.pause()
+    return app.main.focused_panel if app.screen is app.main else 0
+
+
+def works(command: Command, place: str, panel: int) -> bool:
+    """What the table says."""
+    if command.where == EVERYWHERE:
+        return True
+    main = place.startswith("panel") or place == "full screen"
+    return main and (command.where == NOT_TYPING or command.panel == panel)
+
+
+@pytest.mark.parametrize("place", PLACES)
+async def test_every_key_works_where_the_table_says_and_nowhere_else(place: str) -> None:
+    ran: list[str] = []
+    app = stub_app(STATES["battery low and moving"])
+    async with app.run_test(size=(120, 36)) as pilot:
+        run = app.action_command
+
+        def record(name: str) -> None:
+            ran.append(name)
+
+        there: object = None
+        panel = 0
+        for command in COMMANDS:
+            if there is None or (app.screen, app.focused) != there:  # the last key led away
+                app.action_command = run  # type: ignore[method-assign]
+                while app.screen is not app.main:
+                    app.pop_screen()
+                panel = await go_to(app, pilot, place)
+                there = (app.screen, app.focused)
+                app.action_command = record  # type: ignore[method-assign]
+            ran.clear()
+            await pilot.press(command.key)
+            assert (command.id in ran) == works(command, place, panel), (place, command.id, ran)
+
+
+async def test_stop_works_while_the_palette_is_open_too() -> None:
+    app = stub_app(STATES["motor moving"])
+    asked: list[str] = []
+    app.robot.emergency_stop = lambda: asked.append("stop") or _done()  # type: ignore
+    async with app.run_test(size=(120, 36)) as pilot:
+        await pilot.press("ctrl+p")
+        await pilot.press("ctrl+x")
+        await pilot.pause()
+        assert asked == ["stop"]
+
+
+async def _done() -> object:
+    from archo_tui.robot.state import Outcome
+
+    return Outcome(True, "stopped")
+
+
+def table() -> list[str]:
+    """The README's rows, as the registry has them."""
+    rows = []
+    for command in COMMANDS:
+        if command.id.startswith("panel_"):
+            if command.id == "panel_1":
+                rows.append(f"| `1` .. `{len(PANELS)}`, tab | go to a panel | {NOT_TYPING} |")
+            continue
+        does = command.help
+        if does[1].islower():
+            does = does[0].lower() + does[1:]
+        key = shown(command.key).replace("^", "ctrl+")
+        rows.append(f"| `{key}` | {does} | {command.place} |")
+    rows.append("| esc | out of a field or dialog, to where the focus was | everywhere |")
+    return rows
+
+
+def test_the_readme_has_the_registrys_keys() -> None:
+    text = README.read_text(encoding="utf-8")
+    found = re.search(r"\| key \| does \| works \|\n\|---\|---\|---\|\n((?:\|.*\n)+)", text)
+    assert found is not None
+    assert found[1].splitlines() == table(), "\n".join(table())
+
+
+def test_ids_are_unique_and_every_command_explains_itself() -> None:
+    assert len({command.id for command in COMMANDS}) == len(COMMANDS)
+    for command in COMMANDS:
+        assert len(command.help) > 5
+        assert (command.panel > 0) == (command.where == IN_PANEL)

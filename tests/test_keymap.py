@@ -1,0 +1,72 @@
+"""Keys of the operator's own choice, and what is said of a file that cannot be meant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from archo_tui import keymap
+from archo_tui.commands import COMMANDS
+from archo_tui.errors import ArchoError
+from tests.console.states import NORMAL
+from tests.support.stub import stub_app
+
+
+def load(tmp_path: Path, text: str) -> dict[str, str]:
+    file = tmp_path / "keymap.yaml"
+    file.write_text(text)
+    return keymap.load(file, COMMANDS)
+
+
+def test_without_a_file_the_registry_decides(tmp_path: Path) -> None:
+    keys = keymap.load(tmp_path / "none.yaml", COMMANDS)
+    assert keys == {command.id: command.key for command in COMMANDS}
+
+
+def test_keys_are_chosen_by_name_or_character(tmp_path: Path) -> None:
+    keys = load(tmp_path, "# mine\nstop: F5\nreset: '*'\nfilter: f\nsearch: f\ngo: x\n")
+    shown = keymap.shown_keys(keys)
+    assert keys["stop"] == "f5"
+    assert (shown["reset"], shown["filter"], shown["search"], shown["go"]) == ("*", "f", "f", "x")
+
+
+def test_two_commands_may_swap_their_keys(tmp_path: Path) -> None:
+    keys = load(tmp_path, "reset: g\ngo: r\n")
+    assert (keys["reset"], keys["go"]) == ("g", "r")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("stop: ctrl+x\nstpo: f5\n", 2, "no command 'stpo' (nearest: stop)"),
+        ("\nstop: s\n", 2, "stop must work while typing too: s would be text"),
+        ("stop: space\n", 1, "would be text"),
+        ("reset: hyper+ultra\n", 1, "no key 'hyper+ultra'"),
+        ("reset: tab\n", 1, "leads through fields and dialogs"),
+        ("reset: g\n", 1, "g is the key of go already"),
+        ("level: a\n", 1, "a is the key of acknowledge already"),
+        ("filter: u\n", 1, "u is the key of undo already"),
+        ("- a\n- b\n", 1, "expected lines like 'stop: ctrl+x'"),
+        ("stop: [a]\n", 1, "expected 'command: key'"),
+        ("a: b\nb: [\n", 3, "not YAML"),
+    ],
+)
+def test_a_mistake_names_its_line(tmp_path: Path, text: str, line: int, said: str) -> None:
+    with pytest.raises(ArchoError) as caught:
+        load(tmp_path, text)
+    assert str(caught.value).startswith(f"{tmp_path / 'keymap.yaml'}:{line}: ")
+    assert said in str(caught.value)
+
+
+async def test_the_screen_says_and_takes_the_chosen_keys(tmp_path: Path) -> None:
+    keys = load(tmp_path, "go: x\nhelp: f1\n")
+    app = stub_app(NORMAL, keys=keys)
+    async with app.run_test(size=(120, 36)) as pilot:
+        await pilot.press("x", "7", "escape", "f1")
+        await pilot.pause()
+        assert app.main.goal.query_one("#shelf").value == "7"  # type: ignore[attr-defined]
+        assert app.screen is not app.main
+        lines = [strip.text for strip in app.main._compositor.render_strips()]
+        assert " x Go  ^c Cancel  ^x STOP  r Reset  1-6 Panels  f1 Help" in lines[-1]
+        assert any("Press x, type a shelf number" in line for line in lines)

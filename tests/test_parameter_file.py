@@ -1,0 +1,127 @@
+"""Parameters to a file and back: the same values, whole or not at all, planned before."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui import parameter_file
+from archo_tui.embedded.parameter_files import read
+from archo_tui.errors import ArchoError
+from archo_tui.robot.state import Parameter
+from tests.console.states import PARAMETERS
+
+
+def one(kind: str, value: Any, **options: Any) -> Parameter:
+    return Parameter("/ns/node", "name", kind, value, value, **options)
+
+
+@pytest.mark.parametrize(
+    ("kind", "value"),
+    [
+        ("double", 1.0),
+        ("double", 1e-12),
+        ("double", 1e300),
+        ("double", float("inf")),
+        ("integer", -(2**63)),
+        ("bool", True),
+        ("string", ""),
+        ("string", "yes"),
+        ("string", "1.0"),
+        ("string", "a: 'b' \"c\" # d \\ e"),
+        ("string", "übung 棚 \U0001f916"),
+        ("string", "x" * 5000),
+        ("double[]", [1.0, 2.0]),
+        ("string[]", ["no", "2", ""]),
+        ("bool[]", [True, False]),
+    ],
+)
+def test_what_is_saved_is_loaded_as_the_same_value(tmp_path: Path, kind: str, value: Any) -> None:
+    text, left_out = parameter_file.dump([one(kind, value)])
+    assert left_out == []
+    file = tmp_path / "saved.yaml"
+    parameter_file.write(file, text)
+    (override,) = read(file)
+    assert (override.pattern, override.name, override.value) == ("/ns/node", "name", value)
+    assert type(override.value) is type(value)
+    assert parameter_file.plan(file, [one(kind, value)]).changes == ()
+
+
+def test_names_that_yaml_would_read_otherwise_are_quoted(tmp_path: Path) -> None:
+    parameters = [
+        Parameter("/node", name, "integer", 1, 1) for name in ("a.b", "x: y", "[z]", "#1")
+    ]
+    file = tmp_path / "saved.yaml"
+    parameter_file.write(file, parameter_file.dump(parameters)[0])
+    assert [override.name for override in read(file)] == ["a.b", "x: y", "[z]", "#1"]
+
+
+def test_what_a_file_cannot_hold_is_said() -> None:
+    text, left_out = parameter_file.dump([one("byte[]", [b"x"]), one("integer", 1)])
+    assert left_out == ["/ns/node name: byte[]"]
+    assert text.endswith("name: 1\n")
+
+
+def test_what_ros2_param_dump_writes_is_planned(tmp_path: Path) -> None:
+    file = tmp_path / "dump.yaml"
+    file.write_text(
+        "/motor_controller:\n  ros__parameters:\n    max_speed: 0.7\n    use_sim_time: false\n"
+        "    ticks_per_revolution: 1024\n    wheel_radius: 0.05\n"
+    )
+    plan = parameter_file.plan(file, PARAMETERS)
+    assert [(p.name, p.value, value) for p, value in plan.changes] == [("max_speed", 0.5, 0.7)]
+    assert plan.problems == ()
+    assert len(plan.left_out) == 1
+    assert "has no parameter use_sim_time" in plan.left_out[0]
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("max_speed: 9.0", "allowed 0.05 .. 2, not 9.0"),
+        ("max_speed: .nan", "allowed 0.05 .. 2, not nan"),
+        ("max_speed: fast", "needs a value of type double, not fast (string)"),
+        ("max_speed: true", "needs a value of type double, not true (bool)"),
+        ("max_speed: [1.0]", "needs a value of type double, not [1.0] (double[])"),
+        ("ticks_per_revolution: 5", "read-only, and it is 1024"),
+    ],
+)
+def test_a_value_that_cannot_be_is_a_problem_with_its_line(
+    tmp_path: Path, line: str, said: str
+) -> None:
+    file = tmp_path / "bad.yaml"
+    file.write_text(f"motor_controller:\n  ros__parameters:\n    wheel_radius: 0.1\n    {line}\n")
+    plan = parameter_file.plan(file, PARAMETERS)
+    name = line.partition(":")[0]
+    assert plan.problems == (f"{file}:4: motor_controller {name}: {said}",)
+
+
+def test_a_whole_number_is_a_double_where_one_is_needed(tmp_path: Path) -> None:
+    file = tmp_path / "whole.yaml"
+    file.write_text("/**:\n  ros__parameters:\n    max_speed: 1\n")
+    ((parameter, value),) = parameter_file.plan(file, PARAMETERS).changes
+    assert (parameter.name, value, type(value)) == ("max_speed", 1.0, float)
+
+
+@pytest.mark.parametrize("text", ["{", "just words", "\x00", "a: b"])
+def test_what_is_no_parameter_file_is_one_line(tmp_path: Path, text: str) -> None:
+    file = tmp_path / "no.yaml"
+    file.write_text(text)
+    with pytest.raises(ArchoError) as caught:
+        parameter_file.plan(file, PARAMETERS)
+    assert str(caught.value).startswith(f"{file}:1: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    file = tmp_path / "kept.yaml"
+    file.write_text("old")
+    file.chmod(0o600)
+    with pytest.raises(UnicodeEncodeError):
+        parameter_file.write(file, "new\udcff")  # fails half way
+    assert file.read_text() == "old"
+    parameter_file.write(file, "new")
+    assert (file.read_text(), file.stat().st_mode & 0o777) == ("new", 0o600)
+    assert list(tmp_path.iterdir()) == [file]

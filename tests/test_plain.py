@@ -1,0 +1,145 @@
+"""`--plain`: commands on standard input, an event a line, an exit code for scripts."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tests.support import chosen
+from tests.support.waiting import DEADLINE
+
+FAST = ("--ros-args", "-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
+SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
+
+
+class Script:
+    """A script that operates the robot."""
+
+    def __init__(self, *words: str) -> None:
+        environ = {
+            "ROS_DOMAIN_ID": str(chosen.next_domain()),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+        }
+        command = [sys.executable, "-m", "archo_tui", "--engine", chosen.ENGINE, "--plain", *words]
+        self._process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=os.environ | environ,
+        )
+        assert self._process.stdout is not None
+        os.set_blocking(self._process.stdout.fileno(), False)
+        self.said = ""
+
+    def type(self, text: str) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(text.encode())
+        self._process.stdin.flush()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        self.said += (self._process.stdout.read() or b"").decode()
+
+    def until(self, text: str) -> None:
+        end = time.monotonic() + 2 * DEADLINE
+        while text not in self.said:
+            assert time.monotonic() < end, f"waited for {text!r}:\n{self.said}"
+            time.sleep(0.01)
+            self._read()
+
+    def signal(self, number: int) -> None:
+        self._process.send_signal(number)
+
+    def end(self, typed: str = "") -> int:
+        """Type the last lines, close the input, and wait for the end; returns the exit code."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(typed.encode())
+        self._process.stdin.close()
+        code = self._process.wait(2 * DEADLINE)
+        self._read()
+        assert self._process.stdout is not None
+        self._process.stdout.close()
+        return code
+
+
+@pytest.mark.parametrize("last", ["go 12\n", "go 12\nquit\n", "go 12"])
+def test_a_goal_that_arrives_is_exit_code_0(last: str) -> None:
+    script = Script(*FAST)
+    assert script.end(last) == 0, script.said
+    assert "YOU console: go to shelf 12: accepted" in script.said
+    assert "goal MOVING to 12 15.0 m left of 18.0 m" in script.said
+    assert "goal ✓ ARRIVED Arrived at shelf 12, 18.0 m in" in script.said
+
+
+def test_a_goal_that_is_cancelled_is_exit_code_1() -> None:
+    script = Script(*SLOW)
+    script.type("go 12\n")
+    script.until("m left of 18.0 m")
+    assert script.end("cancel\n") == 1
+    assert "goal ✗ CANCELLED Cancelled mid-route" in script.said
+
+
+def test_stop_ends_the_goal_and_is_released() -> None:
+    script = Script(*SLOW)
+    script.type("go 12\n")
+    script.until("m left of 18.0 m")
+    script.type("stop\n")
+    script.until("✗ ABORTED Emergency stop at")
+    script.until("alarm STOPPED")
+    assert script.end("go 3\nrelease\ngo 7\ncancel\n") == 1
+    assert "failed: go: emergency stop: release it first" in script.said
+    assert "go to shelf 7: accepted" in script.said
+
+
+def test_a_refused_goal_may_be_tried_again() -> None:
+    script = Script(*FAST)
+    assert script.end("go 99\ngo 7\n") == 0, script.said
+    assert "failed: go: shelf 99 is not in 1 .. 40" in script.said
+
+
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("go 99", "failed: go: shelf 99 is not in 1 .. 40"),
+        ("go there", "failed: go: not a shelf number: there"),
+        ("go", "failed: go: type a shelf number"),
+        ("jump", "failed: jump: no command 'jump' (help lists them)"),
+        ("set motor_controller max_speed 9", "failed: set: allowed 0.05 .. 2, not 9"),
+        ("set motor_controller max_speed nan", "failed: set: not a finite number: nan"),
+        ("set motor_controller ticks_per_revolution 5", "ticks_per_revolution is read-only"),
+        ("cancel", "failed: cancel: no goal is running"),
+    ],
+)
+def test_what_cannot_be_done_is_one_line_and_exit_code_1(typed: str, said: str) -> None:
+    script = Script(*FAST)
+    assert script.end(f"{typed}\n") == 1
+    assert said in script.said
+    assert "Traceback" not in script.said
+
+
+def test_what_is_asked_is_told() -> None:
+    script = Script(*FAST)
+    typed = "set motor_controller max_speed 0.5\nreset\ncharge\nparams\nstatus\nhelp\n"
+    assert script.end(typed) == 0, script.said
+    assert "YOU console: set motor_controller max_speed 0.5: max_speed is 0.5" in script.said
+    assert "motor_controller max_speed 0.5* double 0.05 .. 2" in script.said
+    assert "YOU console: reset encoder: Encoder reset to zero" in script.said
+    assert "YOU console: charge: Charging" in script.said
+    assert "goal No goal yet." in script.said
+    assert "\nbattery " in script.said
+    assert "go N " in script.said
+
+
+def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:
+    script = Script(*SLOW)
+    script.type("go 12\n")
+    script.until("m left of 18.0 m")
+    script.signal(signal.SIGTERM)
+    script.until("goal ✗ CANCELLED Cancelled mid-route")
+    assert script.end() == 128 + signal.SIGTERM
