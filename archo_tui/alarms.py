@@ -1,49 +1,140 @@
-"""Alarms as a state machine: active or over, times unacknowledged or acknowledged.
+"""Alarms in the manner of ISA-18.2, as a pure state machine: conditions and times come in.
 
-An alarm is gone only when it is over and acknowledged. Pure: conditions and times come in.
+An alarm is gone only when it is over and acknowledged. Shelved, it is silent for a limited time.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from enum import Enum
 
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state import Hosted, Life, Snapshot
 
-CONTACT_LOST, EMPTY, STOPPED, LOW = "contact lost", "battery empty", "stopped", "low battery"
-ORDER = (CONTACT_LOST, EMPTY, STOPPED, LOW)  # the worst first
 
-ON_DELAY = {LOW: 2.0, EMPTY: 2.0}  # s that a condition must hold before it is an alarm
+class Priority(Enum):
+    """How soon to act; the value is glyph and word."""
+
+    HIGH = "✗ HIGH"
+    MED = "▲ MED"
+    LOW = "● LOW"
+
+    @property
+    def glyph(self) -> str:
+        """The first character of it."""
+        return self.value[0]
+
+
+class State(Enum):
+    """The states of ISA-18.2; the value is the word in the list."""
+
+    NORMAL = "normal"
+    UNACKNOWLEDGED = "unacknowledged"
+    ACKNOWLEDGED = "acknowledged"
+    OVER = "over, unacknowledged"
+    SHELVED = "shelved"
+
+
+class Change(Enum):
+    """What can happen to an alarm."""
+
+    RAISED = "raised"
+    CLEARED = "cleared"
+    ACKNOWLEDGE = "acknowledge"
+    SHELVE = "shelve"
+    UNSHELVE = "unshelve"  # by the operator, or because its time is over
+
+
+_NORMAL, _UNSEEN, _SEEN = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
+_OVER, _SHELVED = State.OVER, State.SHELVED
+# what is not here changes nothing; a shelved alarm that clears stays shelved for its time, and is
+# raised anew after it if its condition holds then
+TRANSITIONS: dict[tuple[State, Change], State] = {
+    (_NORMAL, Change.RAISED): _UNSEEN,
+    (_UNSEEN, Change.CLEARED): _OVER,
+    (_UNSEEN, Change.ACKNOWLEDGE): _SEEN,
+    (_UNSEEN, Change.SHELVE): _SHELVED,
+    (_SEEN, Change.CLEARED): _NORMAL,
+    (_SEEN, Change.SHELVE): _SHELVED,
+    (_OVER, Change.RAISED): _UNSEEN,
+    (_OVER, Change.ACKNOWLEDGE): _NORMAL,
+    (_OVER, Change.SHELVE): _SHELVED,
+    (_SHELVED, Change.UNSHELVE): _NORMAL,
+}
+
+CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "battery empty"
+STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
+_PRIORITIES = {
+    UNCONFIRMED: Priority.HIGH,
+    CONTACT_LOST: Priority.HIGH,
+    EMPTY: Priority.HIGH,
+    CRASHED: Priority.HIGH,
+    STOPPED: Priority.MED,
+    LOW: Priority.MED,
+}  # of each kind; the worst first
+_ORDER = list(_PRIORITIES)
+
+ON_DELAY = {LOW: 2.0, EMPTY: 2.0, UNCONFIRMED: 1.0}  # s that a condition must hold before it counts
+SHELF_TIME = 600.0  # s
 
 
 @dataclass(frozen=True)
 class Alarm:
-    """One alarm: `text` says what and what to do, `since` and `until` are Unix times."""
+    """One alarm; `text` says what and what to do, `since` and `until` are Unix times."""
 
-    name: str
+    name: str  # its kind, and of which node where there are several
     text: str
     since: float
-    until: float | None = None
-    acknowledged: bool = False
+    state: State = State.UNACKNOWLEDGED
+    until: float | None = None  # when its condition was over
+    shelved_until: float | None = None
+
+    @property
+    def priority(self) -> Priority:
+        """How soon to act."""
+        return _PRIORITIES[self.name.partition(" /")[0]]
 
     @property
     def is_over(self) -> bool:
         """True when its condition no longer holds."""
         return self.until is not None
 
+    @property
+    def acknowledged(self) -> bool:
+        """True when nothing is left to acknowledge."""
+        return self.state not in (State.UNACKNOWLEDGED, State.OVER)
 
-def conditions(snapshot: Snapshot, now: float) -> dict[str, str]:
+    @property
+    def rank(self) -> tuple[bool, bool, bool, int]:
+        """Sorts what needs attention first to the front."""
+        kind = self.name.partition(" /")[0]
+        shelved = self.state == State.SHELVED
+        return shelved, self.acknowledged, self.is_over, _ORDER.index(kind)
+
+
+def conditions(snapshot: Snapshot, now: float, hosted: Iterable[Hosted] = ()) -> dict[str, str]:
     """Which alarms' conditions hold at `now` (monotonic s), with the text for each."""
     battery, motor = snapshot.battery, snapshot.motor
     found: dict[str, str] = {}
+    if snapshot.stop_asked is not None:
+        waited = now - snapshot.stop_asked
+        found[UNCONFIRMED] = (
+            f"STOP SENT, no answer for {waited:.0f} s (not confirmed by the robot): "
+            "use the hardware stop"
+        )
+    for node in hosted:
+        if node.life == Life.CRASHED:
+            found[f"{CRASHED} {node.name}"] = (
+                f"NODE CRASHED {node.name}: see why in Nodes, start it again"
+            )
     if (battery.received is not None or motor.received is not None) and (
         (battery.received is None or battery.is_old(now))
         and (motor.received is None or motor.is_old(now))
     ):
         # one cause, one alarm: what was last heard says nothing about now
         heard = max(battery.received or 0.0, motor.received or 0.0)
-        return {
-            CONTACT_LOST: f"CONTACT LOST for {now - heard:.0f} s: the robot may still be moving"
-        }
+        found[CONTACT_LOST] = f"CONTACT LOST for {now - heard:.0f} s: the robot may still be moving"
+        return found
     moving = snapshot.goal is not None and snapshot.goal.is_running
     dock = "dock the robot when this move is done" if moving else "dock the robot"
     if battery.percentage is not None and not battery.is_old(now):
@@ -52,7 +143,7 @@ def conditions(snapshot: Snapshot, now: float) -> dict[str, str]:
         elif is_low(snapshot) and not battery.charging:
             found[LOW] = f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
     if motor.stopped:
-        found[STOPPED] = "STOPPED: look for the cause, then R releases"
+        found[STOPPED] = "STOPPED: look for the cause, then release the stop"
     return found
 
 
@@ -65,51 +156,58 @@ def is_low(snapshot: Snapshot) -> bool:
 
 
 class AlarmBoard:
-    """The alarms that are not gone yet."""
+    """The alarms that are not normal. Every method that changes some returns them as they are."""
 
     def __init__(self) -> None:
         self._alarms: dict[str, Alarm] = {}
         self._pending: dict[str, float] = {}  # condition -> monotonic s since it holds
 
-    def update(self, found: dict[str, str], monotonic: float, now: float) -> None:
+    def update(self, found: dict[str, str], monotonic: float, now: float) -> list[Alarm]:
         """Take the conditions that hold now (`conditions`); `now` is a Unix time."""
+        changed: list[Alarm] = []
+        for alarm in list(self._alarms.values()):
+            if alarm.shelved_until is not None and now >= alarm.shelved_until:
+                changed += self._change(alarm, Change.UNSHELVE, now)
         self._pending = {name: self._pending.get(name, monotonic) for name in found}
         for name, text in found.items():
+            kind = name.partition(" /")[0]
             known = self._alarms.get(name)
-            if known is None or known.is_over:
-                if monotonic - self._pending[name] >= ON_DELAY.get(name, 0.0):
-                    self._alarms[name] = Alarm(name, text, now)
-            elif known.text != text:
+            if known is not None and not known.is_over:
                 self._alarms[name] = replace(known, text=text)
-        for name, alarm in list(self._alarms.items()):
-            if name not in found and not alarm.is_over:
-                self._alarms[name] = replace(alarm, until=now)
-        self._drop_gone()
+            elif monotonic - self._pending[name] >= ON_DELAY.get(kind, 0.0):
+                raised = known or Alarm(name, text, now, State.NORMAL)
+                changed += self._change(replace(raised, text=text), Change.RAISED, now)
+        for alarm in list(self._alarms.values()):
+            if alarm.name not in found and not alarm.is_over:
+                changed += self._change(alarm, Change.CLEARED, now)
+        return changed
 
-    def acknowledge(self) -> Alarm | None:
-        """Acknowledge the alarm that is shown; returns it."""
-        shown = self.shown()
-        if shown is None or shown.acknowledged:
-            return None
-        self._alarms[shown.name] = replace(shown, acknowledged=True)
-        self._drop_gone()
-        return shown
+    def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
+        """Somebody has seen it."""
+        return self._change(self._alarms.get(alarm.name, alarm), Change.ACKNOWLEDGE, now)
+
+    def shelve(self, alarm: Alarm, now: float) -> list[Alarm]:
+        """Silence it for SHELF_TIME, or take it off the shelf."""
+        known = self._alarms.get(alarm.name, alarm)
+        change = Change.UNSHELVE if known.state == State.SHELVED else Change.SHELVE
+        return self._change(known, change, now)
 
     def all(self) -> tuple[Alarm, ...]:
-        """What needs attention first: unacknowledged, then active, then by ORDER."""
-        return tuple(
-            sorted(
-                self._alarms.values(),
-                key=lambda a: (a.acknowledged, a.is_over, ORDER.index(a.name)),
-            )
-        )
+        """Unacknowledged first, then active, then by priority; shelved last."""
+        return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
 
-    def shown(self) -> Alarm | None:
-        """The one for the banner."""
-        alarms = self.all()
-        return alarms[0] if alarms else None
-
-    def _drop_gone(self) -> None:
-        for name, alarm in list(self._alarms.items()):
-            if alarm.is_over and alarm.acknowledged:
-                del self._alarms[name]
+    def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
+        state = TRANSITIONS.get((alarm.state, change), alarm.state)
+        new = replace(alarm, state=state)
+        if change == Change.CLEARED:
+            new = replace(new, until=now)
+        elif change == Change.RAISED:
+            since = alarm.since if alarm.state == State.SHELVED else now
+            new = replace(new, since=since, until=None)
+        shelved = alarm.shelved_until if alarm.state == State.SHELVED else now + SHELF_TIME
+        new = replace(new, shelved_until=shelved if state == State.SHELVED else None)
+        if state == State.NORMAL:
+            self._alarms.pop(alarm.name, None)
+        else:
+            self._alarms[alarm.name] = new
+        return [new] if state != alarm.state else []

@@ -4,27 +4,31 @@ from __future__ import annotations
 
 import asyncio
 import signal
+import traceback
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from textual.app import App, SystemCommand
 from textual.binding import Binding
+from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.screen import Screen
 from textual.widgets import Input
 
-from archo_tui.alarms import AlarmBoard, conditions
+from archo_tui.alarms import Alarm, conditions
 from archo_tui.clock import Clock
 from archo_tui.commands import COMMANDS
 from archo_tui.commands.base import EVERYWHERE, Command
+from archo_tui.edits import Edits
 from archo_tui.glyphs import Ascii, ascii_only
 from archo_tui.keymap import shown_keys
-from archo_tui.leaving import let_go
+from archo_tui.leaving import Departure
 from archo_tui.robot.state import Outcome, Snapshot
+from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.screens.main import MainScreen
+from archo_tui.screens.text import ShowText
 from archo_tui.themes import HIGH_CONTRAST, THEMES, remember
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.parameters_panel import ParametersPanel
@@ -32,17 +36,6 @@ from archo_tui.widgets.view import View
 
 if TYPE_CHECKING:
     from archo_tui.session import Session
-
-_UNDOABLE = 100  # changes of parameters that can be undone
-
-
-@dataclass(frozen=True)
-class Edit:
-    """A change of parameters that was made here and can be undone."""
-
-    node: str
-    before: dict[str, Any]
-    after: dict[str, Any]
 
 
 class ArchoApp(App[None]):
@@ -58,17 +51,27 @@ class ArchoApp(App[None]):
         clock: Clock | None = None,
         keys: Mapping[str, str] | None = None,
         theme: str = "",
+        failed: str = "",
     ) -> None:
-        """`keys` of commands by id, when they are not the registry's own; `theme` by its name."""
+        """`keys` of commands by id, when they are not the registry's own; `theme` by its name.
+
+        `failed` is the traceback that ended the screen before this one, to be shown.
+        """
         super().__init__()
         self.robot = session.robot
         self.host = session.host
         self.registry = COMMANDS
         self.main = MainScreen()
-        self.edits: list[Edit] = []
+        self.edits = Edits()
+        on_disconnect = session.options.on_disconnect
+        self._departure = Departure(
+            self.robot, on_disconnect, lambda code: self.exit(return_code=code)
+        )
+        self.failure = ""  # the traceback that ended this screen
+        self._failed_before = failed
         self._clock = clock or Clock()
         self._session = session
-        self._alarms = AlarmBoard()
+        self._alarms = session.alarms
         self._snapshot = Snapshot()
         self._second = self._clock.monotonic()
         self._keys = {command.id: command.key for command in COMMANDS} | dict(keys or {})
@@ -103,16 +106,24 @@ class ArchoApp(App[None]):
 
     def on_mount(self) -> None:
         if not self.is_headless:
-            self._leave_on_signals()
+            self._departure.on_signals()
+        self.app_resume_signal.subscribe(self, lambda _: self.repaint())
         self.robot.subscribe(self._take)
         self.set_interval(1.0, self.tick)
+        if self._failed_before:
+            said = "The screen failed and was started anew; the nodes ran on."
+            text = f"{said}\n\n{self._failed_before}"
+            self.push_screen(ShowText("An error of the console", text))
 
     def on_resize(self) -> None:
         self.call_after_refresh(self.tick)
 
     def _take(self, snapshot: Snapshot) -> None:
         self._snapshot = snapshot
-        self.show()
+        try:
+            self.show()
+        except Exception as error:  # called by the loop: Textual would not hear of it
+            self._handle_exception(error)
 
     def tick(self) -> None:
         """A second has passed: show ages and the time anew."""
@@ -121,8 +132,9 @@ class ArchoApp(App[None]):
 
     def show(self) -> None:
         """Show the newest snapshot at the time it is now."""
-        found = conditions(self._snapshot, self._clock.monotonic())
-        self._alarms.update(found, self._clock.monotonic(), self._clock.now())
+        now = self._clock.monotonic()
+        found = conditions(self._snapshot, now, self.host.states())
+        self._session.alarmed(self._alarms.update(found, now, self._clock.now()))
         self.view = self._view()
         if self.is_running and self.main.is_mounted:  # neither before nor behind the screen's life
             footer = [
@@ -131,6 +143,9 @@ class ArchoApp(App[None]):
                 if c.footer
             ]
             self.main.show(self.view, footer)
+            for screen in self.screen_stack:
+                if isinstance(screen, AlarmList):
+                    screen.show(self.view)
 
     def _view(self) -> View:
         return View(
@@ -203,9 +218,15 @@ class ArchoApp(App[None]):
             return question.safe
         return str(await self.push_screen_wait(question))  # type: ignore[arg-type]
 
-    def acknowledge(self) -> None:
-        """Acknowledge the alarm in the banner."""
-        self._alarms.acknowledge()
+    def acknowledge(self, alarms: list[Alarm]) -> None:
+        """The operator has seen these alarms."""
+        for alarm in alarms:
+            self._session.alarmed(self._alarms.acknowledge(alarm, self._clock.now()))
+        self.show()
+
+    def shelve(self, alarm: Alarm) -> None:
+        """Silence an alarm for a while, or take it off the shelf."""
+        self._session.alarmed(self._alarms.shelve(alarm, self._clock.now()))
         self.show()
 
     def copy_selection(self) -> bool:
@@ -243,12 +264,7 @@ class ArchoApp(App[None]):
 
     async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
         """Set parameters of a node, all or none; what was done can be undone."""
-        known = {p.name: p.value for p in self.view.snapshot.parameters if p.node == node}
-        outcome = await self.robot.set_parameters(node, values)
-        if outcome.ok:
-            before = {name: known[name] for name in values}
-            self.edits = [*self.edits[-_UNDOABLE:], Edit(node, before, values)]
-        return outcome
+        return await self.edits.set_parameters(self.robot, node, values)
 
     def watch_theme(self, before: str, theme: str) -> None:
         """Remember a theme that the operator chose."""
@@ -269,16 +285,31 @@ class ArchoApp(App[None]):
         """True when the robot lives on without this process."""
         return self._session.options.attach
 
-    def _leave_on_signals(self) -> None:
-        """End as usual on a signal, so that the terminal and ROS are put in order: 128 + n."""
-        loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
-            loop.add_signal_handler(number, self._leave_with, 128 + number)
+    def get_driver_class(self) -> type[Driver]:
+        chosen = super().get_driver_class()
+        if chosen.__name__ != "LinuxDriver":  # a browser, a test, Windows
+            return chosen
+        from archo_tui.driver import SteadyDriver
 
-    def _leave_with(self, code: int) -> None:
-        async def leave() -> None:
-            why = f"ended by {signal.Signals(code - 128).name}"
-            await let_go(self.robot, self._session.options.on_disconnect, why)
-            self.exit(return_code=code)
+        return SteadyDriver
 
-        self._leaving = asyncio.ensure_future(leave())
+    def repaint(self) -> None:
+        """Draw everything anew: the terminal may show something else."""
+        if self.is_running and self.main.is_mounted:
+            self.screen.refresh(layout=True)
+            self.refresh()
+
+    def _handle_exception(self, error: Exception) -> None:
+        """Textual's end of the screen, without its report: the next screen shows it."""
+        if self.is_headless:
+            super()._handle_exception(error)  # tests are told
+            return
+        if self._exit:  # what comes while the screen is taken down is of no account
+            return
+        self.failure = self.failure or "".join(traceback.format_exception(error))
+        self._return_code = 1
+        self._close_messages_no_wait()
+
+    def hang_up(self) -> None:
+        """The terminal is gone."""
+        self._departure.begin(128 + signal.SIGHUP)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from archo_tui import __version__
+from archo_tui import __version__, journal
 from archo_tui.errors import ArchoError
 from archo_tui.folders import config_file
 from archo_tui.terminal import guarded_stderr, log_file
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from archo_tui.session import Session
 
 FAILED, MISUSED = 1, 2  # exit codes
+_MOST_FAILURES = 3  # of the screen, after which it is given up
 
 
 def parser() -> argparse.ArgumentParser:
@@ -62,6 +63,11 @@ def parser() -> argparse.ArgumentParser:
     )
     made.add_argument(
         "--keys", action="store_true", help="print every command's name and key, as keymap.yaml"
+    )
+    made.add_argument(
+        "--journal",
+        action="store_true",
+        help="print the path of the journal: commands, alarms and warnings as JSON lines",
     )
     made.add_argument(
         "--plain",
@@ -117,6 +123,9 @@ def _keys() -> int:
 def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     if options.keys:
         return _keys()
+    if options.journal:
+        print(journal.path())
+        return 0
     from archo_tui.session import Options, Session
 
     session = Session(
@@ -155,10 +164,19 @@ def _console(session: Session) -> int:
 
     keys = keymap.load(config_file("keymap.yaml"), COMMANDS)
     session.start()
-    app = ArchoApp(session, keys=keys, theme=themes.remembered())
-    with guarded_stderr(log_file()):
-        app.run()
-    return app.return_code or 0
+    failed, failures = "", 0
+    while True:
+        app = ArchoApp(session, keys=keys, theme=themes.remembered(), failed=failed)
+        with guarded_stderr(log_file()):
+            app.run()
+        if not app.failure:
+            return app.return_code or 0
+        failed, failures = app.failure, failures + 1
+        last = failed.strip().splitlines()[-1]
+        session.robot.note("ERROR", "console", f"the screen failed: {last}")
+        if failures == _MOST_FAILURES:
+            print(f"archo-tui: the screen fails again and again: {last}", file=sys.stderr)
+            return FAILED
 
 
 def _need_terminal() -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import signal
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -32,3 +34,33 @@ async def _cancel(robot: Robot) -> None:
     outcome = await robot.cancel()
     while outcome.ok and robot.snapshot.goal is not None and robot.snapshot.goal.is_running:
         await asyncio.sleep(0.02)
+
+
+class Departure:
+    """Ends the console on a signal or a lost terminal, in order: exit code 128 + the signal's."""
+
+    def __init__(self, robot: Robot, on_disconnect: str, end: Callable[[int], None]) -> None:
+        """`end(code)` is called on the loop when the running goal has been seen to."""
+        self._robot, self._on_disconnect, self._end = robot, on_disconnect, end
+        self._task: asyncio.Task[None] | None = None
+
+    def on_signals(self) -> None:
+        """Begin on SIGINT, SIGTERM, SIGHUP and SIGQUIT."""
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+            loop.add_signal_handler(number, self.begin, 128 + number)
+
+    @property
+    def has_begun(self) -> bool:
+        """True when the end is on its way."""
+        return self._task is not None
+
+    def begin(self, code: int) -> None:
+        """See to the running goal, then end; a second call changes nothing."""
+        if self._task is None:
+            self._task = asyncio.create_task(self._leave(code))
+
+    async def _leave(self, code: int) -> None:
+        why = f"ended by {signal.Signals(code - 128).name}" if code > 128 else "ended"
+        await let_go(self._robot, self._on_disconnect, why)
+        self._end(code)

@@ -5,16 +5,15 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
-import signal
 import sys
 import threading
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, TextIO
 
-from archo_tui.alarms import AlarmBoard, conditions
+from archo_tui.alarms import conditions
 from archo_tui.clock import Clock, time_of_day
 from archo_tui.glyphs import ascii_only, in_ascii
-from archo_tui.leaving import let_go
+from archo_tui.leaving import Departure
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase, Snapshot
 from archo_tui.robot.values import parse, range_text, text_of
 from archo_tui.widgets import goal_words, words
@@ -48,12 +47,12 @@ class Plain:
         self._read, self._write = read, write
         self._ascii = ascii_only()
         self._clock = Clock()
-        self._alarms = AlarmBoard()
+        self._alarms = session.alarms
         self._told: set[tuple[float, str, str]] = set()
-        self._said_alarms: dict[str, bool] = {}
         self._goal: Goal | None = None
         self._failed = self._go_failed = False
-        self._leaving: asyncio.Task[None] | None = None
+        on_disconnect = session.options.on_disconnect
+        self._departure = Departure(self._robot, on_disconnect, self._finish)
         self._changed = asyncio.Event()
         self._typed: asyncio.Queue[str | None] = asyncio.Queue()
         self._end: asyncio.Future[int] = asyncio.get_running_loop().create_future()
@@ -62,8 +61,7 @@ class Plain:
         """Until `quit`, the end of the input, or a signal; returns the exit code."""
         self._robot.subscribe(self._take)
         loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
-            loop.add_signal_handler(number, self._leave, 128 + number)
+        self._departure.on_signals()
         threading.Thread(target=self._listen, args=(loop,), name="stdin", daemon=True).start()
         tasks = [asyncio.create_task(work()) for work in (self._serve, self._tick)]
         code = await self._end
@@ -92,21 +90,13 @@ class Plain:
         await asyncio.gather(*urgent)
         await self._until(lambda: self._goal is None or not self._goal.is_running)
         arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
-        if self._leaving is None:
+        if not self._departure.has_begun:
             self._finish(0 if arrived and not self._failed and not self._go_failed else 1)
 
     async def _tick(self) -> None:
         while True:
             await asyncio.sleep(1)
             self._take(self._robot.snapshot)
-
-    def _leave(self, code: int) -> None:
-        async def leave() -> None:
-            why = "the console was ended"
-            await let_go(self._robot, self._session.options.on_disconnect, why)
-            self._finish(code)
-
-        self._leaving = asyncio.create_task(leave())
 
     def _finish(self, code: int) -> None:
         if not self._end.done():
@@ -117,7 +107,7 @@ class Plain:
             self._write.write(f"{in_ascii(text) if self._ascii else text}\n")
             self._write.flush()
         except OSError:  # nobody reads any more
-            self._leave(1)
+            self._departure.begin(1)
 
     async def _run(self, typed: list[str]) -> None:
         verb, *rest = typed
@@ -226,12 +216,11 @@ class Plain:
 
     def _tell_alarms(self, snapshot: Snapshot) -> None:
         now = self._clock.monotonic()
-        self._alarms.update(conditions(snapshot, now), now, self._clock.now())
-        alarms = self._alarms.all()
-        for alarm in alarms:
-            if self._said_alarms.get(alarm.name) != alarm.is_over:
-                self._say(f"alarm {'over: ' if alarm.is_over else ''}{alarm.text}")
-        self._said_alarms = {alarm.name: alarm.is_over for alarm in alarms}
+        found = conditions(snapshot, now, self._session.host.states())
+        changed = self._alarms.update(found, now, self._clock.now())
+        self._session.alarmed(changed)
+        for alarm in changed:
+            self._say(f"alarm {alarm.state.value}: {alarm.text}")
 
     def _say(self, text: str, at: float | None = None) -> None:
         self._out(f"{time_of_day(self._clock.now() if at is None else at)} {text}")

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Sequence
+import time
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from archo_tui import engine, params
+from archo_tui import engine, journal, params
+from archo_tui.alarms import Alarm, AlarmBoard
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
+from archo_tui.journal import Journal
 from archo_tui.leaving import LEAVE
 
 if TYPE_CHECKING:
     from archo_tui.host import Host
     from archo_tui.robot.client import Robot
+    from archo_tui.robot.state import Event
+
+_COUNTS = (1, 10, 100, 1000, 10_000, 100_000)  # of a repeated event that the journal notes
 
 
 @dataclass(frozen=True)
@@ -76,8 +82,10 @@ class Session:
         except Exception as error:  # ROS has a dozen of them, all for bad arguments
             raise ArchoError((str(error).splitlines() or [repr(error)])[0]) from None
         self.engine = engine.describe(options.engine, self._context)
+        self.alarms = AlarmBoard()
+        self.journal = Journal(journal.path(), self._journal_troubled)
         try:
-            self.robot = Robot(self._context)
+            self.robot = Robot(self._context, self._happened)
             self.host = Host(self._context, self.robot.note)
             for make in self._makers():
                 self.host.add(make)
@@ -87,6 +95,24 @@ class Session:
         except NameValidationException as error:
             self._context.try_shutdown()
             raise ArchoError(f"{error.name_type} {error.name!r}: {error.error_msg}") from None
+
+    def _journal_troubled(self, reason: str) -> None:
+        self.robot.note("WARN", "console", f"cannot be written, going on without it: {reason}")
+
+    def _happened(self, event: Event) -> None:
+        """An event came, or came again, on the robot's thread."""
+        if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
+            kind = "command" if event.level == "YOU" else "event"
+            what = {"level": event.level, "source": event.source, "text": event.text}
+            if event.command:
+                what["command"] = event.command
+            self.journal.write(event.time, kind, **what, count=event.count)
+
+    def alarmed(self, changed: Iterable[Alarm]) -> None:
+        """Alarms have changed their states."""
+        for alarm in changed:
+            what = {"name": alarm.name, "state": alarm.state.value, "text": alarm.text}
+            self.journal.write(time.time(), "alarm", priority=alarm.priority.name, **what)
 
     def _makers(self) -> Sequence[Any]:
         if self.options.attach:
@@ -128,6 +154,7 @@ class Session:
         """Stop everything; returns the names of nodes whose callbacks did not return."""
         self.robot.stop()
         stuck = self.host.stop()
+        self.journal.close()
         self._context.try_shutdown()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until they are collected

@@ -1,4 +1,4 @@
-"""Alarms as a table: conditions and times in, what stands in the banner out."""
+"""Alarms as a table: conditions, times and keys in, states and what stands in the banner out."""
 
 from __future__ import annotations
 
@@ -6,7 +6,22 @@ from dataclasses import replace
 
 import pytest
 
-from archo_tui.alarms import CONTACT_LOST, EMPTY, LOW, STOPPED, AlarmBoard, conditions
+from archo_tui.alarms import (
+    CONTACT_LOST,
+    CRASHED,
+    EMPTY,
+    LOW,
+    SHELF_TIME,
+    STOPPED,
+    TRANSITIONS,
+    UNCONFIRMED,
+    AlarmBoard,
+    Change,
+    State,
+    conditions,
+)
+from archo_tui.robot.state import Hosted, Life
+from archo_tui.widgets.bars import banner
 from tests.console.states import BATTERY, MOTOR, NORMAL, STATES
 from tests.support.stub import NOW
 
@@ -24,10 +39,16 @@ from tests.support.stub import NOW
         ("battery old", []),
         ("contact lost", [CONTACT_LOST]),
         ("motor stopped", [STOPPED]),
+        ("motor stop not confirmed", [UNCONFIRMED]),
     ],
 )
 def test_conditions_of_every_state(state: str, names: list[str]) -> None:
     assert sorted(conditions(STATES[state], NOW)) == names
+
+
+def test_a_crashed_node_is_an_alarm_of_its_own() -> None:
+    hosted = (Hosted("/a", Life.CRASHED, "boom"), Hosted("/b"), Hosted("/c", Life.STOPPED))
+    assert list(conditions(NORMAL, NOW, hosted)) == [f"{CRASHED} /a"]
 
 
 def test_lost_contact_hides_what_was_last_heard() -> None:
@@ -39,62 +60,112 @@ def test_lost_contact_hides_what_was_last_heard() -> None:
     assert list(conditions(snapshot, NOW)) == [CONTACT_LOST]
 
 
-def shown(board: AlarmBoard) -> tuple[str, bool, bool] | None:
-    alarm = board.shown()
-    return None if alarm is None else (alarm.name, alarm.is_over, alarm.acknowledged)
+# the whole state machine: state, what happens, state afterwards (all else changes nothing)
+N, U, A = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
+O, S = State.OVER, State.SHELVED  # noqa: E741
+TABLE = {
+    N: {Change.RAISED: U},
+    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S},
+    A: {Change.CLEARED: N, Change.SHELVE: S},
+    O: {Change.RAISED: U, Change.ACKNOWLEDGE: N, Change.SHELVE: S},
+    S: {Change.UNSHELVE: N},
+}
 
 
-def test_an_alarm_goes_when_it_is_over_and_acknowledged() -> None:
+@pytest.mark.parametrize("state", State)
+@pytest.mark.parametrize("change", Change)
+def test_the_state_machine(state: State, change: Change) -> None:
+    assert TRANSITIONS.get((state, change), state) == TABLE[state].get(change, state)
+
+
+def reach(state: State) -> AlarmBoard:
+    """A board whose one alarm is in that state, by the way an operator gets there."""
     board = AlarmBoard()
-    board.update({STOPPED: "stop"}, 0, 100)
-    assert shown(board) == (STOPPED, False, False)
-    board.acknowledge()
-    assert shown(board) == (STOPPED, False, True)
-    board.update({}, 1, 101)
-    assert shown(board) is None
+    if state == State.NORMAL:
+        return board
+    board.update({STOPPED: "stop: look"}, 0, 100)
+    if state == State.ACKNOWLEDGED:
+        board.acknowledge(board.all()[0], 100)
+    if state == State.SHELVED:
+        board.shelve(board.all()[0], 100)
+    if state == State.OVER:
+        board.update({}, 1, 101)
+    return board
 
 
-def test_an_alarm_that_nobody_saw_stays_when_it_is_over() -> None:
+@pytest.mark.parametrize("state", State)
+def test_the_board_keeps_to_the_machine(state: State) -> None:
+    def now(board: AlarmBoard) -> State:
+        return board.all()[0].state if board.all() else State.NORMAL
+
+    for change, after in TABLE[state].items():
+        board = reach(state)
+        assert now(board) == state
+        if change == Change.RAISED:
+            changed = board.update({STOPPED: "stop: look"}, 2, 102)
+        elif change == Change.CLEARED:
+            changed = board.update({}, 2, 102)
+        elif change == Change.ACKNOWLEDGE:
+            changed = board.acknowledge(board.all()[0], 102)
+        else:
+            changed = board.shelve(board.all()[0], 102)
+        assert now(board) == after, change
+        assert [alarm.state for alarm in changed] == [after]
+
+
+def shown(board: AlarmBoard) -> str:
+    return banner(board.all(), "a").plain.strip()
+
+
+def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
     board = AlarmBoard()
-    board.update({STOPPED: "stop"}, 0, 100)
-    board.update({}, 1, 101)
-    assert shown(board) == (STOPPED, True, False)
-    board.update({STOPPED: "stop"}, 2, 102)  # and again: a new alarm
-    assert shown(board) == (STOPPED, False, False)
-    board.update({}, 3, 103)
-    board.acknowledge()
-    assert shown(board) is None
-    assert board.acknowledge() is None
+    assert shown(board) == ""
+    board.update({STOPPED: "STOPPED: look"}, 0, 100)
+    assert shown(board) == "▲ STOPPED: look   (a acknowledge)"
+    board.update({STOPPED: "STOPPED: look", CONTACT_LOST: "CONTACT LOST: wait"}, 1, 101)
+    assert shown(board) == "✗ CONTACT LOST: wait   +1 more   (a acknowledge)"
+    board.acknowledge(board.all()[0], 102)
+    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
+    board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 3, 103)
+    assert shown(board).startswith("▲ was: STOPPED, since ")
+    board.shelve(board.all()[0], 104)
+    assert shown(board) == "✗ CONTACT LOST: wait   1 shelved"
 
 
 def test_a_condition_must_hold_for_its_delay() -> None:
     board = AlarmBoard()
     board.update({LOW: "low"}, 0.0, 100)
     board.update({LOW: "low"}, 1.9, 101.9)
-    assert shown(board) is None
+    assert board.all() == ()
     board.update({}, 1.95, 101.95)
     board.update({LOW: "low"}, 2.1, 102.1)  # counts anew
-    assert shown(board) is None
+    assert board.all() == ()
     board.update({LOW: "low 2"}, 4.2, 104.2)
-    assert shown(board) == (LOW, False, False)
-
-
-def test_the_worst_unacknowledged_alarm_is_shown() -> None:
-    board = AlarmBoard()
-    board.update({STOPPED: "stop", EMPTY: "empty"}, 0, 100)
-    board.update({STOPPED: "stop", EMPTY: "empty"}, 5, 105)
-    assert shown(board) == (EMPTY, False, False)
-    board.acknowledge()
-    assert shown(board) == (STOPPED, False, False)
-    assert len(board.all()) == 2
+    assert [alarm.text for alarm in board.all()] == ["low 2"]
 
 
 def test_the_text_follows_without_a_new_alarm() -> None:
     board = AlarmBoard()
-    board.update({EMPTY: "a"}, 0, 100)
-    board.update({EMPTY: "a"}, 5, 105)
-    board.acknowledge()
-    board.update({EMPTY: "b"}, 6, 106)
-    alarm = board.shown()
-    assert alarm is not None
-    assert (alarm.text, alarm.acknowledged, alarm.since) == ("b", True, 105)
+    board.update({STOPPED: "a"}, 0, 100)
+    board.acknowledge(board.all()[0], 101)
+    assert board.update({STOPPED: "b"}, 6, 106) == []
+    (alarm,) = board.all()
+    assert (alarm.text, alarm.acknowledged, alarm.since) == ("b", True, 100)
+
+
+def test_a_shelved_alarm_comes_back_after_its_time_if_it_still_holds() -> None:
+    board = reach(State.SHELVED)
+    board.update({STOPPED: "stop"}, 5, 100 + SHELF_TIME - 1)
+    assert [alarm.state for alarm in board.all()] == [State.SHELVED]
+    board.update({STOPPED: "stop"}, 6, 100 + SHELF_TIME)
+    assert [alarm.state for alarm in board.all()] == [State.UNACKNOWLEDGED]
+
+
+def test_a_shelved_alarm_that_is_over_goes_after_its_time() -> None:
+    board = reach(State.SHELVED)
+    board.update({}, 5, 105)
+    assert [alarm.state for alarm in board.all()] == [State.SHELVED]
+    board.update({STOPPED: "again"}, 6, 106)  # does not disturb
+    board.update({}, 7, 107)
+    board.update({}, 8, 100 + SHELF_TIME)
+    assert board.all() == ()

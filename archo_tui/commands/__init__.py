@@ -13,6 +13,7 @@ COMMANDS: tuple[Command, ...] = (
     robot.Reset(),
     robot.Charge(),
     console.Acknowledge(),
+    console.ShowAlarms(),
     *(console.Panel(number) for number in range(1, len(PANELS) + 1)),
     parameters.Edit(),
     parameters.Filter(),
@@ -29,6 +30,7 @@ COMMANDS: tuple[Command, ...] = (
     events.WholeEvent(),
     console.ShowHelp(),
     console.Palette(),
+    console.Suspend(),
     console.Quit(),
     console.QuitEverywhere(),
 )

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import EVERYWHERE, PANELS, Command
 from archo_tui.leaving import CANCEL, LEAVE, let_go
+from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.help import Help
 
@@ -23,7 +24,16 @@ class Acknowledge(Command):
         return "" if unseen else "no alarm to acknowledge"
 
     def run(self, app: ArchoApp) -> None:
-        app.acknowledge()
+        app.acknowledge(list(app.view.alarms[:1]))
+
+
+class ShowAlarms(Command):
+    """List the alarms: acknowledge one or all, shelve one for a while."""
+
+    id, key = "alarms", "A"
+
+    def run(self, app: ArchoApp) -> None:
+        app.push_screen(AlarmList(app.view, app.acknowledge, app.shelve))
 
 
 class Panel(Command):
@@ -62,6 +72,23 @@ class Palette(Command):
 
     def run(self, app: ArchoApp) -> None:
         app.action_command_palette()
+
+
+class Suspend(Command):
+    """Suspend to the shell (fg comes back); nodes of this process stand still meanwhile."""
+
+    id, key = "suspend", "ctrl+z"
+    where = EVERYWHERE
+
+    async def run(self, app: ArchoApp) -> None:
+        goal = app.view.snapshot.goal
+        if goal is not None and goal.is_running and not app.attached:
+            question = (
+                f"The robot is on its way to shelf {goal.shelf}; its nodes would stand still."
+            )
+            if await app.ask(Confirm("Suspend", question, "Stay", "Suspend")) != "Suspend":
+                return
+        app.action_suspend_process()
 
 
 class Quit(Command):

@@ -50,14 +50,15 @@ class Undo(_InParameters):
     id, key = "undo", "u"
 
     def blocked(self, app: ArchoApp) -> str:
-        if not app.edits:
+        edit = app.edits.last
+        if edit is None:
             return "nothing to undo"
-        node = app.edits[-1].node
-        there = any(p.node == node for p in app.view.snapshot.parameters)
-        return "" if there else f"{node} is gone"
+        there = any(p.node == edit.node for p in app.view.snapshot.parameters)
+        return "" if there else f"{edit.node} is gone"
 
     async def run(self, app: ArchoApp) -> None:
-        edit = app.edits[-1]
+        edit = app.edits.last
+        assert edit is not None
         now = {p.name: p.value for p in app.view.snapshot.parameters if p.node == edit.node}
         others = [name for name, value in edit.after.items() if now.get(name) != value]
         if others:
@@ -66,10 +67,7 @@ class Undo(_InParameters):
             question = Confirm("Undo", f"{said}. Set it back to {back}?", "Leave it", "Set back")
             if await app.ask(question) != "Set back":
                 return
-        outcome = await app.robot.set_parameters(edit.node, edit.before)
-        if outcome.ok and edit in app.edits:
-            app.edits.remove(edit)
-        app.tell(outcome)
+        app.tell(await app.edits.undo(app.robot, edit))
 
 
 class Save(_InParameters):

@@ -46,7 +46,11 @@ _REFUSAL = "Goal refused: "
 class Robot:
     """Operates whatever robot is on the graph of `context`."""
 
-    def __init__(self, context: Context) -> None:
+    def __init__(
+        self, context: Context, happened: Callable[[Event], None] = lambda _: None
+    ) -> None:
+        """`happened(event)` is called on the ROS thread for each event, and when one repeats."""
+        self._happened = happened
         self._door = Door()
         self._log = EventLog()
         self._dirty = False
@@ -240,7 +244,7 @@ class Robot:
         self._add_event(Event(time.time(), "ERROR", "console", f"{type(error).__name__}: {error}"))
 
     def _add_event(self, event: Event) -> None:
-        self._log.add(event)
+        self._happened(self._log.add(event))
         self._mark()
 
     def _mark(self) -> None:

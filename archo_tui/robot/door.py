@@ -24,8 +24,10 @@ class Door:
 
     def open(self, receiver: Receiver) -> None:
         """Deliver to `receiver`, on the running loop, from now on."""
-        self._loop = asyncio.get_running_loop()
-        self._receiver = receiver
+        with self._lock:
+            self._waiting = False  # what an earlier loop did not come to is lost
+            self._loop = asyncio.get_running_loop()
+            self._receiver = receiver
 
     def close(self) -> None:
         """Deliver no more."""

@@ -29,16 +29,20 @@ class EventLog:
     def __init__(self) -> None:
         self._events: deque[Event] = deque(maxlen=LIMIT)
 
-    def add(self, event: Event) -> None:
-        """Append an event, or count it on the one it repeats. The operator's are never merged."""
+    def add(self, event: Event) -> Event:
+        """Append an event, or count it on the one it repeats. The operator's are never merged.
+
+        Returns it as it stands in the log.
+        """
         event = replace(event, text=harmless(event.text), source=harmless(event.source))
         if event.level != "YOU":
             for back in range(1, min(_MERGE_WITHIN, len(self._events)) + 1):
                 known = self._events[-back]
                 if _key(known) == _key(event):
                     self._events[-back] = replace(event, count=known.count + 1)
-                    return
+                    return self._events[-back]
         self._events.append(event)
+        return event
 
     def all(self) -> tuple[Event, ...]:
         """Oldest first."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from textual.content import Content
 
-from archo_tui.alarms import Alarm
+from archo_tui.alarms import Alarm, Priority, State
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Phase
 from archo_tui.widgets.view import View
@@ -24,19 +24,23 @@ def clock(view: View) -> Content:
 
 
 def banner(alarms: tuple[Alarm, ...], key: str) -> Content:
-    """The alarm that matters most, and how many more there are."""
-    if not alarms:
-        return Content("")
-    alarm = alarms[0]
-    more = f"   +{len(alarms) - 1} more" if len(alarms) > 1 else ""
-    if alarm.is_over:
+    """The alarm that matters most, and how many more there are; shelved ones are only counted."""
+    shown = [alarm for alarm in alarms if alarm.state != State.SHELVED]
+    shelved = f"   {len(alarms) - len(shown)} shelved" if len(shown) < len(alarms) else ""
+    if not shown:
+        return Content.styled(shelved.replace("   ", " ", 1), "dim")
+    alarm = shown[0]
+    more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
+    text = alarm.text
+    if alarm.until is not None:
         text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
-    else:
-        text = alarm.text
+        text += f", over at {time_of_day(alarm.until)}"
+    line = f" {alarm.priority.glyph} {text}{more}{shelved}"
     if alarm.acknowledged:
-        return Content(f" ▲ {text}{more}")
+        return Content(line)
+    style = "$text-error" if alarm.priority == Priority.HIGH else "$text-warning"
     hint = Content.from_markup(f"   [@click=app.command('acknowledge')]({key} acknowledge)[/]")
-    return Content.assemble((f" ▲ {text}{more}", "bold $text-warning"), hint)
+    return Content.assemble((line, f"bold {style}"), hint)
 
 
 def footer(commands: list[tuple[str, str, str, bool]], width: int, palette_key: str) -> Content:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
+from archo_tui.alarms import AlarmBoard
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.robot.state import Hosted, Outcome, Snapshot
@@ -66,6 +67,8 @@ def stub_app(
         host=SimpleNamespace(states=lambda: hosted),
         options=Options(),
         engine="embedded",
+        alarms=AlarmBoard(),
+        alarmed=lambda changed: None,
     )
     app = ArchoApp(session, clock or StandingClock(), keys)
     app.animation_level = "none"

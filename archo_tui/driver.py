@@ -1,0 +1,198 @@
+"""Textual's driver for terminals that stop reading, hang up, or are continued without a stop.
+
+As it comes (Textual 8.2.8) LinuxDriver hands 30 writes to its output thread and then blocks the
+event loop (textual/drivers/_writer_thread.py, a Queue with a bound); a terminal that is gone kills
+that thread, and the loop waits for ever; a SIGCONT without a stop starts everything a second time;
+an input at its end is read in a loop. See Textualize/textual#4104 for what it does about SIGTTOU.
+Tested against the pinned version in tests/test_terminal.py.
+"""
+
+from __future__ import annotations
+
+import codecs
+import contextlib
+import os
+import selectors
+import termios
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Protocol, cast
+
+from textual._xterm_parser import XTermParser
+from textual.drivers.linux_driver import LinuxDriver
+
+MAX_WAITING = 64 * 1024  # bytes; a full frame of 160 x 48 has about 20,000
+_STOP_TIMEOUT = 0.5  # s that the end waits for a terminal that does not read
+
+
+class SteadyApp(Protocol):
+    """What the driver tells the app."""
+
+    def hang_up(self) -> None:
+        """The terminal is gone for good."""
+
+    def repaint(self) -> None:
+        """Frames were dropped: draw everything."""
+
+
+class Writer(threading.Thread):
+    """Writes to a terminal at its own pace. What is too much for it is dropped."""
+
+    def __init__(
+        self, descriptor: int, on_drained: Callable[[], None], on_dead: Callable[[], None]
+    ) -> None:
+        """`on_drained` is called when all is written after something was dropped."""
+        super().__init__(daemon=True, name="textual-output")
+        self._descriptor = descriptor
+        self._on_drained, self._on_dead = on_drained, on_dead
+        self._waiting: deque[tuple[bytes, bool]] = deque()
+        self._size = 0
+        self._changed = threading.Condition()
+        self._dropping = self._writing = self._ending = self.dead = False
+
+    def write(self, text: str, *, keep: bool = False) -> None:
+        """Take text for writing; what is not to be dropped, like the terminal's modes, is kept."""
+        data = text.encode("utf-8", "replace")
+        with self._changed:
+            if self.dead or (self._dropping and not keep):
+                return
+            if self._size + len(data) > MAX_WAITING and not keep:
+                self._dropping = True
+                self._waiting = deque(item for item in self._waiting if item[1])
+                self._size = sum(len(kept) for kept, _ in self._waiting)
+                return
+            self._waiting.append((data, keep))
+            self._size += len(data)
+            self._changed.notify_all()
+
+    def flush(self) -> None:
+        """Everything is on its way already."""
+
+    def run(self) -> None:
+        while True:
+            with self._changed:
+                self._writing = False
+                self._changed.notify_all()
+                while not self._waiting:
+                    if self._ending or self.dead:
+                        return
+                    if self._dropping:
+                        self._dropping = False
+                        self._on_drained()
+                    self._changed.wait()
+                data, _ = self._waiting.popleft()
+                self._size -= len(data)
+                self._writing = True
+            try:
+                while data:
+                    data = data[os.write(self._descriptor, data) :]
+            except OSError:
+                self.kill()
+                self._on_dead()
+                return
+
+    def kill(self) -> None:
+        """Write nothing more."""
+        with self._changed:
+            self.dead = True
+            self._waiting.clear()
+            self._size = 0
+            self._changed.notify_all()
+
+    def stop(self) -> None:
+        """Write what waits and end; a terminal that does not read is not waited for."""
+        with self._changed:
+            self._ending = True
+            self._changed.notify_all()
+            idle = self._changed.wait_for(
+                lambda: self.dead or not (self._waiting or self._writing), _STOP_TIMEOUT
+            )
+        if not idle:  # what the terminal has not taken yet makes room for its modes
+            with contextlib.suppress(termios.error):
+                termios.tcflush(self._descriptor, termios.TCOFLUSH)
+        self.join(_STOP_TIMEOUT)
+
+
+class SteadyDriver(LinuxDriver):
+    """Never blocks the loop, and knows when the terminal is gone."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        self._writer: Writer | None = None
+        self._started = False
+        self._modes = True  # what is written now sets or restores the terminal's modes
+        super().__init__(*args, **options)
+
+    # LinuxDriver makes its own thread in the middle of start_application_mode
+    @property
+    def _writer_thread(self) -> Any:
+        return self._writer
+
+    @_writer_thread.setter
+    def _writer_thread(self, made: Any) -> None:
+        if made is None:
+            self._writer = None
+        else:
+            self._writer = Writer(made.fileno(), self._drained, self._dead)
+
+    def start_application_mode(self) -> None:
+        if self._started:
+            return
+        self._modes = True
+        # in the background it returns without having begun
+        super().start_application_mode()  # type: ignore[no-untyped-call]
+        self._started, self._modes = self._writer is not None, False
+
+    def stop_application_mode(self) -> None:
+        self._modes = True
+        super().stop_application_mode()
+        self._started = False
+
+    def close(self) -> None:
+        super().close()
+        self._writer = None
+
+    def write(self, data: str) -> None:
+        if self._writer is not None:
+            self._writer.write(data, keep=self._modes)
+
+    def _sigcont_application(self, *_: Any) -> None:
+        if self._auto_restart and not self._started:
+            self.resume_application_mode()
+
+    def run_input_thread(self) -> None:
+        """Read keys until told to end, or until there is nothing to read from any more."""
+        parser = XTermParser(self._debug)
+        decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
+        with selectors.SelectSelector() as selector:
+            selector.register(self.fileno, selectors.EVENT_READ)
+            while not self.exit_event.is_set():
+                if selector.select(0.1):
+                    data = self._read()
+                    if not data:
+                        self._dead()
+                        return
+                    for message in parser.feed(decode(data)):
+                        self.process_message(message)
+                for message in parser.tick():
+                    self.process_message(message)
+
+    def _read(self) -> bytes:
+        try:
+            return os.read(self.fileno, 4096)
+        except OSError:
+            return b""
+
+    def _dead(self) -> None:
+        self.exit_event.set()
+        if self._writer is not None:
+            self._writer.kill()
+        self._tell(cast(SteadyApp, self._app).hang_up)
+
+    def _drained(self) -> None:
+        self.write("\x1b[?2026l")  # the end of a frame may be among what was dropped
+        self._tell(cast(SteadyApp, self._app).repaint)
+
+    def _tell(self, function: Callable[[], None]) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop is closed
+            self._loop.call_soon_threadsafe(function)

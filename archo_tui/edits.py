@@ -1,0 +1,50 @@
+"""The operator's changes of parameters, and how they are undone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from archo_tui.robot.state import Outcome
+
+if TYPE_CHECKING:
+    from archo_tui.robot.client import Robot
+
+_UNDOABLE = 100  # changes that are kept
+
+
+@dataclass(frozen=True)
+class Edit:
+    """What parameters of one node were, and what they were set to."""
+
+    node: str
+    before: dict[str, Any]
+    after: dict[str, Any]
+
+
+class Edits:
+    """The changes that can be undone, the last one first."""
+
+    def __init__(self) -> None:
+        self._done: list[Edit] = []
+
+    @property
+    def last(self) -> Edit | None:
+        """What would be undone."""
+        return self._done[-1] if self._done else None
+
+    async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
+        """Set parameters of a node, all or none, and keep what they were."""
+        known = {p.name: p.value for p in robot.snapshot.parameters if p.node == node}
+        outcome = await robot.set_parameters(node, values)
+        if outcome.ok:
+            before = {name: known[name] for name in values}
+            self._done = [*self._done[-_UNDOABLE:], Edit(node, before, values)]
+        return outcome
+
+    async def undo(self, robot: Robot, edit: Edit) -> Outcome:
+        """Set them to what they were."""
+        outcome = await robot.set_parameters(edit.node, edit.before)
+        if outcome.ok and edit in self._done:
+            self._done.remove(edit)
+        return outcome

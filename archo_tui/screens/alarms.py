@@ -1,0 +1,88 @@
+"""The list of alarms: when each came and went, what to do, and whether somebody has seen it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.screen import ModalScreen
+
+from archo_tui.alarms import SHELF_TIME, Alarm, State
+from archo_tui.clock import time_of_day
+from archo_tui.widgets.rows import Rows, Text
+from archo_tui.widgets.view import View
+
+
+def alarm_lines(alarm: Alarm, _width: int) -> list[Text]:
+    """Two lines: `✗ HIGH  unacknowledged  since 12:04:31`, and what to do below."""
+    times = f"since {time_of_day(alarm.since)}"
+    if alarm.until is not None:
+        times += f", over at {time_of_day(alarm.until)}"
+    if alarm.shelved_until is not None:
+        times += f", until {time_of_day(alarm.shelved_until)}"
+    style = {State.UNACKNOWLEDGED: "bold", State.SHELVED: "dim"}.get(alarm.state, "")
+    head = f"{alarm.priority.value:<7} {alarm.state.value:<21} {times}"
+    return [(head, style), (f"        {alarm.text}", style)]
+
+
+class AlarmList(ModalScreen[None]):
+    """Acknowledge one or all, shelve one for a while; escape closes it."""
+
+    BINDINGS = [
+        ("a", "acknowledge", "Acknowledge"),
+        ("A", "acknowledge_all", "Acknowledge all"),
+        ("s", "shelve", "Shelve"),
+        ("escape,q", "close", "Close"),
+    ]
+
+    def __init__(
+        self,
+        view: View,
+        acknowledge: Callable[[list[Alarm]], None],
+        shelve: Callable[[Alarm], None],
+    ) -> None:
+        super().__init__()
+        self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
+        self._rows: Rows[Alarm] = Rows(
+            alarm_lines,
+            lambda alarm: alarm.name,
+            id="alarms",
+            empty="No alarm: nothing needs attention.",
+            wraps=True,
+        )
+
+    def compose(self) -> ComposeResult:
+        with Vertical(classes="dialog reading") as box:
+            box.border_title = "Alarms"
+            minutes = SHELF_TIME / 60
+            keys = f"a acknowledge   A all   s shelve for {minutes:.0f} min or unshelve   esc close"
+            box.border_subtitle = keys
+            yield self._rows
+
+    def on_mount(self) -> None:
+        self._rows.focus()
+        self.show(self._view)
+
+    def show(self, view: View) -> None:
+        """Show what there is now."""
+        self._view = view
+        self._rows.show(view.alarms)
+
+    def action_acknowledge(self) -> None:
+        """The selected one has been seen."""
+        if self._rows.item is not None:
+            self._acknowledge([self._rows.item])
+
+    def action_acknowledge_all(self) -> None:
+        """All that are shown have been seen."""
+        self._acknowledge(list(self._view.alarms))
+
+    def action_shelve(self) -> None:
+        """Silence the selected one for a while, or no longer."""
+        if self._rows.item is not None:
+            self._shelve(self._rows.item)
+
+    def action_close(self) -> None:
+        """Back to where the focus was."""
+        self.dismiss(None)

@@ -1,0 +1,52 @@
+"""The operator and the alarms: banner, list, acknowledging, shelving."""
+
+from __future__ import annotations
+
+from tests.support.console import FAST, console
+
+
+async def test_an_alarm_that_is_over_stays_until_acknowledged() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        await op.press("R")
+        await op.until("Release the stop?")
+        await op.press("tab", "enter")
+        await op.until("was: STOPPED, since ")
+        await op.press("a")
+        await op.until(lambda: "was: STOPPED" not in op.text)
+
+
+async def test_the_list_acknowledges_one_or_all_and_shelves() -> None:
+    quiet = ("-p", "drain_min:=0.0", "-p", "drain_max:=0.0", "-p", "low_battery_threshold:=90.0")
+    async with console(*FAST, *quiet) as op:
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        await op.until("+1 more")
+        await op.press("A")
+        await op.until("▲ MED   unacknowledged        since ")
+        assert op.text.count("▲ MED   unacknowledged") == 2
+        await op.press("a")
+        await op.until("▲ MED   acknowledged          since ")
+        await op.press("s")
+        await op.until("▲ MED   shelved               since ")
+        await op.press("A")
+        await op.until(lambda: "unacknowledged" not in op.text)
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+        await op.until("1 shelved")
+        assert "(a acknowledge)" not in op.text
+
+
+async def test_stop_is_never_greyed_by_a_dead_motor_and_says_that_it_is_not_confirmed() -> None:
+    async with console(*FAST) as op:
+        motor = next(n for n in op.session.host.nodes if n.name == "/motor_controller")
+        motor._stopping = True  # its thread ends, the node stays on the graph and answers nothing
+        motor._executor.create_task(lambda: None)
+        await op.until(lambda: not motor._thread.is_alive())
+        await op.press("ctrl+x")
+        await op.until(
+            "STOP SENT, no answer for 2 s (not confirmed by the robot): use the hardware"
+        )
+        await op.until("STOP SENT, no answer for")
+        await op.until("STOP: no answer in 2 s")

@@ -1,0 +1,122 @@
+"""archo-tui as a process in a pseudo terminal."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import pty
+import re
+import select
+import signal
+import struct
+import sys
+import termios
+import time
+from collections.abc import Callable
+from typing import Any
+
+from tests.support import chosen
+from tests.support.waiting import DEADLINE
+
+
+class Terminal:
+    """A terminal that reads, or does not, or is gone."""
+
+    def __init__(self, *words: str, code: str = "", ignore_hangup: bool = False) -> None:
+        """`code` is Python to run before the command line is obeyed."""
+        self.output = b""
+        self._master, slave = pty.openpty()
+        fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 36, 120, 0, 0))
+        self._slave: int | None = slave
+        self.before = termios.tcgetattr(slave)
+        self.pid = os.fork()
+        if self.pid == 0:
+            os.setsid()
+            fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+            for fd in (0, 1, 2):
+                os.dup2(slave, fd)
+            os.closerange(3, 100)
+            os.environ |= {
+                "TERM": "xterm-256color",
+                "ROS_DOMAIN_ID": str(chosen.next_domain()),
+                "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+            }
+            for name in ("COLUMNS", "LINES"):
+                os.environ.pop(name, None)
+            if ignore_hangup:
+                signal.signal(signal.SIGHUP, signal.SIG_IGN)
+            arguments = ["--engine", chosen.ENGINE, *words]
+            start = f"from archo_tui.cli import main\nsys.exit(main({arguments!r}))"
+            program = f"import sys\n{code}\n{start}"
+            os.execv(sys.executable, [sys.executable, "-c", program])
+
+    def read(self, seconds: float = 0.1) -> None:
+        """Take what was drawn, if anything comes within that time."""
+        ready, _, _ = select.select([self._master], [], [], seconds)
+        if ready:
+            try:
+                self.output += os.read(self._master, 65536)
+            except OSError:  # the other end is closed
+                time.sleep(0.01)
+
+    def until(self, wanted: str | Callable[[], object]) -> None:
+        """Read until the text has been drawn, or a condition holds."""
+        end = time.monotonic() + 2 * DEADLINE
+        holds = (lambda: wanted.encode() in self.output) if isinstance(wanted, str) else wanted
+        while not holds():
+            assert time.monotonic() < end, f"waited for {wanted!r}: {self.text[-3000:]}"
+            self.read()
+
+    @property
+    def text(self) -> str:
+        """What was drawn, without the sequences that move and colour."""
+        plain = re.sub(rb"\x1b\[[0-9;?<>=]*[a-zA-Z$]+|\x1b[()][A-Z0-9]", b"", self.output)
+        return plain.decode(errors="replace")
+
+    def write(self, keys: str) -> None:
+        os.write(self._master, keys.encode())
+
+    def kill(self, number: int) -> None:
+        os.kill(self.pid, number)
+
+    def exit_code(self, *, reading: bool = True) -> int:
+        """Wait for the end."""
+        end = time.monotonic() + 2 * DEADLINE
+        while True:
+            if reading and self._master >= 0:
+                self.read(0.01)
+            else:
+                time.sleep(0.01)
+            pid, status = os.waitpid(self.pid, os.WNOHANG)
+            if pid:
+                return os.waitstatus_to_exitcode(status)
+            if time.monotonic() > end:
+                self.kill(signal.SIGKILL)
+                raise AssertionError(f"the process hangs: {self.text[-2000:]}")
+
+    def settings(self) -> list[Any]:
+        assert self._slave is not None
+        return termios.tcgetattr(self._slave)
+
+    def hang_up(self) -> None:
+        """The terminal is gone."""
+        if self._slave is not None:
+            os.close(self._slave)
+            self._slave = None
+        os.close(self._master)
+        self._master = -1
+
+    def is_as_before(self) -> bool:
+        """True when settings, screen, cursor and mouse are those from before the start."""
+        return (
+            self.settings() == self.before
+            and self.output.rfind(b"\x1b[?1049l") > self.output.rfind(b"\x1b[?1049h")
+            and self.output.rfind(b"\x1b[?25h") > self.output.rfind(b"\x1b[?25l")
+            and self.output.rfind(b"\x1b[?1000l") > self.output.rfind(b"\x1b[?1000h")
+        )
+
+    def close(self) -> None:
+        if self._master >= 0:
+            os.close(self._master)
+        if self._slave is not None:
+            os.close(self._slave)

@@ -1,0 +1,108 @@
+"""The journal: every command, alarm and warning, line by line, whatever the disk does."""
+
+from __future__ import annotations
+
+import json
+import threading
+from pathlib import Path
+from typing import Any
+
+from archo_tui import journal
+from archo_tui.journal import MAX_BYTES, Journal
+from tests.support.console import FAST, console
+from tests.support.waiting import wait_until
+
+
+def entries(file: Path) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
+
+
+def test_an_entry_is_one_line_that_says_when_who_and_what(tmp_path: Path) -> None:
+    file = tmp_path / "new" / "journal.jsonl"
+    kept = Journal(file, lambda reason: None)
+    kept.write(1_700_000_000.5, "command", text="two\nlines \x1b[2J ü", level="YOU")
+    wait_until(lambda: len(entries(file)) == 1)  # before it is closed
+    (entry,) = entries(file)
+    assert entry["time"] == "2023-11-14T22:13:20.500+00:00"
+    assert (entry["kind"], entry["text"]) == ("command", "two\nlines \x1b[2J ü")
+    assert entry["user"]
+    kept.close()
+
+
+def test_it_is_rotated_at_its_bound(tmp_path: Path) -> None:
+    file = tmp_path / "journal.jsonl"
+    kept = Journal(file, lambda reason: None)
+    for _ in range(3):
+        for _ in range(800):
+            kept.write(0, "event", text="x" * 1000)
+        kept.close()
+        kept = Journal(file, lambda reason: None)
+    kept.close()
+    sizes = sorted(path.stat().st_size for path in tmp_path.iterdir())
+    assert len(sizes) == 2
+    assert sum(sizes) < 2 * MAX_BYTES + 5000
+
+
+def test_a_disk_that_takes_nothing_is_told_once_and_tried_again(tmp_path: Path) -> None:
+    file = tmp_path / "journal.jsonl"
+    file.mkdir()
+    told: list[str] = []
+    kept = Journal(file, told.append)
+    kept.write(0, "event", text="lost")
+    kept.write(0, "event", text="lost too")
+    wait_until(lambda: kept._entries.empty() and told)
+    file.rmdir()
+    kept.write(0, "event", text="kept")
+    kept.close()
+    assert told == [f"the journal {file}: Is a directory"]
+    assert [entry["text"] for entry in entries(file)] == ["kept"]
+
+
+def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:
+    kept = Journal(tmp_path / "journal.jsonl", lambda reason: None)
+    go_on = threading.Event()
+    append = kept._append
+
+    def hang(line: str) -> None:
+        go_on.wait(10)
+        append(line)
+
+    kept._append = hang  # type: ignore[method-assign]
+    for number in range(3000):
+        kept.write(0, "event", number=number)
+    go_on.set()
+    wait_until(kept._entries.empty)
+    kept.write(0, "event", number="last")
+    kept.close()
+    last = entries(tmp_path / "journal.jsonl")[-1]
+    assert last["number"] == "last"
+    assert sum(e.get("lost_before", 0) for e in entries(tmp_path / "journal.jsonl")) >= 1900
+
+
+async def test_commands_alarms_and_warnings_of_a_session_are_in_it() -> None:
+    async with console(*FAST) as op:
+        await op.press("r")
+        await op.until("Encoder reset to zero")
+        await op.press("g", "9", "9", "enter")
+        await op.until("✗ REFUSED")
+        await op.press("escape", "ctrl+x")
+        await op.until("STOPPED: look")
+        await op.press("a")
+    found = entries(journal.path())
+    said = [(e["kind"], e.get("text", "")) for e in found]
+    assert ("command", "reset encoder: Encoder reset to zero") in said
+    assert ("command", "go to shelf 99: shelf 99 is not in 1 .. 40") in said
+    assert ("event", "Goal refused: shelf 99 is not in 1 .. 40") in said
+    states = [e["state"] for e in found if e["kind"] == "alarm" and e["name"] == "stopped"]
+    assert states == ["unacknowledged", "acknowledged"]
+    commands = [e["command"] for e in found if e["kind"] == "command"]
+    assert commands[0].startswith("ros2 service call /reset_encoder ")
+
+
+async def test_a_journal_that_cannot_be_written_is_said_on_the_screen() -> None:
+    journal.path().mkdir(parents=True)
+    async with console(*FAST) as op:
+        await op.press("r")
+        await op.until("cannot be written, going on without it: the journal ")
+        await op.press("g", "7", "enter")
+        await op.until("Arrived at shelf 7")

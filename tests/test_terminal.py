@@ -1,0 +1,207 @@
+"""The process in a terminal that goes, stalls, is suspended, or gets signals."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui import journal
+from tests.support.terminal import Terminal
+from tests.support.waiting import wait_until
+
+SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=1.0")
+
+
+@pytest.fixture
+def terminals() -> Iterator[list[Terminal]]:
+    """Terminals that are closed at the end."""
+    made: list[Terminal] = []
+    yield made
+    for terminal in made:
+        terminal.close()
+
+
+def journaled() -> list[dict[str, Any]]:
+    return [json.loads(line) for line in journal.path().read_text().splitlines()]
+
+
+@pytest.mark.parametrize("end", ["q", "SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT"])
+def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(
+    end: str, terminals: list[Terminal]
+) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("online")
+    if end == "q":
+        terminal.write("q")
+        code = 0
+    else:
+        number = getattr(signal, end)
+        terminal.kill(number)
+        code = 128 + number
+    assert terminal.exit_code() == code
+    assert "Traceback" not in terminal.text
+    assert terminal.is_as_before()
+
+
+@pytest.mark.parametrize("end", ["SIGTERM", "hang up", "hang up, nohup"])
+def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) -> None:
+    terminal = Terminal(*SLOW, ignore_hangup=end == "hang up, nohup")
+    terminals.append(terminal)
+    terminal.until("No goal yet")
+    terminal.until("wheel_radius")
+    terminal.write("g12\r")
+    terminal.until("m left of")
+    if end == "SIGTERM":
+        terminal.kill(signal.SIGTERM)
+    else:
+        terminal.hang_up()
+    assert terminal.exit_code() == 128 + (signal.SIGTERM if end == "SIGTERM" else signal.SIGHUP)
+    said = [entry["text"] for entry in journaled()]
+    assert any("cancelling the goal to shelf 12" in text for text in said), said
+    assert "cancel: cancelling" in said
+
+
+def test_a_stray_sigcont_changes_nothing(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    for _ in range(3):
+        terminal.kill(signal.SIGCONT)
+    terminal.write("g7\r")
+    terminal.until("Arrived at shelf 7")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
+    said = [entry["text"] for entry in journaled() if entry["kind"] == "command"]
+    assert said == ["go to shelf 7: accepted"]  # not 77: each key came once
+    assert terminal.output.count(b"\x1b[?1049h") == 1
+
+
+def test_it_is_suspended_and_comes_back_with_everything_drawn(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("\x1a")
+    terminal.until(lambda: terminal.settings() == terminal.before)
+    terminal.until("\x1b[?1049l")
+    status = Path(f"/proc/{terminal.pid}/status")
+    terminal.until(lambda: "State:\tT" in status.read_text())
+    terminal.output = b""
+    terminal.kill(signal.SIGCONT)
+    terminal.until("wheel_radius")
+    terminal.until("1 Battery")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
+
+
+def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(
+    terminals: list[Terminal],
+) -> None:
+    exact = [f"{name}:={value}" for name, value in (("drain_min", 0.1), ("drain_max", 0.1))]
+    words = [word for text in (*exact, "publish_period:=0.05") for word in ("-p", text)]
+    terminal = Terminal("--ros-args", *words, "-p", "low_battery_threshold:=0.0")
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("6el")  # the events on the full screen, with every reading
+    terminal.until("Dashboard sees")
+    charge = re.compile(r"(\d\d\.\d)%|(\d\d\.\d) %")
+
+    def read() -> float:
+        terminal.output = b""
+        terminal.until(lambda: charge.search(terminal.text))
+        found = charge.search(terminal.text)
+        assert found is not None
+        return float(found[1] or found[2])
+
+    first, began = read(), time.monotonic()
+    while time.monotonic() < began + 6.0:  # not read: far more is drawn than a terminal holds
+        time.sleep(0.1)
+    terminal.write("e1")
+    terminal.output = b""
+    terminal.until("1 Battery")
+    passed = time.monotonic() - began
+    last = read()
+    assert first - last > 0.8 * passed / 0.05 * 0.1  # 0.1 % a tick; the machine may be slow
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
+
+
+def test_the_end_does_not_wait_for_a_terminal_that_does_not_read(
+    terminals: list[Terminal],
+) -> None:
+    terminal = Terminal("--ros-args", "-p", "publish_period:=0.02")
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("6el")
+    began = time.monotonic()
+    while time.monotonic() < began + 4.0:
+        time.sleep(0.1)
+    terminal.kill(signal.SIGTERM)
+    assert terminal.exit_code(reading=False) == 128 + signal.SIGTERM
+    assert terminal.settings() == terminal.before
+
+
+FAIL_ONCE = """
+from archo_tui.screens.main import MainScreen
+show, failures = MainScreen.show, [0]
+def failing(self, view, commands):
+    if view.snapshot.goal is not None and not failures[0]:
+        failures[0] = 1
+        raise ZeroDivisionError("of the screen")
+    show(self, view, commands)
+MainScreen.show = failing
+"""
+
+
+def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Terminal]) -> None:
+    terminal = Terminal(*SLOW, code=FAIL_ONCE)
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("g12\r")
+    terminal.until("The screen failed and was started anew; the nodes ran on.")
+    terminal.until("ZeroDivisionError: of the screen")
+    terminal.write("\x1b")
+    terminal.until("m left of")  # the goal ran on
+    terminal.write("\x03")
+    terminal.until("CANCELLED")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
+    assert "the screen failed: ZeroDivisionError: of the screen" in [
+        entry["text"] for entry in journaled()
+    ]
+
+
+FAIL_ALWAYS = FAIL_ONCE.replace("view.snapshot.goal is not None and not failures[0]", "True")
+
+
+def test_a_screen_that_always_fails_is_given_up(terminals: list[Terminal]) -> None:
+    terminal = Terminal(code=FAIL_ALWAYS)
+    terminals.append(terminal)
+    assert terminal.exit_code() == 1
+    assert "the screen fails again and again: ZeroDivisionError: of the screen" in terminal.text
+    assert terminal.is_as_before()
+
+
+def test_after_kill_9_the_last_completed_command_is_in_the_journal(
+    terminals: list[Terminal],
+) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("r")
+    terminal.until("Encoder reset to zero")
+    wait_until(journal.path().exists)
+    terminal.kill(signal.SIGKILL)
+    assert terminal.exit_code() == -signal.SIGKILL
+    assert journaled()[-1]["text"] == "reset encoder: Encoder reset to zero"
