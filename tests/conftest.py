@@ -23,8 +23,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="what `import rclpy` means in the tests",
     )
     parser.addoption(
+        "--end-to-end", action="store_true", help="run the tests that need tmux and sshd as well"
+    )
+    parser.addoption(
         "--update-snapshots", action="store_true", help="accept the screens as they look now"
     )
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    wanted = config.getoption("--end-to-end")
+    return True if collection_path.name == "end_to_end" and not wanted else None
 
 
 def pytest_configure(config: pytest.Config) -> None:

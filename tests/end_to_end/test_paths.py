@@ -1,0 +1,140 @@
+"""An operator over tmux and SSH, with the link and the terminal misbehaving."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui import journal
+from tests.end_to_end.conftest import COMMAND, Sshd, Tmux
+from tests.support.waiting import wait_until
+
+ARCHO = " ".join(COMMAND)
+SLOW = "--ros-args -p feedback_period:=0.1 -p time_scale:=1.0"
+CHATTY = "--ros-args -p publish_period:=0.02"
+
+
+def journaled() -> list[dict[str, Any]]:
+    file = journal.path()
+    return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
+
+
+def said() -> list[str]:
+    return [entry["text"] for entry in journaled()]
+
+
+def running(words: str) -> list[int]:
+    """Processes of archo-tui with these words on their command line."""
+    found = subprocess.run(
+        ["ps", "-ww", "-eo", "pid,args"], capture_output=True, text=True, check=True
+    )
+    lines = [line.split(maxsplit=1) for line in found.stdout.splitlines()]
+    return [int(pid) for pid, args in lines if args.startswith(f"{ARCHO} {words}")]
+
+
+def test_a_goal_in_tmux_with_the_terminal_as_before(tmux: Tmux, tmp_path: Path) -> None:
+    check = "stty -a | cmp - before && echo SANE"
+    tmux.start(f"cd {tmp_path}; stty -a > before; {ARCHO}; echo CODE $?; {check}")
+    tmux.until("wheel_radius")
+    tmux.type("g", "1", "2", "Enter")
+    tmux.until("Arrived at shelf 12")
+    tmux.type("C-q")
+    tmux.until("CODE 0")
+    tmux.until("SANE")
+
+
+def test_operating_over_ssh_says_who_it_was(tmux: Tmux, sshd: Sshd) -> None:
+    tmux.start(sshd.command(ARCHO))
+    tmux.until("wheel_radius")
+    tmux.type("r")
+    tmux.until("Encoder reset to zero")
+    tmux.type("C-x")
+    tmux.until("STOPPED (R releases)")
+    tmux.type("q")
+    tmux.until("ENDED 0")
+    entry = next(e for e in journaled() if e["text"] == "reset encoder: Encoder reset to zero")
+    assert entry["from"] == "127.0.0.1"
+
+
+@pytest.mark.parametrize("words", [SLOW, CHATTY])
+def test_a_killed_link_ends_the_process_and_cancels_the_goal(
+    tmux: Tmux, sshd: Sshd, words: str
+) -> None:
+    words = f"{words} -p route_length:=500.0"
+    tmux.start(sshd.command(f"{ARCHO} {words}"))
+    tmux.until("wheel_radius")
+    tmux.type("g", "1", "2", "Enter")
+    tmux.until("m left of")
+    assert running(words)
+    for pid in sshd.connections():
+        os.kill(pid, signal.SIGKILL)
+    wait_until(lambda: not running(words), "the end of the process", 3.0 + 2.0)
+    assert "ended by SIGHUP: cancelling the goal to shelf 12" in said()
+    assert "cancel: cancelling" in said()
+
+
+def test_a_terminal_that_is_not_read_for_30_s_costs_nothing(tmux: Tmux, sshd: Sshd) -> None:
+    exact = "-p drain_min:=0.01 -p drain_max:=0.01 -p publish_period:=0.05"
+    tmux.start(sshd.command(f"{ARCHO} --ros-args {exact}"))
+    tmux.until("wheel_radius")
+    tmux.type("6", "e", "l")
+    tmux.until("Dashboard sees")
+    client = subprocess.run(
+        ["pgrep", "-f", f"^ssh .* -p {sshd.port} "], capture_output=True, text=True, check=True
+    )
+    pid = int(client.stdout.split()[0])
+    (console,) = [p for p in running("--ros-args -p drain_min") if p]
+    before = memory(console)
+    os.kill(pid, signal.SIGSTOP)  # nobody reads what sshd sends
+    began = time.monotonic()
+    time.sleep(30)
+    os.kill(pid, signal.SIGCONT)
+    tmux.type("e")
+    tmux.until("1 Battery")
+    # 87.5 % less 0.01 a tick of 0.05 s: a missed tick would be seen
+    expected = 87.5 - 0.01 * (time.monotonic() - began) / 0.05
+    tmux.until("GOOD")
+    line = next(line for line in tmux.screen.splitlines() if "GOOD" in line)
+    shown = float(line.split("GOOD")[1].split("%")[0])
+    assert shown <= expected + 0.5, (shown, expected)
+    assert time.strftime("%H:%M") in tmux.screen.splitlines()[0]
+    assert memory(console) < before + 20_000
+    tmux.type("q")
+    tmux.until("ENDED 0")
+
+
+def memory(pid: int) -> int:
+    """kB of memory in use."""
+    with open(f"/proc/{pid}/status") as status:
+        return next(int(line.split()[1]) for line in status if line.startswith("VmRSS"))
+
+
+def test_a_storm_of_sizes_breaks_nothing(tmux: Tmux) -> None:
+    tmux.start(ARCHO)
+    tmux.until("wheel_radius")
+    for step in range(60):
+        tmux.resize(20 + 37 * step % 180, 5 + 17 * step % 50)
+    tmux.resize(120, 36)
+    tmux.until("wheel_radius")
+    tmux.type("g", "7", "Enter")
+    tmux.until("Arrived at shelf 7")
+    tmux.type("C-q")
+    tmux.until("ENDED 0")
+
+
+def test_kill_9_leaves_the_journal_whole(tmux: Tmux) -> None:
+    tmux.start(f"{ARCHO} {SLOW}")
+    tmux.until("wheel_radius")
+    tmux.type("r")
+    tmux.until("Encoder reset to zero")
+    (pid,) = running(SLOW)
+    os.kill(pid, signal.SIGKILL)
+    tmux.until("ENDED 137")
+    assert said()[-1] == "reset encoder: Encoder reset to zero"
