@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections import deque
 from dataclasses import replace
 
 from archo_tui.robot.state import Event
 
 LIMIT = 1000  # events kept
-_MERGE_WITHIN = 8  # newest events among which a repeat is looked for
+_OPERATORS = 200  # of them the operator's own, which a flood of others does not push out
+_IN_PLACE = 30  # a repeat of one of that many newest events does not move it
 
 _NUMBER = re.compile(r"\d+(\.\d+)?")
 # C0 and C1 controls, and the marks that turn the direction of text around
@@ -24,10 +24,12 @@ def harmless(text: str) -> str:
 
 
 class EventLog:
-    """Collects events; one that repeats a recent one but for its numbers replaces it."""
+    """Collects events; one that repeats another but for its numbers replaces it."""
 
     def __init__(self) -> None:
-        self._events: deque[Event] = deque(maxlen=LIMIT)
+        self._events: dict[object, Event] = {}  # in their order; the key is what repeats have
+        self._added: dict[object, int] = {}  # when each came to its place
+        self._count = 0
 
     def add(self, event: Event) -> Event:
         """Append an event, or count it on the one it repeats. The operator's are never merged.
@@ -35,19 +37,31 @@ class EventLog:
         Returns it as it stands in the log.
         """
         event = replace(event, text=harmless(event.text), source=harmless(event.source))
-        if event.level != "YOU":
-            for back in range(1, min(_MERGE_WITHIN, len(self._events)) + 1):
-                known = self._events[-back]
-                if _key(known) == _key(event):
-                    self._events[-back] = replace(event, count=known.count + 1)
-                    return self._events[-back]
-        self._events.append(event)
+        key: object = (event.level, event.source, _NUMBER.sub("#", event.text))
+        if event.level == "YOU":
+            key = ("YOU", self._count)
+        known = self._events.get(key)
+        if known is not None:
+            event = replace(event, count=known.count + 1)
+            if self._count - self._added[key] >= _IN_PLACE:  # out of sight: it is news again
+                del self._events[key]
+                known = None
+        if known is None:
+            self._count += 1
+            self._added[key] = self._count
+        self._events[key] = event
+        if len(self._events) > LIMIT:
+            self._drop_oldest()
         return event
+
+    def _drop_oldest(self) -> None:
+        own = [key for key, event in self._events.items() if event.level == "YOU"]
+        if len(own) > _OPERATORS:
+            oldest: object = own[0]
+        else:
+            oldest = next(key for key, event in self._events.items() if event.level != "YOU")
+        del self._events[oldest], self._added[oldest]
 
     def all(self) -> tuple[Event, ...]:
         """Oldest first."""
-        return tuple(self._events)
-
-
-def _key(event: Event) -> tuple[str, str, str]:
-    return event.level, event.source, _NUMBER.sub("#", event.text)
+        return tuple(self._events.values())

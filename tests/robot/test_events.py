@@ -31,13 +31,27 @@ def test_other_levels_sources_and_the_operators_lines_are_never_merged() -> None
     assert len(log.all()) == 5
 
 
-def test_a_repeat_long_after_is_a_line_of_its_own() -> None:
+def test_a_repeat_long_after_is_counted_and_is_news_again() -> None:
     log = EventLog()
     log.add(event("a"))
-    for letter in "bcdefghij":
-        log.add(event(letter))
+    for number in range(40):
+        log.add(event(chr(0x4E00 + number)))
     log.add(event("a"))
-    assert len(log.all()) == 11
+    assert len(log.all()) == 41
+    assert (log.all()[-1].text, log.all()[-1].count) == ("a", 2)
+
+
+def test_a_flood_does_not_push_out_what_the_operator_did() -> None:
+    log = EventLog()
+    log.add(event("reset", "YOU"))
+    for number in range(3 * LIMIT):
+        log.add(event(chr(0x4E00 + number)))
+    assert len(log.all()) == LIMIT
+    assert log.all()[0].text == "reset"
+    for _ in range(LIMIT):
+        log.add(event("again", "YOU"))
+    assert len(log.all()) == LIMIT
+    assert sum(e.level == "YOU" for e in log.all()) < LIMIT / 2
 
 
 def test_the_log_is_bounded() -> None:

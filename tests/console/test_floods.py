@@ -1,0 +1,149 @@
+"""More than anybody can read: keys answer, memory is bounded, digits stay right."""
+
+from __future__ import annotations
+
+import re
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from archo_interfaces.msg import BatteryStatus
+from rcl_interfaces.msg import Log
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from archo_tui.robot.events import LIMIT
+from tests.support import chosen
+from tests.support.console import FAST, Console, console
+
+
+@contextmanager
+def flooding(op: Console, rate: float, publish: Callable[[int], None]) -> Iterator[list[int]]:
+    """Call `publish` that often (Hz), or as often as the machine can, from a thread."""
+    ending, sent = threading.Event(), [0]
+
+    def run() -> None:
+        began = time.monotonic()
+        while not ending.is_set():
+            due = int((time.monotonic() - began) * rate)
+            for _ in range(min(due - sent[0], 100)):
+                publish(sent[0])
+                sent[0] += 1
+            ending.wait(0.001)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    try:
+        yield sent
+    finally:
+        ending.set()
+        thread.join(10)
+
+
+async def keys_answer(op: Console) -> None:
+    """The main job by keys, while all that goes on."""
+    await op.press("r")
+    await op.until("reset encoder: Encoder reset to zero")
+    await op.press("g", "7", "enter")
+    await op.until("Arrived at shelf 7")
+    await op.press("escape", "ctrl+x")
+    await op.until(lambda: op.app.view.snapshot.motor.stopped)
+
+
+async def test_ten_thousand_log_lines_a_second() -> None:
+    async with console(*FAST) as op:
+        talker = Node("talker", context=op.session._context)
+        publisher = talker.create_publisher(Log, "/rosout", 1000)
+
+        def publish(number: int) -> None:
+            text = f"{'abcdefghijk'[number % 11] * 5} \x1b[31m\u202e{number}"
+            publisher.publish(Log(level=Log.WARN, name="talker", msg=text))
+
+        with flooding(op, 10_000, publish) as sent:
+            await op.until(lambda: sent[0] > 5_000)
+            await keys_answer(op)
+        assert len(op.app.view.snapshot.events) <= LIMIT
+        assert "\x1b" not in op.text
+        assert "\u202e" not in op.text
+        assert "�[31m" in op.text
+        talker.destroy_node()
+
+
+async def test_a_thousand_battery_readings_a_second() -> None:
+    async with console(*FAST[:4]) as op:
+        meter = Node("meter", context=op.session._context)
+        publisher = meter.create_publisher(BatteryStatus, "battery_level", 10)
+
+        def publish(number: int) -> None:
+            charge = 40.0 + number % 100 / 10
+            publisher.publish(BatteryStatus(percentage=charge, voltage=22.5, battery_health="good"))
+
+        with flooding(op, 1000, publish) as sent:
+            await op.until(lambda: sent[0] > 500)
+            await keys_answer(op)
+            # its own readings and the monitor's come mixed: one of ours is seen, digit by digit
+            await op.until(lambda: re.search(r"● GOOD      4\d\.\d % 22\.5 V", op.text))
+        assert len(op.app.view.snapshot.charge) <= 300
+        meter.destroy_node()
+
+
+async def test_hundreds_of_nodes_with_twenty_parameters_each() -> None:
+    count = 500 if chosen.ENGINE == "embedded" else 20  # DDS takes a second for each
+    async with console(*FAST) as op:
+        context = op.session._context
+        executor = SingleThreadedExecutor(context=context)
+        nodes = []
+        for number in range(count):
+            values: list[Parameter[float]] = [
+                Parameter(f"gain_{n}", value=float(n)) for n in range(20)
+            ]
+            node = Node(
+                f"guest_{number:03}",
+                context=context,
+                parameter_overrides=values,
+                automatically_declare_parameters_from_overrides=True,
+            )
+            nodes.append(node)
+            executor.add_node(node)
+        ending = threading.Event()
+
+        def spin() -> None:
+            try:
+                while not ending.is_set():
+                    executor.spin_once(0.1)
+            except ExternalShutdownException:
+                pass
+
+        thread = threading.Thread(target=spin, daemon=True)
+        thread.start()
+        try:
+            await op.until(lambda: len(op.app.view.snapshot.parameters) > count * 20, 60)
+            await keys_answer(op)
+            await op.press("4", "end")
+            await op.until(lambda: "ticks_per_revolution" in op.text)
+            await op.press("slash")
+            await op.type("guest_007")
+            await op.until(lambda: "guest_007" in op.text and "guest_008" not in op.text)
+        finally:
+            ending.set()
+            thread.join(10)
+            executor.shutdown(0)
+            for node in nodes:
+                node.destroy_node()
+
+
+async def test_a_parameter_of_a_megabyte_and_strange_letters() -> None:
+    async with console(*FAST) as op:
+        guest = op.session.host.nodes[1].node
+        guest.declare_parameter("huge", "x" * 1_000_000)
+        guest.declare_parameter("wide", "棚\u200b\u0301 \u05d0\u05d1 \U0001f916\x1b]0;title\x07")
+        await op.until("xxxxxxxxxxxxxxxx")
+        await op.until("棚")
+        assert "\x1b" not in op.text
+        assert "\u200b" not in op.text
+        await op.press("4", "slash", *"huge", "enter", "enter")
+        await op.until(" huge ")
+        await op.press("escape")
+        await keys_answer(op)
