@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
-import signal
-import traceback
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from textual.app import App, SystemCommand
+from textual.app import SystemCommand
 from textual.binding import Binding
-from textual.driver import Driver
-from textual.filter import LineFilter
 from textual.screen import Screen
 from textual.widgets import Input
 
@@ -20,30 +15,32 @@ from archo_tui.clock import Clock
 from archo_tui.commands import COMMANDS
 from archo_tui.commands.base import EVERYWHERE, Command
 from archo_tui.edits import Edits
-from archo_tui.glyphs import Ascii, ascii_only
 from archo_tui.keymap import shown_keys
-from archo_tui.leaving import Departure
 from archo_tui.robot.state import Outcome, Snapshot
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.text import ShowText
-from archo_tui.themes import HIGH_CONTRAST, THEMES, remember
+from archo_tui.terminal_app import TerminalApp
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.parameters_panel import ParametersPanel
+from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.view import View
 
 if TYPE_CHECKING:
     from archo_tui.session import Session
 
 
-class ArchoApp(App[None]):
+class ArchoApp(TerminalApp):
     """The operator's console."""
 
     TITLE = "ARCHO"
     CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
-    BINDINGS = [Binding("escape", "leave_field", "Out of the field", show=False, priority=True)]
+    BINDINGS = [
+        Binding("escape", "leave_field", "Out of the field", show=False, priority=True),
+        *(Binding(key, f"move('{key}')", show=False, priority=True) for key in Rows.KEYS),
+    ]
 
     def __init__(
         self,
@@ -57,17 +54,12 @@ class ArchoApp(App[None]):
 
         `failed` is the traceback that ended the screen before this one, to be shown.
         """
-        super().__init__()
+        super().__init__(session.robot, session.options.on_disconnect, theme)
         self.robot = session.robot
         self.host = session.host
         self.registry = COMMANDS
         self.main = MainScreen()
         self.edits = Edits()
-        on_disconnect = session.options.on_disconnect
-        self._departure = Departure(
-            self.robot, on_disconnect, lambda code: self.exit(return_code=code)
-        )
-        self.failure = ""  # the traceback that ended this screen
         self._failed_before = failed
         self._clock = clock or Clock()
         self._session = session
@@ -77,11 +69,6 @@ class ArchoApp(App[None]):
         self._keys = {command.id: command.key for command in COMMANDS} | dict(keys or {})
         self._shown_keys = shown_keys(self._keys)
         self._bind_commands()
-        for own in THEMES:
-            self.register_theme(own)
-        self._glyphs = [Ascii()] if ascii_only() else []
-        if theme or self.console.color_system == "standard":  # 16 colours: none in between
-            self.theme = theme or HIGH_CONTRAST.name
         self.view = self._view()
 
     def _bind_commands(self) -> None:
@@ -98,16 +85,10 @@ class ArchoApp(App[None]):
             ours = [b for b in known if b.action.startswith("command(")]
             self._bindings.key_to_bindings[key] = [*ours, binding]
 
-    def get_line_filters(self) -> Sequence[LineFilter]:
-        return [*super().get_line_filters(), *self._glyphs]
-
     def get_default_screen(self) -> Screen[None]:
         return self.main
 
     def on_mount(self) -> None:
-        if not self.is_headless:
-            self._departure.on_signals()
-        self.app_resume_signal.subscribe(self, lambda _: self.repaint())
         self.robot.subscribe(self._take)
         self.set_interval(1.0, self.tick)
         if self._failed_before:
@@ -171,6 +152,8 @@ class ArchoApp(App[None]):
         typing = isinstance(self.focused, Input)
         if action == "leave_field":
             return typing and self.screen is self.main
+        if action == "move":
+            return isinstance(self.focused, Rows)
         if action != "command":
             return super().check_action(action, parameters)
         command = self._command(str(parameters[0]))
@@ -238,6 +221,11 @@ class ArchoApp(App[None]):
             self.copy_to_clipboard(text)
         return bool(text)
 
+    def action_move(self, key: str) -> None:
+        """Move the cursor of the list that has the focus."""
+        if isinstance(self.focused, Rows):
+            self.focused.press(key)
+
     def action_leave_field(self) -> None:
         """Out of a field, to where the focus was."""
         self.main.focus_back()
@@ -266,50 +254,7 @@ class ArchoApp(App[None]):
         """Set parameters of a node, all or none; what was done can be undone."""
         return await self.edits.set_parameters(self.robot, node, values)
 
-    def watch_theme(self, before: str, theme: str) -> None:
-        """Remember a theme that the operator chose."""
-
-        async def write() -> None:
-            try:
-                await asyncio.to_thread(remember, theme)
-            except OSError as error:
-                self.notify(f"The theme is not remembered: {error.strerror}", markup=False)
-
-        if self.main.is_mounted and before != theme:
-            self.run_worker(write(), group="theme", exclusive=True)
-
-    # the end
-
     @property
     def attached(self) -> bool:
         """True when the robot lives on without this process."""
         return self._session.options.attach
-
-    def get_driver_class(self) -> type[Driver]:
-        chosen = super().get_driver_class()
-        if chosen.__name__ != "LinuxDriver":  # a browser, a test, Windows
-            return chosen
-        from archo_tui.driver import SteadyDriver
-
-        return SteadyDriver
-
-    def repaint(self) -> None:
-        """Draw everything anew: the terminal may show something else."""
-        if self.is_running and self.main.is_mounted:
-            self.screen.refresh(layout=True)
-            self.refresh()
-
-    def _handle_exception(self, error: Exception) -> None:
-        """Textual's end of the screen, without its report: the next screen shows it."""
-        if self.is_headless:
-            super()._handle_exception(error)  # tests are told
-            return
-        if self._exit:  # what comes while the screen is taken down is of no account
-            return
-        self.failure = self.failure or "".join(traceback.format_exception(error))
-        self._return_code = 1
-        self._close_messages_no_wait()
-
-    def hang_up(self) -> None:
-        """The terminal is gone."""
-        self._departure.begin(128 + signal.SIGHUP)

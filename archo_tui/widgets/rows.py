@@ -28,14 +28,9 @@ def pad(text: str, width: int) -> str:
 class Rows(ScrollView, Generic[T], can_focus=True):
     """Items by the thousand cost what the seen ones cost; the cursor stays with its item."""
 
-    BINDINGS = [
-        ("up", "move(-1)", "Up"),
-        ("down", "move(1)", "Down"),
-        ("pageup", "page(-1)", "Page up"),
-        ("pagedown", "page(1)", "Page down"),
-        ("home,ctrl+home", "edge(0)", "First"),
-        ("end,ctrl+end", "edge(-1)", "Last"),
-    ]
+    # the app binds these with priority, so that `down` is done before the `s` behind it acts: a key
+    # that is left to a widget waits in the widget's queue
+    KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
 
     def __init__(
         self,
@@ -139,20 +134,18 @@ class Rows(ScrollView, Generic[T], can_focus=True):
 
     # the cursor
 
-    def action_move(self, by: int) -> None:
-        """Move the cursor by so many items."""
+    def press(self, key: str) -> None:
+        """Move the cursor by one of KEYS."""
+        page, all_of_them = max(self.size.height - 1, 1), len(self._items)
+        by = {"up": -1, "down": 1, "pageup": -page, "pagedown": page}
+        way = by.get(key, -all_of_them if key.endswith("home") else all_of_them)
+        self._move(way)
+
+    def _move(self, by: int) -> None:
         last = max(len(self._items) - 1, 0)
         self.cursor = min(max(self.cursor + by, 0), last)
         self._keep_cursor_in_sight()
         self.redraw()
-
-    def action_page(self, by: int) -> None:
-        """Move the cursor by a window."""
-        self.action_move(by * max(self.size.height - 1, 1))
-
-    def action_edge(self, index: int) -> None:
-        """Move the cursor to the first (0) or last (-1) item."""
-        self.action_move(len(self._items) if index else -len(self._items))
 
     async def on_click(self, event: events.Click) -> None:
         row = self.scroll_offset.y + event.y
@@ -160,7 +153,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
             return
         number = self._number_at(row)
         if number != self.cursor:
-            self.action_move(number - self.cursor)
+            self._move(number - self.cursor)
         elif self._action:
             await self.run_action(self._action)
 

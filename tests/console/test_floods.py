@@ -44,11 +44,11 @@ def flooding(op: Console, rate: float, publish: Callable[[int], None]) -> Iterat
 
 async def keys_answer(op: Console) -> None:
     """The main job by keys, while all that goes on."""
-    await op.press("r")
+    op.send("r")
     await op.until("reset encoder: Encoder reset to zero")
-    await op.press("g", "7", "enter")
+    op.send("g", "7", "enter")
     await op.until("Arrived at shelf 7")
-    await op.press("escape", "ctrl+x")
+    op.send("escape", "ctrl+x")
     await op.until(lambda: op.app.view.snapshot.motor.stopped)
 
 

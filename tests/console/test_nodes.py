@@ -131,3 +131,12 @@ async def test_nodes_elsewhere_are_not_started_or_stopped_from_here() -> None:
             await op.until("/guest does not run in this process")
         finally:
             other.destroy_node()
+
+
+async def test_keys_that_come_in_one_packet_act_on_the_row_that_they_lead_to() -> None:
+    async with console(*FAST) as op:
+        await op.until("● motor_controller")
+        op.send("5", "home", "down", "s")  # as over a slow link
+        await op.until("○ dashboard")
+        op.send("4", "home", "down", "enter")
+        await op.until(" battery_monitor low_battery_threshold ")

@@ -15,7 +15,7 @@ async def edit(op: Console, name: str, typed: str) -> None:
     await op.press("4")
     names = [p.name for p in op.app.view.snapshot.parameters]
     row = names.index(name)
-    await op.press("home", *["down"] * row, "enter")
+    op.send("home", *["down"] * row, "enter")
     await op.until(lambda: op.app.screen.query("#value") and f" {name} " in op.text)
     field = op.app.screen.query_one("#value", Input)
     field.value = ""

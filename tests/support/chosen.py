@@ -7,9 +7,10 @@ import os
 
 ENGINE = "embedded"
 
-# DDS allows for little more than 100 domains; each of two workers has its half of them
-_FIRST = 1 + 50 * (os.environ.get("PYTEST_XDIST_WORKER", "gw0") != "gw0")
-_domains = itertools.cycle(range(_FIRST, _FIRST + 49))
+# DDS allows for little more than 100 domains; each of four workers has its part of them
+_WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+_FIRST = 1 + 25 * (_WORKER % 4)
+_domains = itertools.cycle(range(_FIRST, _FIRST + 25))
 
 
 def next_domain() -> int:
