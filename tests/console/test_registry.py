@@ -13,6 +13,7 @@ from archo_tui.commands import COMMANDS
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, PANELS, Command
 from archo_tui.keymap import shown
 from tests.console.states import STATES
+from tests.support.console import send
 from tests.support.stub import stub_app
 
 README = Path(__file__).parent.parent.parent / "README.md"
@@ -71,7 +72,8 @@ async def test_every_key_works_where_the_table_says_and_nowhere_else(place: str)
                 there = (app.screen, app.focused)
                 app.action_command = record  # type: ignore[method-assign]
             ran.clear()
-            await pilot.press(command.key)
+            send(app, command.key)
+            await pilot.pause()
             assert (command.id in ran) == works(command, place, panel), (place, command.id, ran)
 
 

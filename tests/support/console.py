@@ -21,7 +21,13 @@ from tests.support.waiting import DEADLINE
 # the textbook's move in a tenth of the time
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0", "-p", "publish_period:=0.05")
 # slow enough to press keys during a move
-SLOW = ("-p", "feedback_period:=0.1", "-p", "time_scale:=7.5")
+SLOW = ("-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
+
+
+def send(app: ArchoApp, *keys: str) -> None:
+    """Press keys, all at once."""
+    for key in keys:
+        app.post_message(events.Key(key, key if len(key) == 1 else None))
 
 
 class Console:
@@ -52,8 +58,7 @@ class Console:
 
     def send(self, *keys: str) -> None:
         """Press keys without waiting for the screen to come to rest: it may never."""
-        for key in keys:
-            self.app.post_message(events.Key(key, key if len(key) == 1 else None))
+        send(self.app, *keys)
 
     async def type(self, text: str) -> None:
         """Type text, character by character."""
