@@ -75,14 +75,14 @@ async def picture(
         app.tick()
         await pilot.press(*keys)
         end = time.monotonic() + DEADLINE
-        last = ""
+        last: list[str] = []
         while True:
             await pilot.pause(0.02)
             app.tick()
-            now = normalised(app.export_screenshot(simplify=True))
-            if now == last and (len(app.screen_stack) == 2 or not dialog):
-                return now
-            last = now
+            lines = [strip.text for strip in app.screen._compositor.render_strips()]
+            if lines == last and (len(app.screen_stack) == 2 or not dialog):
+                return normalised(app.export_screenshot(simplify=True))
+            last = lines
             assert time.monotonic() < end, "the screen does not come to rest"
 
 
