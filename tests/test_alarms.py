@@ -114,7 +114,7 @@ def test_the_board_keeps_to_the_machine(state: State) -> None:
 
 
 def shown(board: AlarmBoard) -> str:
-    return banner(board.all(), "a").plain.strip()
+    return banner(board.all(), "a", 80).plain.strip()
 
 
 def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:

@@ -206,8 +206,11 @@ class Robot:
             return outcome
 
     def _look(self) -> None:
+        offered = self._census.offered
         if self._census.look():
             self._mark()
+        if STOP in self._census.offered - offered:
+            self._stop_asked = None  # another server: what it was not asked it cannot confirm
         self._telemetry.look()
         self._parameters.follow(self._census.names, self._census.services)
 

@@ -43,6 +43,9 @@ class RosThread:
             except Exception as error:
                 self._on_error(error)
 
+    def _end(self) -> None:
+        self._stopping = True
+
     def submit(self, function: Callable[[], Any]) -> None:
         """Run a function on the ROS thread and forget about it."""
         self.executor.create_task(function)
@@ -80,9 +83,9 @@ class RosThread:
 
     def stop(self, timeout: float = 3.0) -> bool:
         """End the thread and destroy the node; False when a callback did not return in time (s)."""
-        self._stopping = True
         if self._thread.is_alive():
-            self.executor.create_task(lambda: None)  # wake() alone does not end spin_once()
+            # as a task, so that those before it have begun: rclpy complains of those that have not
+            self.executor.create_task(self._end)
             self._thread.join(timeout)
             if self._thread.is_alive():
                 return False

@@ -23,7 +23,7 @@ def clock(view: View) -> Content:
     return Content.styled(f"{time_of_day(view.time)} ", "bold")
 
 
-def banner(alarms: tuple[Alarm, ...], key: str) -> Content:
+def banner(alarms: tuple[Alarm, ...], key: str, width: int) -> Content:
     """The alarm that matters most, and how many more there are; shelved ones are only counted."""
     shown = [alarm for alarm in alarms if alarm.state != State.SHELVED]
     shelved = f"   {len(alarms) - len(shown)} shelved" if len(shown) < len(alarms) else ""
@@ -39,7 +39,9 @@ def banner(alarms: tuple[Alarm, ...], key: str) -> Content:
     if alarm.acknowledged:
         return Content(line)
     style = "$text-error" if alarm.priority == Priority.HIGH else "$text-warning"
-    hint = Content.from_markup(f"   [@click=app.command('acknowledge')]({key} acknowledge)[/]")
+    words = f"({key} acknowledge)"
+    words = words if len(line) + len(words) + 3 <= width else f"({key})"
+    hint = Content.from_markup(f"   [@click=app.command('acknowledge')]{words}[/]")
     return Content.assemble((line, f"bold {style}"), hint)
 
 

@@ -138,5 +138,6 @@ async def test_keys_that_come_in_one_packet_act_on_the_row_that_they_lead_to() -
         await op.until("● motor_controller")
         op.send("5", "home", "down", "s")  # as over a slow link
         await op.until("○ dashboard")
+        second = op.app.view.snapshot.parameters[1]
         op.send("4", "home", "down", "enter")
-        await op.until(" battery_monitor low_battery_threshold ")
+        await op.until(f" {second.node.lstrip('/')} {second.name} ")

@@ -56,7 +56,7 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
         await op.until("✗ ABORTED      the robot knows this goal no more", deadline=30)
         await op.press("7", "enter")  # the field still has the focus
         await op.until("Arrived at shelf 7", deadline=30)
-        await op.until("feedback_period          0.05 *")  # the new one's parameters, too
+        await op.until("feedback_period           0.05 *")  # the new one's parameters, too
 
 
 async def test_the_textbooks_own_nodes_are_operated(processes: Processes) -> None:
