@@ -112,7 +112,7 @@ class Host:
             old = self._find(name)
             if old.state.life == Life.UP:
                 return Outcome(False, f"{name} is running")
-            if old.state.life == Life.STUCK and not old.stop():
+            if not old.stop():  # it may be stuck; one that has crashed gives back what it holds
                 return Outcome(False, f"{name} does not stop: its callback does not return")
             return self._spin(old.anew, f"{name} started", instead_of=old)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen
 from textual.widgets import Button, Static
@@ -26,7 +26,8 @@ class Confirm(ModalScreen[str]):
     def compose(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
             box.border_title = self._title
-            yield Static(Content(self._question))
+            with VerticalScroll(classes="question", can_focus=False):
+                yield Static(Content(self._question))
             with Horizontal(classes="answers"):
                 for number, answer in enumerate(self._answers):
                     yield Button(answer, id=f"answer-{number}", compact=True)

@@ -1,0 +1,90 @@
+"""The writer between the screen and a terminal: bounded, whole frames, the modes always."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from archo_tui.driver import MAX_WAITING, Writer
+from tests.support.waiting import wait_until
+
+
+class Pipe:
+    """A terminal that reads when told."""
+
+    def __init__(self) -> None:
+        self.read_end, write_end = os.pipe()
+        self.drained, self.dead = threading.Event(), threading.Event()
+        self.writer = Writer(write_end, self.drained.set, self.dead.set)
+        self.writer.start()
+        self.write_end = write_end
+
+    def read(self, end: bytes) -> bytes:
+        """Everything up to an end."""
+        data = b""
+        while not data.endswith(end):
+            data += os.read(self.read_end, 65536)
+        return data
+
+    def close(self) -> None:
+        self.writer.kill()
+        for descriptor in (self.read_end, self.write_end):
+            if descriptor >= 0:
+                os.close(descriptor)
+
+
+@pytest.fixture
+def pipe() -> Iterator[Pipe]:
+    made = Pipe()
+    yield made
+    made.close()
+
+
+def frame(number: int) -> str:
+    return f"<{number:05}{'x' * 10_000}>"
+
+
+def test_what_is_read_at_once_comes_whole_and_in_order(pipe: Pipe) -> None:
+    pipe.writer.write("a")
+    pipe.writer.write("b")
+    assert pipe.read(b"b") == b"ab"
+    assert not pipe.drained.is_set()
+
+
+def test_frames_are_dropped_whole_and_the_screen_is_told_when_there_is_room(pipe: Pipe) -> None:
+    for number in range(1000):
+        pipe.writer.write(frame(number))
+        assert pipe.writer._size <= MAX_WAITING
+    pipe.writer.write("<modes>", keep=True)
+    seen = pipe.read(b"<modes>").decode()
+    numbers = [int(part[:5]) for part in seen.split("<")[1:-1]]
+    assert numbers == list(range(len(numbers)))
+    assert len(numbers) < 20
+    assert all(len(part) == 10_006 for part in seen.split("<")[1:-1])
+    wait_until(pipe.drained.is_set)
+    pipe.writer.write("<now>")
+    assert pipe.read(b">") == b"<now>"
+
+
+def test_a_terminal_that_is_gone_is_told_once_and_takes_everything(pipe: Pipe) -> None:
+    os.close(pipe.read_end)
+    pipe.read_end = -1
+    pipe.writer.write("a")
+    wait_until(pipe.dead.is_set)
+    for number in range(100):
+        pipe.writer.write(frame(number), keep=True)
+    assert pipe.writer._size == 0
+    pipe.writer.stop()
+    assert not pipe.writer.is_alive()
+
+
+def test_the_end_waits_for_what_is_read_and_not_for_what_is_not(pipe: Pipe) -> None:
+    for number in range(8):  # more than a pipe takes
+        pipe.writer.write(frame(number))
+        wait_until(lambda: pipe.writer._size == 0)
+    pipe.writer.stop()
+    assert pipe.writer.is_alive()  # it still holds what nobody reads, and nobody waits for it
+    pipe.read(b">")
