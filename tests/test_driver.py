@@ -82,7 +82,7 @@ def test_a_terminal_that_is_gone_is_told_once_and_takes_everything(pipe: Pipe) -
 
 
 def test_the_end_waits_for_what_is_read_and_not_for_what_is_not(pipe: Pipe) -> None:
-    for number in range(8):  # more than a pipe takes
+    for number in range(7):  # more than a pipe takes
         pipe.writer.write(frame(number))
         wait_until(lambda: pipe.writer._size == 0)
     pipe.writer.stop()
