@@ -36,6 +36,7 @@ HOSTED = (
 def _utc(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TZ", "UTC")
     monkeypatch.setenv("LC_ALL", "C.UTF-8")
+    monkeypatch.chdir("/")  # a dialog names the folder
     time.tzset()
 
 
