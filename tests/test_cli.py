@@ -124,6 +124,14 @@ def test_attach_needs_the_real_ros() -> None:
     assert "--attach needs --engine ros2" in refused("--attach")
 
 
+def test_leaving_a_goal_running_needs_a_robot_elsewhere() -> None:
+    assert refused("--on-disconnect", "leave").startswith("--on-disconnect leave needs --attach")
+
+
+def test_the_journals_path_is_printed() -> None:
+    assert archo("--journal").stdout.endswith("/state/archo-tui/journal.jsonl\n")
+
+
 @pytest.mark.parametrize(
     "words",
     [
