@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from textual.app import SystemCommand
@@ -118,8 +119,10 @@ class ArchoApp(TerminalApp):
         self._session.alarmed(self._alarms.update(found, now, self._clock.now()))
         self.view = self._view()
         if self.is_running and self.main.is_mounted:  # neither before nor behind the screen's life
+            blocked = frozenset(c.id for c in self.registry if self.blocked(c))
+            self.view = replace(self.view, blocked=blocked)
             footer = [
-                (c.id, c.footer_key or self.view.key(c.id), c.footer, bool(self.blocked(c)))
+                (c.id, c.footer_key or self.view.key(c.id), c.footer, c.id in blocked)
                 for c in self.registry
                 if c.footer
             ]

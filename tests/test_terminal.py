@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import re
 import signal
@@ -206,3 +207,17 @@ def test_after_kill_9_the_last_completed_command_is_in_the_journal(
     terminal.kill(signal.SIGKILL)
     assert terminal.exit_code() == -signal.SIGKILL
     assert journaled()[-1]["text"] == "reset encoder: Encoder reset to zero"
+
+
+def test_a_command_is_copied_through_the_terminal(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("r")
+    terminal.until("Encoder reset to zero")
+    terminal.write("6y")
+    command = 'ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder "{}"'
+    copied = base64.b64encode(command.encode()).decode()
+    terminal.until(lambda: f"\x1b]52;c;{copied}\a".encode() in terminal.output)  # OSC 52
+    terminal.write("q")
+    assert terminal.exit_code() == 0

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 from textual.app import ComposeResult
 from textual.containers import Vertical
-from textual.screen import ModalScreen
 
 from archo_tui.alarms import SHELF_TIME, Alarm, State
 from archo_tui.clock import time_of_day
+from archo_tui.screens.dialog import Dialog
 from archo_tui.widgets.rows import Rows, Text
 from archo_tui.widgets.view import View
 
@@ -26,7 +26,7 @@ def alarm_lines(alarm: Alarm, _width: int) -> list[Text]:
     return [(head, style), (f"        {alarm.text}", style)]
 
 
-class AlarmList(ModalScreen[None]):
+class AlarmList(Dialog[None]):
     """Acknowledge one or all, shelve one for a while; escape closes it."""
 
     BINDINGS = [
@@ -85,4 +85,4 @@ class AlarmList(ModalScreen[None]):
 
     def action_close(self) -> None:
         """Back to where the focus was."""
-        self.dismiss(None)
+        self.end()

@@ -8,11 +8,12 @@ from pathlib import Path
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
-from textual.screen import ModalScreen
 from textual.widgets import Button, Input, Static
 
+from archo_tui.screens.dialog import Dialog
 
-class AskPath(ModalScreen[None]):
+
+class AskPath(Dialog[None]):
     """`work(path)` returns what is in the way, or an empty string when it is done."""
 
     BINDINGS = [("escape", "close", "Close")]
@@ -54,7 +55,7 @@ class AskPath(ModalScreen[None]):
 
     def action_close(self) -> None:
         """Leave things as they are."""
-        self.dismiss(None)
+        self.end()
 
     def _submit(self) -> None:
         typed = self.query_one("#path", Input).value.strip()
@@ -70,7 +71,7 @@ class AskPath(ModalScreen[None]):
         if said:
             self._say(said)
         else:
-            self.dismiss(None)
+            self.end()
 
     def _say(self, text: str) -> None:
         self.query_one(".error", Static).update(Content(text))

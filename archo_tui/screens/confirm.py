@@ -5,11 +5,12 @@ from __future__ import annotations
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.screen import ModalScreen
 from textual.widgets import Button, Static
 
+from archo_tui.screens.dialog import Dialog
 
-class Confirm(ModalScreen[str]):
+
+class Confirm(Dialog[str]):
     """Ends with the words of the answer; escape gives the safe one."""
 
     BINDINGS = [("escape", "safe", "Safe answer")]
@@ -36,8 +37,8 @@ class Confirm(ModalScreen[str]):
         self.query_one("#answer-0").focus()
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
-        self.dismiss(str(event.button.label))
+        self.end(str(event.button.label))
 
     def action_safe(self) -> None:
         """Change nothing."""
-        self.dismiss(self.safe)
+        self.end(self.safe)

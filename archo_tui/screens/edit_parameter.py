@@ -9,15 +9,15 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.markup import escape
-from textual.screen import ModalScreen
 from textual.widgets import Button, Input, Static
 
 from archo_tui.robot.events import harmless
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.values import parse, range_text, text_of
+from archo_tui.screens.dialog import Dialog
 
 
-class EditParameter(ModalScreen[None]):
+class EditParameter(Dialog[None]):
     """Stays open, with the reason shown, until the node has taken the value or esc is pressed."""
 
     BINDINGS = [("escape", "close", "Close")]
@@ -68,7 +68,7 @@ class EditParameter(ModalScreen[None]):
 
     def action_close(self) -> None:
         """Leave the value as it is."""
-        self.dismiss(None)
+        self.end()
 
     def _submit(self) -> None:
         if self._sending:
@@ -86,7 +86,7 @@ class EditParameter(ModalScreen[None]):
         outcome = await self._send(value)
         self._sending = False
         if outcome.ok:
-            self.dismiss(None)
+            self.end()
         else:
             self._say(outcome.text)
 

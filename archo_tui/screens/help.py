@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.content import Content
-from textual.screen import ModalScreen
 from textual.widgets import Static
+
+from archo_tui.screens.dialog import Dialog
 
 if TYPE_CHECKING:
     from archo_tui.commands.base import Command
@@ -22,7 +23,7 @@ _INTRODUCTION = (
 )
 
 
-class Help(ModalScreen[None]):
+class Help(Dialog[None]):
     """One line a command, with the reason when it cannot run now."""
 
     BINDINGS = [("escape,question_mark,q", "close", "Close")]
@@ -56,4 +57,4 @@ class Help(ModalScreen[None]):
 
     def action_close(self) -> None:
         """Back to where the focus was."""
-        self.dismiss(None)
+        self.end()

@@ -6,11 +6,12 @@ from textual.app import ComposeResult
 from textual.containers import VerticalScroll
 from textual.content import Content
 from textual.markup import escape
-from textual.screen import ModalScreen
 from textual.widgets import Static
 
+from archo_tui.screens.dialog import Dialog
 
-class ShowText(ModalScreen[None]):
+
+class ShowText(Dialog[None]):
     """Scrolls; escape, enter or q closes it."""
 
     BINDINGS = [("escape,enter,q", "close", "Close")]
@@ -27,4 +28,4 @@ class ShowText(ModalScreen[None]):
 
     def action_close(self) -> None:
         """Back to where the focus was."""
-        self.dismiss(None)
+        self.end()

@@ -22,6 +22,7 @@ class View:
     alarms: tuple[Alarm, ...] = ()
     hosted: tuple[Hosted, ...] = ()  # the nodes of this process
     keys: Mapping[str, str] = field(default_factory=dict)  # of each command, as a person reads it
+    blocked: frozenset[str] = frozenset()  # commands that cannot run now
 
     def key(self, command: str) -> str:
         """The key of a command, by its id."""

@@ -120,3 +120,28 @@ async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
         await op.until("move_to_shelf is not offered by any node")
         assert op.app.query_one("#shelf", Input).value == "12"
         assert op.focused_panel == 3
+
+
+async def test_keys_that_are_pressed_twice_end_a_dialog_once() -> None:
+    async with console(*FAST) as op:
+        for opening, ending in (
+            (["question_mark"], "escape"),
+            (["A"], "q"),
+            (["4", "enter"], "escape"),
+            (["4", "ctrl+s"], "escape"),
+            (["5", "enter"], "enter"),
+        ):
+            await op.press(*opening)
+            await op.until(lambda: op.app.screen is not op.app.main)
+            op.send(ending, ending)
+            await op.until(lambda: op.app.screen is op.app.main)
+            await op.pilot.pause()
+            while op.app.screen is not op.app.main:  # the second may have opened another
+                await op.press("escape")
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        await op.press("R")
+        await op.until("Release the stop?")
+        op.send("enter", "enter", "enter")
+        await op.until(lambda: op.app.screen is op.app.main)
+        assert "✗ STOPPED" in op.text

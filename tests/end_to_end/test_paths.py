@@ -130,11 +130,12 @@ def test_a_storm_of_sizes_breaks_nothing(tmux: Tmux) -> None:
 
 
 def test_kill_9_leaves_the_journal_whole(tmux: Tmux) -> None:
-    tmux.start(f"{ARCHO} {SLOW}")
+    words = f"{SLOW} -p route_length:=77.0"
+    tmux.start(f"{ARCHO} {words}")
     tmux.until("wheel_radius")
     tmux.type("r")
     tmux.until("Encoder reset to zero")
-    (pid,) = running(SLOW)
+    (pid,) = running(words)
     os.kill(pid, signal.SIGKILL)
     tmux.until("ENDED 137")
     assert said()[-1] == "reset encoder: Encoder reset to zero"
