@@ -23,7 +23,7 @@ from archo_tui.widgets.view import View
 class MainScreen(Screen[None]):
     """Lays the panels out for the terminal's size and hands them every new view."""
 
-    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (110, "-normal"), (150, "-wide")]
+    HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (150, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (30, "-tall")]
 
     _before: Widget | None = None  # had the focus before a panel was asked for
@@ -89,6 +89,16 @@ class MainScreen(Screen[None]):
             self.remove_class("-full")
         self._before = self.focused
         self.query_one(f"#panel-{number}", Panel).take_focus()
+        self.call_after_refresh(self._show_focused)
+
+    def on_resize(self) -> None:
+        self.call_after_refresh(self._show_focused)
+
+    def _show_focused(self) -> None:
+        """Where not all panels have room, the one with the focus is seen whole."""
+        for panel in self.query(Panel):
+            if panel.number == self.focused_panel:
+                panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:
         """Out of a field: focus what had it before, or the parameters."""

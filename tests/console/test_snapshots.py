@@ -175,6 +175,14 @@ async def test_without_colour_every_word_stays(
     compare(request, "no colour 80x24", svg)
 
 
+@pytest.mark.parametrize("panel", "123456")
+async def test_a_tiny_terminal_shows_the_focused_panel_between_header_and_footer(
+    request: pytest.FixtureRequest, panel: str
+) -> None:
+    svg = await picture(STATES["battery low and moving"], (40, 10), panel)
+    compare(request, f"tiny panel {panel}", svg)
+
+
 @pytest.mark.parametrize("size", [(40, 10), (20, 5), (79, 23), (300, 80)])
 async def test_odd_sizes_break_nothing(size: tuple[int, int]) -> None:
     app = stub_app(STATES["battery low and moving"])
