@@ -7,7 +7,7 @@ import contextlib
 import os
 import sys
 import threading
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Coroutine
 from typing import TYPE_CHECKING, TextIO
 
 from archo_tui.alarms import conditions
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from archo_tui.session import Session
 
 _SHOWN_LEVELS = ("YOU", "WARN", "ERROR", "FATAL")
+_STOP = ["stop"]
 _WAIT = 5.0  # s for the robot to be there before a command is tried
 
 HELP = """\
@@ -51,6 +52,8 @@ class Plain:
         self._told: set[tuple[float, str, str]] = set()
         self._goal: Goal | None = None
         self._failed = self._go_failed = False
+        self._stopping = 0  # stops that were asked for and are not answered
+        self._tasks: list[asyncio.Future[None]] = []
         on_disconnect = session.options.on_disconnect
         self._departure = Departure(self._robot, on_disconnect, self._finish)
         self._changed = asyncio.Event()
@@ -63,11 +66,25 @@ class Plain:
         loop = asyncio.get_running_loop()
         self._departure.on_signals()
         threading.Thread(target=self._listen, args=(loop,), name="stdin", daemon=True).start()
-        tasks = [asyncio.create_task(work()) for work in (self._serve, self._tick)]
-        code = await self._end
-        for task in tasks:
-            task.cancel()
-        return code
+        for work in (self._serve, self._tick):
+            self._start(work())
+        try:
+            return await self._end
+        finally:
+            for task in self._tasks:
+                task.cancel()
+
+    def _start(self, work: Coroutine[None, None, None]) -> None:
+        """Do it beside the rest; what it raises ends the whole."""
+        task = asyncio.ensure_future(work)
+        self._tasks.append(task)
+
+        def ended(task: asyncio.Future[None]) -> None:
+            error = None if task.cancelled() else task.exception()
+            if error is not None and not self._end.done():
+                self._end.set_exception(error)
+
+        task.add_done_callback(ended)
 
     def _listen(self, loop: asyncio.AbstractEventLoop) -> None:
         """Its own thread; no buffered reader, which would hold up the end of the process."""
@@ -76,18 +93,20 @@ class Plain:
             while chunk := os.read(self._read, 4096):
                 *lines, rest = (rest + chunk).split(b"\n")
                 for line in lines:
-                    loop.call_soon_threadsafe(self._typed.put_nowait, line.decode(errors="replace"))
+                    loop.call_soon_threadsafe(self._heard, line.decode(errors="replace"))
             for last in (rest.decode(errors="replace"), None):
-                loop.call_soon_threadsafe(self._typed.put_nowait, last)
+                loop.call_soon_threadsafe(self._heard, last)
+
+    def _heard(self, line: str | None) -> None:
+        self._typed.put_nowait(line)
+        if line is not None and line.split() == _STOP:  # does not wait for what was typed before
+            self._start(self._run(_STOP))
 
     async def _serve(self) -> None:
-        urgent = []
         while (line := await self._typed.get()) is not None and line.split() != ["quit"]:
-            if line.split() == ["stop"]:  # does not wait for what was typed before
-                urgent.append(asyncio.create_task(self._run(["stop"])))
-            elif line.strip():
+            if line.strip() and line.split() != _STOP:
                 await self._run(line.split())
-        await asyncio.gather(*urgent)
+        await self._until(lambda: not self._stopping)
         await self._until(lambda: self._goal is None or not self._goal.is_running)
         arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
         if not self._departure.has_begun:
@@ -111,7 +130,9 @@ class Plain:
 
     async def _run(self, typed: list[str]) -> None:
         verb, *rest = typed
+        self._stopping += typed == _STOP
         outcome = await self._do(verb, rest)
+        self._stopping -= typed == _STOP
         if outcome is not None and not outcome.ok:
             self._say(f"failed: {verb}: {outcome.text}")
             self._failed = self._failed or verb != "go"  # a goal may be tried again

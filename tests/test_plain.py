@@ -97,6 +97,15 @@ def test_stop_ends_the_goal_and_is_released() -> None:
     assert "go to shelf 7: accepted" in script.said
 
 
+def test_stop_does_not_wait_for_what_was_typed_before() -> None:
+    script = Script(*SLOW)
+    script.type("reset\n")
+    script.until("Encoder reset to zero")
+    assert script.end("go 12\nreset\nreset\nstop\n") == 1
+    said = script.said
+    assert said.index("STOP: Stopped") < said.rindex("reset encoder: Encoder reset to zero")
+
+
 def test_a_refused_goal_may_be_tried_again() -> None:
     script = Script(*FAST)
     assert script.end("go 99\ngo 7\n") == 0, script.said
