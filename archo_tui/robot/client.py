@@ -126,9 +126,14 @@ class Robot:
         route = self.snapshot.parameter("route_length")
         length = float(route.value) if route is not None else None
         command = ros2_command.send_goal(self._names[MOVE], shelf)
-        return await self._do(
-            f"go to shelf {shelf}", command, lambda: self._goals.send(shelf, length)
-        )
+
+        async def go() -> Outcome:
+            outcome = await self._goals.send(shelf, length)
+            if outcome.ok:
+                self._stop_asked = None  # it drives: whatever became of the stop, it is past
+            return outcome
+
+        return await self._do(f"go to shelf {shelf}", command, go)
 
     async def cancel(self) -> Outcome:
         """Ask to cancel the running goal."""

@@ -43,6 +43,12 @@ class RosThread:
             except Exception as error:
                 self._on_error(error)
 
+    def _begin_to_end(self) -> None:
+        """Nothing new from here on; what is queued is begun: Python complains of what never is."""
+        for timer in self._node.timers:
+            timer.cancel()
+        self.executor.create_task(self._end)
+
     def _end(self) -> None:
         self._stopping = True
 
@@ -84,8 +90,7 @@ class RosThread:
     def stop(self, timeout: float = 3.0) -> bool:
         """End the thread and destroy the node; False when a callback did not return in time (s)."""
         if self._thread.is_alive():
-            # as a task, so that those before it have begun: rclpy complains of those that have not
-            self.executor.create_task(self._end)
+            self.executor.create_task(self._begin_to_end)
             self._thread.join(timeout)
             if self._thread.is_alive():
                 return False

@@ -29,13 +29,14 @@ class Operator:
         self.ros = ros
         self.motor: Any = ros.node(kind=MotorController, cli_args=["--ros-args", *FAST, *words])
         ros.spin(self.motor)
-        node = self.node = ros.spun("operator")
+        node = self.node = ros.node("operator")
         self.feedback: list[float] = []
         self.status: list[MotorStatus] = []
         self.log: list[tuple[int, str]] = []
         node.create_subscription(MotorStatus, "motor_status", self.status.append, 100)
         node.create_subscription(Log, "/rosout", lambda m: self.log.append((m.level, m.msg)), 100)
         self.action = ActionClient(node, MoveToShelf, "move_to_shelf")
+        ros.spin(node)  # not before: rclpy's action client is not ready while it is made
         assert self.action.wait_for_server(10.0)
         wait_until(lambda: self.status)
 

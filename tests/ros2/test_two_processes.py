@@ -39,6 +39,11 @@ async def test_what_nobody_offers_is_said_and_lights_up_when_it_comes(
 async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Processes) -> None:
     motor = processes.start(MOTOR, *SLOW)
     async with console(attach=True, domain_id=processes.domain, wait=False) as op:
+
+        def value(name: str) -> object:
+            parameter = op.app.view.snapshot.parameter(name)
+            return parameter and parameter.value
+
         await op.until("● IDLE")
         await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
         await op.press("g", "1", "2", "enter")
@@ -56,7 +61,8 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
         await op.until("✗ ABORTED      the robot knows this goal no more", deadline=30)
         await op.press("7", "enter")  # the field still has the focus
         await op.until("Arrived at shelf 7", deadline=30)
-        await op.until("feedback_period           0.05 *")  # the new one's parameters, too
+        await op.until(lambda: value("feedback_period") == 0.05)  # the new one's parameters, too
+        await op.until("● IDLE")  # and nothing more of the stop that the old one never heard
 
 
 async def test_the_textbooks_own_nodes_are_operated(processes: Processes) -> None:
