@@ -11,7 +11,6 @@ from action_msgs.srv import CancelGoal
 from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import Log
 from rclpy.action import (
-    ActionClient,
     ActionServer,
     CancelResponse,
     GoalResponse,
@@ -39,7 +38,7 @@ class Robot:
             **options,
         )
         self.executor = ros.spin(self.node)
-        self.client = ActionClient(ros.spun("client"), MoveToShelf, "move")
+        self.client = ros.action_client(MoveToShelf, "move")
         assert self.client.wait_for_server(10.0)
 
     async def execute(self, goal: Any) -> Any:
@@ -223,7 +222,7 @@ def test_a_blocking_execute_freezes_its_node_until_the_goal_ends(ros: Ros) -> No
         node, MoveToShelf, "move", execute, cancel_callback=lambda goal: CancelResponse.ACCEPT
     )
     ros.spin(node)
-    client = ActionClient(ros.spun("client"), MoveToShelf, "move")
+    client = ros.action_client(MoveToShelf, "move")
     assert client.wait_for_server(10.0)
     handle = ros.result(client.send_goal_async(MoveToShelf.Goal(shelf_number=1)))
     cancel = handle.cancel_goal_async()
@@ -246,7 +245,7 @@ def test_a_multi_threaded_executor_takes_a_cancel_during_a_blocking_execute(ros:
         node, MoveToShelf, "move", execute, cancel_callback=lambda goal: CancelResponse.ACCEPT
     )
     ros.spin(node, executor=MultiThreadedExecutor(4, context=ros.context))
-    client = ActionClient(ros.spun("client"), MoveToShelf, "move")
+    client = ros.action_client(MoveToShelf, "move")
     assert client.wait_for_server(10.0)
     handle = ros.result(client.send_goal_async(MoveToShelf.Goal(shelf_number=1)))
     assert len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1

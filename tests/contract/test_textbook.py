@@ -13,7 +13,6 @@ import rclpy
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import ResetEncoder
 from rcl_interfaces.msg import Log
-from rclpy.action import ActionClient
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -142,7 +141,7 @@ def test_the_client_spins_until_its_future_is_complete(
 def test_the_action_server_with_sleep_reports_and_arrives(listing: Listing, neighbour: Ros) -> None:
     listing.spin(move_action_server.MotorController)
     feedback: list[float] = []
-    client = ActionClient(neighbour.spun("operator"), MoveToShelf, "move_to_shelf")
+    client = neighbour.action_client(MoveToShelf, "move_to_shelf")
     assert client.wait_for_server(10.0)
     handle = neighbour.result(
         client.send_goal_async(

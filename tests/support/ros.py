@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import rclpy
+from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -67,6 +68,13 @@ class Ros:
         node = self.node(name, **options)
         self.spin(node)
         return node
+
+    def action_client(self, action_type: Any, action: str) -> ActionClient:
+        """A client on a node of its own, spun only when it is made: rclpy's is not ready before."""
+        node = self.node("action_client")
+        client = ActionClient(node, action_type, action)
+        self.spin(node)
+        return client
 
     def result(self, future: Any) -> Any:
         """The value of an rclpy future that a spun node will complete."""
