@@ -48,7 +48,8 @@ class Terminal:
             arguments = ["--engine", chosen.ENGINE, *words]
             start = f"from archo_tui.cli import main\nsys.exit(main({arguments!r}))"
             program = f"import sys\n{code}\n{start}"
-            os.execv(sys.executable, [sys.executable, "-c", program])
+            # readline may have put COLUMNS where only execv sees it
+            os.execve(sys.executable, [sys.executable, "-c", program], dict(os.environ))
 
     def read(self, seconds: float = 0.1) -> None:
         """Take what was drawn, if anything comes within that time."""
