@@ -51,6 +51,12 @@ def works(command: Command, place: str, panel: int) -> bool:
     return main and (command.where == NOT_TYPING or command.panel == panel)
 
 
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file dialog saves what is typed into it."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.mark.parametrize("place", PLACES)
 async def test_every_key_works_where_the_table_says_and_nowhere_else(place: str) -> None:
     ran: list[str] = []
