@@ -92,7 +92,7 @@ class Alarm:
     @property
     def priority(self) -> Priority:
         """How soon to act."""
-        return _PRIORITIES[self.name.partition(" /")[0]]
+        return _PRIORITIES[_kind(self.name)]
 
     @property
     def is_over(self) -> bool:
@@ -107,9 +107,13 @@ class Alarm:
     @property
     def rank(self) -> tuple[bool, bool, bool, int]:
         """Sorts what needs attention first to the front."""
-        kind = self.name.partition(" /")[0]
         shelved = self.state == State.SHELVED
-        return shelved, self.acknowledged, self.is_over, _ORDER.index(kind)
+        return shelved, self.acknowledged, self.is_over, _ORDER.index(_kind(self.name))
+
+
+def _kind(name: str) -> str:
+    """Without the node that it is about."""
+    return name.partition(" /")[0]
 
 
 def conditions(snapshot: Snapshot, now: float, hosted: Iterable[Hosted] = ()) -> dict[str, str]:
@@ -170,11 +174,10 @@ class AlarmBoard:
                 changed += self._change(alarm, Change.UNSHELVE, now)
         self._pending = {name: self._pending.get(name, monotonic) for name in found}
         for name, text in found.items():
-            kind = name.partition(" /")[0]
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
                 self._alarms[name] = replace(known, text=text)
-            elif monotonic - self._pending[name] >= ON_DELAY.get(kind, 0.0):
+            elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
                 raised = known or Alarm(name, text, now, State.NORMAL)
                 changed += self._change(replace(raised, text=text), Change.RAISED, now)
         for alarm in list(self._alarms.values()):

@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 CANCEL, LEAVE = "cancel", "leave"
-ON_DISCONNECT = (CANCEL, LEAVE)
 WAIT = 2.0  # s for the robot's answer; the process goes then in any case
 
 

@@ -34,12 +34,6 @@ def load(files: Sequence[Path]) -> list[Override]:
     return overrides
 
 
-def where(overrides: Iterable[Override], node: str, name: str) -> str:
-    """`file:line: ` of the override that a node got for a parameter, or an empty string."""
-    found = [o.where for o in overrides if o.name == name and matches(o.pattern, node)]
-    return f"{found[-1]}: " if found else ""
-
-
 def unknown(overrides: Iterable[Override], declared: dict[str, set[str]]) -> list[str]:
     """One line for each override that names no node, or no parameter of its node, with the nearest.
 

@@ -14,7 +14,7 @@ from archo_tui.alarms import Alarm, AlarmBoard
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
 from archo_tui.journal import Journal
-from archo_tui.leaving import LEAVE
+from archo_tui.leaving import CANCEL, LEAVE
 
 if TYPE_CHECKING:
     from archo_tui.host import Host
@@ -34,7 +34,7 @@ class Options:
     namespace: str = "/"
     ros_args: Sequence[str] = ()
     attach: bool = False  # host nothing: operate what is on the graph
-    on_disconnect: str = "cancel"  # what becomes of a running goal: cancel or leave
+    on_disconnect: str = CANCEL  # what becomes of a running goal: CANCEL or LEAVE
     domain_id: int | None = None
     node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
 

@@ -82,7 +82,3 @@ class AlarmList(Dialog[None]):
         """Silence the selected one for a while, or no longer."""
         if self._rows.item is not None:
             self._shelve(self._rows.item)
-
-    def action_close(self) -> None:
-        """Back to where the focus was."""
-        self.end()

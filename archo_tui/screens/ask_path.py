@@ -10,13 +10,13 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Button, Input, Static
 
-from archo_tui.screens.dialog import Dialog
+from archo_tui.screens.dialog import Form
 
 
-class AskPath(Dialog[None]):
+class AskPath(Form):
     """`work(path)` returns what is in the way, or an empty string when it is done."""
 
-    BINDINGS = [("escape", "close", "Close")]
+    submits = "go-on"
 
     def __init__(
         self, title: str, text: str, default: str, work: Callable[[Path], Awaitable[str]]
@@ -41,26 +41,10 @@ class AskPath(Dialog[None]):
     def on_mount(self) -> None:
         self.query_one("#path").focus()
 
-    def on_input_changed(self) -> None:
-        self._say("")
-
-    def on_input_submitted(self) -> None:
-        self._submit()
-
-    def on_button_pressed(self, event: Button.Pressed) -> None:
-        if event.button.id == "go-on":
-            self._submit()
-        else:
-            self.action_close()
-
-    def action_close(self) -> None:
-        """Leave things as they are."""
-        self.end()
-
-    def _submit(self) -> None:
+    def submit(self) -> None:
         typed = self.query_one("#path", Input).value.strip()
         if not typed or "\0" in typed:
-            self._say("type the name of a file")
+            self.say("type the name of a file")
         elif not self._working:
             self._working = True
             self.run_worker(self._try(Path(typed).expanduser()))
@@ -69,9 +53,6 @@ class AskPath(Dialog[None]):
         said = await self._work(path)
         self._working = False
         if said:
-            self._say(said)
+            self.say(said)
         else:
             self.end()
-
-    def _say(self, text: str) -> None:
-        self.query_one(".error", Static).update(Content(text))

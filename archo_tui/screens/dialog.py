@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
+from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
+from textual.widgets import Button, Static
 
 
 class Dialog(ModalScreen[ScreenResultType]):
@@ -12,3 +16,36 @@ class Dialog(ModalScreen[ScreenResultType]):
         """Close with a result. A second enter, or an answer that comes late, changes nothing."""
         if self.is_current:
             self.dismiss(result)
+
+    def action_close(self) -> None:
+        """Back to where the focus was, with nothing changed."""
+        self.end()
+
+
+class Form(Dialog[None]):
+    """A field and two buttons; stays open, with what is wrong in its `.error` line, until done."""
+
+    BINDINGS = [("escape", "close", "Close")]
+
+    submits: ClassVar[str]  # the id of the button that does what enter does
+    standing = ""  # what the line says while nothing is wrong with what was typed
+
+    def on_input_changed(self) -> None:
+        self.say(self.standing)
+
+    def on_input_submitted(self) -> None:
+        self.submit()
+
+    def on_button_pressed(self, event: Button.Pressed) -> None:
+        if event.button.id == self.submits:
+            self.submit()
+        else:
+            self.action_close()
+
+    def submit(self) -> None:
+        """Check what was typed, and do it."""
+        raise NotImplementedError
+
+    def say(self, text: str) -> None:
+        """What is wrong, or going on."""
+        self.query_one(".error", Static).update(Content(text))

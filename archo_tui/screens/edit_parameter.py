@@ -14,18 +14,20 @@ from textual.widgets import Button, Input, Static
 from archo_tui.robot.events import harmless
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.values import parse, range_text, text_of
-from archo_tui.screens.dialog import Dialog
+from archo_tui.screens.dialog import Form
 
 
-class EditParameter(Dialog[None]):
+class EditParameter(Form):
     """Stays open, with the reason shown, until the node has taken the value or esc is pressed."""
 
-    BINDINGS = [("escape", "close", "Close")]
+    submits = "set"
 
     def __init__(self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]]) -> None:
         super().__init__()
         self._parameter, self._send = parameter, send
         self._sending = False
+        if parameter.read_only:
+            self.standing = f"{parameter.name} is read-only: it can only be given at the start"
 
     def compose(self) -> ComposeResult:
         parameter = self._parameter
@@ -44,8 +46,7 @@ class EditParameter(Dialog[None]):
             field.cursor_blink = False
             field.disabled = parameter.read_only
             yield field
-            reason = f"{parameter.name} is read-only: it can only be given at the start"
-            yield Static(Content(reason if parameter.read_only else ""), classes="error")
+            yield Static(Content(self.standing), classes="error")
             with Horizontal(classes="answers"):
                 yield Button("Leave", id="leave", compact=True)
                 yield Button("Set", id="set", compact=True, disabled=parameter.read_only)
@@ -53,33 +54,16 @@ class EditParameter(Dialog[None]):
     def on_mount(self) -> None:
         self.query_one("#leave" if self._parameter.read_only else "#value").focus()
 
-    def on_input_changed(self) -> None:
-        if not self._parameter.read_only:
-            self._say("")
-
-    def on_input_submitted(self) -> None:
-        self._submit()
-
-    def on_button_pressed(self, event: Button.Pressed) -> None:
-        if event.button.id == "set":
-            self._submit()
-        else:
-            self.action_close()
-
-    def action_close(self) -> None:
-        """Leave the value as it is."""
-        self.end()
-
-    def _submit(self) -> None:
+    def submit(self) -> None:
         if self._sending:
             return
         try:
             value = parse(self._parameter, self.query_one("#value", Input).value)
         except ValueError as error:
-            self._say(str(error))
+            self.say(str(error))
             return
         self._sending = True
-        self._say("asking the node ...")
+        self.say("asking the node ...")
         self.run_worker(self._ask(value), exit_on_error=True)
 
     async def _ask(self, value: Any) -> None:
@@ -88,7 +72,4 @@ class EditParameter(Dialog[None]):
         if outcome.ok:
             self.end()
         else:
-            self._say(outcome.text)
-
-    def _say(self, text: str) -> None:
-        self.query_one(".error", Static).update(Content(text))
+            self.say(outcome.text)

@@ -54,7 +54,3 @@ class Help(Dialog[None]):
         if reason:
             return Content.assemble(key, (f"{text}: {reason}", "dim"))
         return Content.assemble(key, text)
-
-    def action_close(self) -> None:
-        """Back to where the focus was."""
-        self.end()

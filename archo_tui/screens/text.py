@@ -25,7 +25,3 @@ class ShowText(Dialog[None]):
             box.border_title = escape(self._title)
             box.border_subtitle = "esc close"
             yield Static(Content(self._text))
-
-    def action_close(self) -> None:
-        """Back to where the focus was."""
-        self.end()
