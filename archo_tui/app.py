@@ -1,36 +1,32 @@
-"""The Textual app: takes snapshots from the Robot, shows views, runs commands."""
+"""The Textual app: hands what the station says to the screen, and keys to the commands."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Coroutine, Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from textual.app import SystemCommand
 from textual.binding import Binding
 from textual.screen import Screen
 from textual.widgets import Input
 
-from archo_tui.alarms import Alarm, conditions
-from archo_tui.clock import Clock
 from archo_tui.commands import COMMANDS
 from archo_tui.commands.base import EVERYWHERE, Command
-from archo_tui.edits import Edits
-from archo_tui.keymap import shown_keys
+from archo_tui.commands.keymap import shown_keys
 from archo_tui.robot.state import Outcome, Snapshot
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.text import ShowText
-from archo_tui.terminal_app import TerminalApp
+from archo_tui.station import Station, View
+from archo_tui.terminal.app import TerminalApp
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.rows import Rows
-from archo_tui.widgets.view import View
 
-if TYPE_CHECKING:
-    from archo_tui.session import Session
+TICK = 1.0  # s between two looks at ages and the time of day
 
 
 class ArchoApp(TerminalApp):
@@ -45,8 +41,7 @@ class ArchoApp(TerminalApp):
 
     def __init__(
         self,
-        session: Session,
-        clock: Clock | None = None,
+        station: Station,
         keys: Mapping[str, str] | None = None,
         theme: str = "",
         failed: str = "",
@@ -55,18 +50,11 @@ class ArchoApp(TerminalApp):
 
         `failed` is the traceback that ended the screen before this one, to be shown.
         """
-        super().__init__(session.robot, session.options.on_disconnect, theme)
-        self.robot = session.robot
-        self.host = session.host
+        super().__init__(station, theme)
+        self.station = station
         self.registry = COMMANDS
         self.main = MainScreen()
-        self.edits = Edits()
         self._failed_before = failed
-        self._clock = clock or Clock()
-        self._session = session
-        self._alarms = session.alarms
-        self._snapshot = Snapshot()
-        self._second = self._clock.monotonic()
         self._keys = {command.id: command.key for command in COMMANDS} | dict(keys or {})
         self._shown_keys = shown_keys(self._keys)
         self._bind_commands()
@@ -75,7 +63,7 @@ class ArchoApp(TerminalApp):
     def _bind_commands(self) -> None:
         """All have priority, so that a key acts before the next one goes to whatever it focused.
 
-        Over a slow line several arrive at once. check_action takes the letters back while typing.
+        Over a slow line several arrive at once. check_action gives letters back to a field.
         App.bind knows no priority, and a keymap of Textual's drops what shares a key.
         """
         for command in self.registry:
@@ -90,10 +78,10 @@ class ArchoApp(TerminalApp):
         return self.main
 
     def on_mount(self) -> None:
-        self.robot.subscribe(self._take)
-        self.set_interval(1.0, self.tick)
+        self.station.robot.subscribe(self._take)
+        self.run_worker(self._tick_for_ever(), group="tick")
         if self._failed_before:
-            said = "The screen failed and was started anew; the nodes ran on."
+            said = "The screen crashed and was restarted; the nodes kept running."
             text = f"{said}\n\n{self._failed_before}"
             self.push_screen(ShowText("An error of the console", text))
 
@@ -101,54 +89,47 @@ class ArchoApp(TerminalApp):
         self.call_after_refresh(self.tick)
 
     def _take(self, snapshot: Snapshot) -> None:
-        self._snapshot = snapshot
+        self.station.take(snapshot)
         try:
-            self.show()
+            self._show()
         except Exception as error:  # called by the loop: Textual would not hear of it
             self._handle_exception(error)
 
-    def tick(self) -> None:
-        """A second has passed: show ages and the time anew."""
-        self._second = self._clock.monotonic()
-        self.show()
+    async def _tick_for_ever(self) -> None:
+        while True:
+            await self.station.clock.sleep(TICK)
+            self.tick()
 
-    def show(self) -> None:
-        """Show the newest snapshot at the time it is now."""
-        now = self._clock.monotonic()
-        found = conditions(self._snapshot, now, self.host.states())
-        self._session.alarmed(self._alarms.update(found, now, self._clock.now()))
+    def tick(self) -> None:
+        """A second has passed: bring ages and the time of day up to date."""
+        self.station.tick()
+        self._show()
+
+    def look(self) -> None:
+        """Something changed in this process: show it."""
+        self.station.look()
+        self._show()
+
+    def _show(self) -> None:
         self.view = self._view()
-        if self.is_running and self.main.is_mounted:  # neither before nor behind the screen's life
-            blocked = frozenset(c.id for c in self.registry if self.blocked(c))
-            self.view = replace(self.view, blocked=blocked)
-            footer = [
-                (c.id, c.footer_key or self.view.key(c.id), c.footer, c.id in blocked)
-                for c in self.registry
-                if c.footer
-            ]
-            self.main.show(self.view, footer)
-            for screen in self.screen_stack:
-                if isinstance(screen, AlarmList):
-                    screen.show(self.view)
+        if not (self.is_running and self.main.is_mounted):  # before or after the screen's life
+            return
+        blocked = frozenset(c.id for c in self.registry if self.blocked(c))
+        self.view = replace(self.view, blocked=blocked)
+        footer = [
+            (c.id, c.footer_key or self.view.key(c.id), c.footer, c.id in blocked)
+            for c in self.registry
+            if c.footer
+        ]
+        self.main.show(self.view, footer)
+        for screen in self.screen_stack:
+            if isinstance(screen, AlarmList):
+                screen.show(self.view)
 
     def _view(self) -> View:
-        return View(
-            self._snapshot,
-            self._clock.monotonic(),
-            self._second,
-            self._clock.now(),
-            self._session.engine,
-            self._session.options.namespace,
-            self._alarms.all(),
-            self.host.states(),
-            self._shown_keys,
-        )
+        return replace(self.station.view, keys=self._shown_keys)
 
-    # commands
-
-    def blocked(self, command: Command) -> str:
-        """Why a command cannot run now, or an empty string."""
-        return command.blocked(self)
+    # keys
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """False leaves the key to the field or dialog that has the focus."""
@@ -181,6 +162,15 @@ class ArchoApp(TerminalApp):
         if work is not None:
             self.run_worker(work, group=name)
 
+    def action_move(self, key: str) -> None:
+        """Move the cursor of the list that has the focus."""
+        if isinstance(self.focused, Rows):
+            self.focused.press(key)
+
+    def action_leave_field(self) -> None:
+        """Out of a field, to where the focus was."""
+        self.main.focus_back()
+
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """The palette: the registry, and what Textual brings."""
         for command in self.registry:
@@ -193,10 +183,15 @@ class ArchoApp(TerminalApp):
         brought = ("Theme", "Screenshot")
         yield from (c for c in super().get_system_commands(screen) if c.title in brought)
 
-    def tell(self, outcome: Outcome) -> None:
-        """Say it when a command failed; what it did is seen on the screen."""
-        if not outcome.ok:
-            self.notify(outcome.text, severity="error", markup=False)
+    # what a command may do with the console (commands/base.py)
+
+    def blocked(self, command: Command) -> str:
+        """Why a command cannot run now, or an empty string."""
+        return command.blocked(self)
+
+    def open(self, dialog: Screen[Any]) -> None:
+        """Show a dialog."""
+        self.push_screen(dialog)
 
     async def ask(self, question: Confirm) -> str:
         """Put a question and wait for the answer, the safe one if another is being asked."""
@@ -204,16 +199,18 @@ class ArchoApp(TerminalApp):
             return question.safe
         return str(await self.push_screen_wait(question))  # type: ignore[arg-type]
 
-    def acknowledge(self, alarms: list[Alarm]) -> None:
-        """The operator has seen these alarms."""
-        for alarm in alarms:
-            self._session.alarmed(self._alarms.acknowledge(alarm, self._clock.now()))
-        self.show()
+    def tell(self, outcome: Outcome) -> None:
+        """Say it when a command failed; what it did is seen on the screen."""
+        if not outcome.ok:
+            self.notify(outcome.text, severity="error", markup=False)
 
-    def shelve(self, alarm: Alarm) -> None:
-        """Silence an alarm for a while, or take it off the shelf."""
-        self._session.alarmed(self._alarms.shelve(alarm, self._clock.now()))
-        self.show()
+    def say(self, text: str, title: str = "") -> None:
+        """Say something that is not visible otherwise."""
+        self.notify(text, title=title, markup=False)
+
+    def copy(self, text: str) -> None:
+        """Put a text on the clipboard of the terminal."""
+        self.copy_to_clipboard(text)
 
     def copy_selection(self) -> bool:
         """Copy what is selected; False when nothing is."""
@@ -224,14 +221,9 @@ class ArchoApp(TerminalApp):
             self.copy_to_clipboard(text)
         return bool(text)
 
-    def action_move(self, key: str) -> None:
-        """Move the cursor of the list that has the focus."""
-        if isinstance(self.focused, Rows):
-            self.focused.press(key)
-
-    def action_leave_field(self) -> None:
-        """Out of a field, to where the focus was."""
-        self.main.focus_back()
+    def work(self, coroutine: Coroutine[Any, Any, None], group: str) -> None:
+        """Do it beside everything else."""
+        self.run_worker(coroutine, group=group)
 
     # what the panels ask for
 
@@ -239,7 +231,7 @@ class ArchoApp(TerminalApp):
         self.run_worker(self._send(message.shelf), group="send")
 
     async def _send(self, shelf: int) -> None:
-        outcome = await self.robot.go_to_shelf(shelf)
+        outcome = await self.station.robot.go_to_shelf(shelf)
         if outcome.ok:
             self.main.goal.query_one(Input).clear()
         self.main.goal.hint("" if outcome.ok else outcome.text)
@@ -249,15 +241,6 @@ class ArchoApp(TerminalApp):
         self.push_screen(
             EditParameter(
                 parameter,
-                lambda value: self.set_parameters(parameter.node, {parameter.name: value}),
+                lambda value: self.station.set_parameters(parameter.node, {parameter.name: value}),
             )
         )
-
-    async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none; what was done can be undone."""
-        return await self.edits.set_parameters(self.robot, node, values)
-
-    @property
-    def attached(self) -> bool:
-        """True when the robot lives on without this process."""
-        return self._session.options.attach

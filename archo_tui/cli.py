@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 from archo_tui import __version__, journal
 from archo_tui.errors import ArchoError
-from archo_tui.folders import config_file
-from archo_tui.terminal import guarded_stderr, log_file
+from archo_tui.paths import config_file
+from archo_tui.terminal.stderr import guarded_stderr, log_file
 
 if TYPE_CHECKING:
     from archo_tui.session import Session
@@ -109,8 +109,7 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
 
 def _keys() -> int:
     """The keymap as it is now, in the form of its file."""
-    from archo_tui import keymap
-    from archo_tui.commands import COMMANDS
+    from archo_tui.commands import COMMANDS, keymap
 
     path = config_file("keymap.yaml")
     keys = keymap.load(path, COMMANDS)
@@ -153,20 +152,20 @@ def _plain(session: Session) -> int:
     from archo_tui import plain
 
     session.start()
-    return plain.run(session)
+    return plain.run(session.station)
 
 
 def _console(session: Session) -> int:
     _need_terminal()
-    from archo_tui import keymap, themes
     from archo_tui.app import ArchoApp
-    from archo_tui.commands import COMMANDS
+    from archo_tui.commands import COMMANDS, keymap
+    from archo_tui.terminal import themes
 
     keys = keymap.load(config_file("keymap.yaml"), COMMANDS)
     session.start()
     failed, failures = "", 0
     while True:
-        app = ArchoApp(session, keys=keys, theme=themes.remembered(), failed=failed)
+        app = ArchoApp(session.station, keys=keys, theme=themes.remembered(), failed=failed)
         with guarded_stderr(log_file()):
             app.run()
         if not app.failure:

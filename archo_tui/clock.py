@@ -1,21 +1,46 @@
-"""The time, as an object: tests move it."""
+"""The time, as an object that everything asks which decides by time: a test puts its own there."""
 
 from __future__ import annotations
 
+import asyncio
 import time
+from collections.abc import Awaitable
 from datetime import datetime
+from typing import TypeVar
+
+T = TypeVar("T")
 
 
 class Clock:
     """The machine's own time."""
 
     def monotonic(self) -> float:
-        """Seconds that only grow; for ages."""
+        """Seconds that only grow; for ages and deadlines."""
         return time.monotonic()
 
     def now(self) -> float:
         """Unix time; for the time of day."""
         return time.time()
+
+    async def sleep(self, seconds: float) -> None:
+        """Let that many seconds pass."""
+        await asyncio.sleep(seconds)
+
+    async def wait_for(self, awaitable: Awaitable[T], seconds: float | None) -> T:
+        """The value of `awaitable`. Raises TimeoutError when `seconds` pass before it is there."""
+        work = asyncio.ensure_future(awaitable)
+        over = asyncio.ensure_future(self._never() if seconds is None else self.sleep(seconds))
+        try:
+            await asyncio.wait({work, over}, return_when=asyncio.FIRST_COMPLETED)
+            if not work.done():
+                raise TimeoutError
+            return work.result()
+        finally:
+            over.cancel()
+            work.cancel()
+
+    async def _never(self) -> None:
+        await asyncio.get_running_loop().create_future()
 
 
 def time_of_day(unix_time: float) -> str:

@@ -27,7 +27,7 @@ _GET_INTERFACES = (
     "pip install ./interfaces, or colcon build --packages-select archo_interfaces and source "
     "install/setup.bash"
 )
-# what the robot's own nodes need; a robot elsewhere may do with less
+# what the robot's own nodes need; a robot elsewhere may need less
 _NEEDED = {
     "msg": ("BatteryStatus", "MotorStatus"),
     "srv": ("EmergencyStop", "ResetEncoder"),
@@ -54,19 +54,19 @@ def activate(name: str, *, hosting: bool = True) -> None:
 
 def _activate_ros2(hosting: bool) -> None:
     if embedded.is_installed():
-        raise ArchoError("cannot use ROS 2: this process uses the embedded engine already")
+        raise ArchoError("cannot use ROS 2: this process already uses the embedded engine")
     if importlib.util.find_spec("rclpy") is None:
-        raise ArchoError(f"ROS 2 is not here (no module rclpy): {_GET_ROS}")
+        raise ArchoError(f"ROS 2 was not found (no module rclpy): {_GET_ROS}")
     try:
         importlib.import_module("rclpy")
     except Exception as error:
-        raise ArchoError(f"ROS 2 does not start ({_first_line(error)}): {_GET_ROS}") from None
+        raise ArchoError(f"ROS 2 cannot be loaded ({_first_line(error)}): {_GET_ROS}") from None
     if importlib.util.find_spec("archo_interfaces") is None:
         raise ArchoError(f"archo_interfaces is not installed: {_GET_INTERFACES}")
     missing = _missing_interfaces()
     if hosting and missing:
         raise ArchoError(
-            f"archo_interfaces is stale, it lacks {', '.join(missing)}: {_GET_INTERFACES}"
+            f"archo_interfaces is out of date, it lacks {', '.join(missing)}: {_GET_INTERFACES}"
         )
     if "action/MoveToShelf" in missing:
         raise ArchoError(f"archo_interfaces lacks action/MoveToShelf: {_GET_INTERFACES}")

@@ -1,19 +1,21 @@
-"""Runs nodes in this process, each spun in a thread of its own; one that fails fails alone."""
+"""Runs nodes in this process, each spun in its own thread; one that fails does so alone."""
 
 from __future__ import annotations
 
 import threading
-import traceback
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
 from typing import Any
 
+import rclpy
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
+import archo_tui
 from archo_tui.robot.state import Hosted, Life, Outcome
+from archo_tui.tracebacks import own_frames
 
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take at the end
 
@@ -46,7 +48,7 @@ class HostedNode:
         """Begin to spin."""
         self._thread.start()
 
-    def anew(self) -> HostedNode:
+    def again(self) -> HostedNode:
         """Another node of the same kind and name, as it was at the start."""
         return HostedNode(self.make, self._context, self._on_change, self._rename)
 
@@ -60,13 +62,12 @@ class HostedNode:
             self._executor.remove_node(self.node)
             self.node.destroy_node()
             said = f"{type(error).__name__}: {error}".rstrip(": ")
-            self.state = replace(
-                self.state, life=Life.CRASHED, error=said, traceback=traceback.format_exc()
-            )
+            report = own_frames(error, rclpy, archo_tui)
+            self.state = replace(self.state, life=Life.CRASHED, error=said, traceback=report)
             self._on_change(self)
 
     def stop(self) -> bool:
-        """End the thread and destroy the node; False when a callback did not return in time."""
+        """End the thread and destroy the node; False when a callback does not return in time."""
         self._stopping = True
         if self._thread.is_alive():
             self._executor.create_task(lambda: None)
@@ -82,17 +83,17 @@ class HostedNode:
 
 
 class Host:
-    """The nodes of this process. What changes them may take JOIN_TIMEOUT: not for the screen."""
+    """The nodes of this process. Changing them may take JOIN_TIMEOUT: never on the UI thread."""
 
     def __init__(self, context: Context, on_event: Callable[[str, str, str], None]) -> None:
-        """`on_event(level, source, text)` is told what befalls the nodes, from their threads."""
+        """`on_event(level, source, text)` is called from the nodes' threads when one crashes."""
         self._context = context
         self._on_event = on_event
         self._changing = threading.Lock()
         self.nodes: list[HostedNode] = []
 
     def add(self, make: Callable[..., Any]) -> HostedNode:
-        """Construct a node; it is spun from `start()` on. Raises what the constructor raises."""
+        """Construct a node; `start()` spins it. Raises what the constructor raises."""
         hosted = HostedNode(make, self._context, self._crashed)
         self.nodes.append(hosted)
         return hosted
@@ -107,17 +108,17 @@ class Host:
         return tuple(hosted.state for hosted in self.nodes)
 
     def start_node(self, name: str) -> Outcome:
-        """Construct a stopped or crashed node anew and spin it."""
+        """Construct a stopped or crashed node again and spin it."""
         with self._changing:
             old = self._find(name)
             if old.state.life == Life.UP:
                 return Outcome(False, f"{name} is running")
-            if not old.stop():  # it may be stuck; one that has crashed gives back what it holds
+            if not old.stop():  # it may be stuck; a crashed one releases what it holds
                 return Outcome(False, f"{name} does not stop: its callback does not return")
-            return self._spin(old.anew, f"{name} started", instead_of=old)
+            return self._spin(old.again, f"{name} started", instead_of=old)
 
     def stop_node(self, name: str) -> Outcome:
-        """Stop a node; the others are not asked."""
+        """Stop a node; the others are not affected."""
         with self._changing:
             if not self._find(name).stop():
                 return Outcome(False, f"{name} does not stop: its callback does not return")

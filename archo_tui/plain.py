@@ -1,4 +1,4 @@
-"""`archo-tui --plain`: the same Robot line by line, for scripts, screen readers, dumb terminals."""
+"""`archo-tui --plain`: the station line by line, for scripts, screen readers, dumb terminals."""
 
 from __future__ import annotations
 
@@ -10,17 +10,16 @@ import threading
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import TYPE_CHECKING, TextIO
 
-from archo_tui.alarms import conditions
-from archo_tui.clock import Clock, time_of_day
-from archo_tui.glyphs import ascii_only, in_ascii
-from archo_tui.leaving import Departure
+from archo_tui import goal_text, state_text
+from archo_tui.alarms import Alarm
+from archo_tui.clock import time_of_day
+from archo_tui.robot.parameter_values import parse, range_text, text_of
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase, Snapshot
-from archo_tui.robot.values import parse, range_text, text_of
-from archo_tui.widgets import goal_words, words
-from archo_tui.widgets.goal_panel import parse_shelf
+from archo_tui.shutdown import Shutdown
+from archo_tui.terminal.ascii import ascii_only, in_ascii
 
 if TYPE_CHECKING:
-    from archo_tui.session import Session
+    from archo_tui.station import Station
 
 _SHOWN_LEVELS = ("YOU", "WARN", "ERROR", "FATAL")
 _STOP = ["stop"]
@@ -32,30 +31,27 @@ cancel                    cancel the running goal
 stop                      software stop, at once and latched; not the hardware one
 release                   release the stop; nothing resumes by itself
 reset                     reset the encoder to zero
-charge, discharge         begin or end charging
+charge, discharge         start or stop charging
 set NODE NAME VALUE       set a parameter
 params                    list the parameters
-status                    say how the robot is
-quit                      end; a running goal is waited for"""
+status                    show the state of the robot
+quit                      end, once the running goal has ended"""
 
 
 class Plain:
     """Reads commands, prints what happens, one line each."""
 
-    def __init__(self, session: Session, read: int, write: TextIO) -> None:
+    def __init__(self, station: Station, read: int, write: TextIO) -> None:
         """Reads from a file descriptor."""
-        self._session, self._robot = session, session.robot
+        self._station, self._robot, self._clock = station, station.robot, station.clock
         self._read, self._write = read, write
         self._ascii = ascii_only()
-        self._clock = Clock()
-        self._alarms = session.alarms
-        self._told: set[tuple[float, str, str]] = set()
+        self._printed: set[tuple[float, str, str]] = set()  # events that were printed
         self._goal: Goal | None = None
         self._failed = self._go_failed = False
-        self._stopping = 0  # stops that were asked for and are not answered
+        self._stopping = 0  # stops that are not answered yet
         self._tasks: list[asyncio.Future[None]] = []
-        on_disconnect = session.options.on_disconnect
-        self._departure = Departure(self._robot, on_disconnect, self._finish)
+        self._shutdown = Shutdown(self._robot, self._clock, station.on_disconnect, self._finish)
         self._changed = asyncio.Event()
         self._typed: asyncio.Queue[str | None] = asyncio.Queue()
         self._end: asyncio.Future[int] = asyncio.get_running_loop().create_future()
@@ -64,7 +60,7 @@ class Plain:
         """Until `quit`, the end of the input, or a signal; returns the exit code."""
         self._robot.subscribe(self._take)
         loop = asyncio.get_running_loop()
-        self._departure.on_signals()
+        self._shutdown.on_signals()
         threading.Thread(target=self._listen, args=(loop,), name="stdin", daemon=True).start()
         for work in (self._serve, self._tick):
             self._start(work())
@@ -75,7 +71,7 @@ class Plain:
                 task.cancel()
 
     def _start(self, work: Coroutine[None, None, None]) -> None:
-        """Do it beside the rest; what it raises ends the whole."""
+        """Do it beside the rest; what it raises ends everything."""
         task = asyncio.ensure_future(work)
         self._tasks.append(task)
 
@@ -87,7 +83,7 @@ class Plain:
         task.add_done_callback(ended)
 
     def _listen(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Its own thread; no buffered reader, which would hold up the end of the process."""
+        """On its own thread; no buffered reader, which would delay the end of the process."""
         rest = b""
         with contextlib.suppress(RuntimeError, OSError):  # the loop is closed: nobody listens
             while chunk := os.read(self._read, 4096):
@@ -109,13 +105,13 @@ class Plain:
         await self._until(lambda: not self._stopping)
         await self._until(lambda: self._goal is None or not self._goal.is_running)
         arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
-        if not self._departure.has_begun:
+        if not self._shutdown.has_begun:
             self._finish(0 if arrived and not self._failed and not self._go_failed else 1)
 
     async def _tick(self) -> None:
         while True:
-            await asyncio.sleep(1)
-            self._take(self._robot.snapshot)
+            await self._clock.sleep(1.0)
+            self._tell_alarms(self._station.tick())
 
     def _finish(self, code: int) -> None:
         if not self._end.done():
@@ -126,7 +122,7 @@ class Plain:
             self._write.write(f"{in_ascii(text) if self._ascii else text}\n")
             self._write.flush()
         except OSError:  # nobody reads any more
-            self._departure.begin(1)
+            self._shutdown.begin(1)
 
     async def _run(self, typed: list[str]) -> None:
         verb, *rest = typed
@@ -156,21 +152,21 @@ class Plain:
         if verb in simple:
             await self._until(lambda: robot.snapshot.offered, _WAIT)
             return await simple[verb]()
-        told: dict[str, Callable[[], None]] = {
+        answers: dict[str, Callable[[], None]] = {
             "params": self._params,
             "status": self._status,
             "help": lambda: self._out(HELP),
         }
-        if verb not in told:
+        if verb not in answers:
             return Outcome(False, f"no command {verb!r} (help lists them)")
         await self._until(lambda: robot.snapshot.battery.received is not None, _WAIT)
-        told[verb]()
+        answers[verb]()
         return None
 
     async def _go(self, text: str) -> Outcome:
         before = self._robot.snapshot.goal
         try:
-            shelf = parse_shelf(text)
+            shelf = goal_text.parse_shelf(text)
         except ValueError as error:
             outcome = Outcome(False, str(error))
         else:
@@ -206,11 +202,12 @@ class Plain:
 
     def _status(self) -> None:
         snapshot, now = self._robot.snapshot, self._clock.monotonic()
-        self._out(f"battery {words.battery_line(snapshot, now, 80).plain}")
-        self._out(f"motor {words.motor_word(snapshot, now, 'release', 80).plain}")
-        self._out(f"encoder {words.motor_line(snapshot, now).plain.strip()}")
-        self._out(f"goal {goal_words.goal_line(snapshot, now, 'go').plain}")
-        for alarm in self._alarms.all():
+        plain = state_text.plain
+        self._out(f"battery {plain(state_text.battery_line(snapshot, now, 80))}")
+        self._out(f"motor {plain(state_text.motor_word(snapshot, now, 80))}")
+        self._out(f"encoder {plain(state_text.motor_line(snapshot, now)).strip()}")
+        self._out(f"goal {plain(goal_text.goal_line(snapshot, now, 'go'))}")
+        for alarm in self._station.view.alarms:
             self._out(f"alarm {alarm.text}")
 
     # what happens
@@ -218,11 +215,11 @@ class Plain:
     def _take(self, snapshot: Snapshot) -> None:
         for event in snapshot.events:
             key = (event.time, event.source, event.text)
-            if key not in self._told and event.level in _SHOWN_LEVELS and event.count == 1:
+            if key not in self._printed and event.level in _SHOWN_LEVELS and event.count == 1:
                 self._say(f"{event.level} {event.source}: {event.text}", event.time)
-        self._told = {(event.time, event.source, event.text) for event in snapshot.events}
+        self._printed = {(event.time, event.source, event.text) for event in snapshot.events}
         self._tell_goal(snapshot)
-        self._tell_alarms(snapshot)
+        self._tell_alarms(self._station.take(snapshot))
         self._changed.set()
 
     def _tell_goal(self, snapshot: Snapshot) -> None:
@@ -231,15 +228,11 @@ class Plain:
         if goal is None:
             return
         same = before is not None and before.sent == goal.sent
-        if before is None or not same or _told_of(before) != _told_of(goal):
-            line = goal_words.goal_line(snapshot, self._clock.monotonic(), "go").plain
-            self._say(f"goal {' '.join(line.split())}")
+        if before is None or not same or _said_of(before) != _said_of(goal):
+            line = goal_text.goal_line(snapshot, self._clock.monotonic(), "go")
+            self._say(f"goal {' '.join(state_text.plain(line).split())}")
 
-    def _tell_alarms(self, snapshot: Snapshot) -> None:
-        now = self._clock.monotonic()
-        found = conditions(snapshot, now, self._session.host.states())
-        changed = self._alarms.update(found, now, self._clock.now())
-        self._session.alarmed(changed)
+    def _tell_alarms(self, changed: list[Alarm]) -> None:
         for alarm in changed:
             self._say(f"alarm {alarm.state.value}: {alarm.text}")
 
@@ -248,8 +241,8 @@ class Plain:
 
     async def _until(self, condition: Callable[[], object], timeout: float | None = None) -> None:
         """Wait until the condition holds after a snapshot, or the time (s) has passed."""
-        with contextlib.suppress(asyncio.TimeoutError):
-            await asyncio.wait_for(self._hold(condition), timeout)
+        with contextlib.suppress(TimeoutError):
+            await self._clock.wait_for(self._hold(condition), timeout)
 
     async def _hold(self, condition: Callable[[], object]) -> None:
         while not condition():
@@ -257,14 +250,14 @@ class Plain:
             await self._changed.wait()
 
 
-def _told_of(goal: Goal) -> tuple[Phase, float | None]:
+def _said_of(goal: Goal) -> tuple[Phase, float | None]:
     return goal.phase, goal.remaining
 
 
-def run(session: Session) -> int:
-    """Operate by standard input and output; returns the exit code."""
+def run(station: Station) -> int:
+    """Operate through standard input and output; returns the exit code."""
 
     async def operate() -> int:
-        return await Plain(session, sys.stdin.fileno(), sys.stdout).run()
+        return await Plain(station, sys.stdin.fileno(), sys.stdout).run()
 
     return asyncio.run(operate())

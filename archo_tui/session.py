@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import gc
-import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from archo_tui import engine, journal, params
-from archo_tui.alarms import Alarm, AlarmBoard
+from archo_tui import engine, journal
+from archo_tui.clock import Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
 from archo_tui.journal import Journal
-from archo_tui.leaving import CANCEL, LEAVE
+from archo_tui.parameters import files
+from archo_tui.shutdown import CANCEL, LEAVE
+from archo_tui.station import Station
 
 if TYPE_CHECKING:
     from archo_tui.host import Host
@@ -45,18 +46,21 @@ class Session:
     robot: Robot
     host: Host
 
-    def __init__(self, options: Options) -> None:
-        """Starts the engine and constructs the nodes.
+    def __init__(self, options: Options, clock: Clock | None = None) -> None:
+        """Activates the engine and constructs the nodes.
 
-        Raises ArchoError for whatever is the user's to mend, before anything runs.
+        Raises ArchoError for whatever the user can mend, before anything runs.
         """
         self.options = options
+        self._clock = clock or Clock()
         if options.attach:
             _check_attach(options)
         elif options.on_disconnect == LEAVE:
-            raise ArchoError("--on-disconnect leave needs --attach: our nodes end with the console")
-        self._own_files = [] if options.attach else params.default_files()
-        self._overrides = params.load([*self._own_files, *options.params_files])
+            raise ArchoError(
+                "--on-disconnect leave needs --attach: the nodes hosted here end with the console"
+            )
+        self._own_files = [] if options.attach else files.default_files()
+        self._overrides = files.load([*self._own_files, *options.params_files])
         engine.activate(options.engine, hosting=not (options.attach or options.node_makers))
 
         import rclpy
@@ -81,11 +85,9 @@ class Session:
             )
         except Exception as error:  # ROS has a dozen of them, all for bad arguments
             raise ArchoError((str(error).splitlines() or [repr(error)])[0]) from None
-        self.engine = engine.describe(options.engine, self._context)
-        self.alarms = AlarmBoard()
-        self.journal = Journal(journal.path(), self._journal_troubled)
+        self.journal = Journal(journal.path(), self._journal_failed)
         try:
-            self.robot = Robot(self._context, self._happened)
+            self.robot = Robot(self._context, self._clock, self._happened)
             self.host = Host(self._context, self.robot.note)
             for make in self._makers():
                 self.host.add(make)
@@ -95,24 +97,29 @@ class Session:
         except NameValidationException as error:
             self._context.try_shutdown()
             raise ArchoError(f"{error.name_type} {error.name!r}: {error.error_msg}") from None
+        self.station = Station(
+            self.robot,
+            self.host,
+            self.journal,
+            self._clock,
+            engine=engine.describe(options.engine, self._context),
+            namespace=options.namespace,
+            attached=options.attach,
+            on_disconnect=options.on_disconnect,
+        )
 
-    def _journal_troubled(self, reason: str) -> None:
-        self.robot.note("WARN", "console", f"cannot be written, going on without it: {reason}")
+    def _journal_failed(self, reason: str) -> None:
+        line = f"cannot write the journal {reason}; continuing without it"
+        self.robot.note("WARN", "console", line)
 
     def _happened(self, event: Event) -> None:
-        """An event came, or came again, on the robot's thread."""
+        """An event came, or repeated, on the robot's thread."""
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
             kind = "command" if event.level == "YOU" else "event"
             what = {"level": event.level, "source": event.source, "text": event.text}
             if event.command:
                 what["command"] = event.command
             self.journal.write(event.time, kind, **what, count=event.count)
-
-    def alarmed(self, changed: Iterable[Alarm]) -> None:
-        """Alarms have changed their states."""
-        for alarm in changed:
-            what = {"name": alarm.name, "state": alarm.state.value, "text": alarm.text}
-            self.journal.write(time.time(), "alarm", priority=alarm.priority.name, **what)
 
     def _makers(self) -> Sequence[Any]:
         if self.options.attach:
@@ -128,7 +135,7 @@ class Session:
         return [*args, *self.options.ros_args]
 
     def _refused(self, message: str) -> str:
-        """The line for a parameter that a node refused at the start, with file and line."""
+        """The line for a parameter value that a node refused at the start, with file and line."""
         quoted = message.split("'")
         for override in reversed(self._overrides):
             if override.name in quoted:
@@ -136,13 +143,13 @@ class Session:
         return message
 
     def start(self) -> None:
-        """Let everything run."""
+        """Start everything."""
         declared = {
             hosted.name: set(hosted.node.list_parameters([], 0).names) for hosted in self.host.nodes
         }
         self.robot.start()
         self.host.start()
-        for line in params.unknown(self._users(), declared):
+        for line in files.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
 
     def _users(self) -> list[Override]:

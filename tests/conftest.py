@@ -55,6 +55,23 @@ def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
 
 
+@pytest.fixture(autouse=True)
+def _time(request: pytest.FixtureRequest) -> Iterator[None]:
+    """A clock that the test moves, on the embedded engine; real time where the test says so."""
+    from tests.support import chosen, clock
+
+    if chosen.ENGINE != "embedded" or request.node.get_closest_marker("real_time"):
+        yield
+        return
+    from rclpy import _time_source
+
+    clock.current = clock.VirtualClock()
+    before = _time_source.use(clock.current)
+    yield
+    _time_source.use(before)
+    clock.current = None
+
+
 @pytest.fixture
 def ros() -> Iterator[Ros]:
     """A ROS graph of the test's own; callbacks must not have raised unless the test says so."""

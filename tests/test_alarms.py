@@ -23,7 +23,7 @@ from archo_tui.alarms import (
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.widgets.bars import banner
 from tests.console.states import BATTERY, MOTOR, NORMAL, STATES
-from tests.support.stub import NOW
+from tests.support.clock import NOW
 
 
 @pytest.mark.parametrize(

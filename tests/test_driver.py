@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.driver import MAX_WAITING, Writer
+from archo_tui.terminal.driver import MAX_WAITING, Writer
 from tests.support.waiting import wait_until
 
 

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui import keymap
-from archo_tui.commands import COMMANDS
+from archo_tui.commands import COMMANDS, keymap
 from archo_tui.errors import ArchoError
 from tests.console.states import NORMAL
 from tests.support.stub import stub_app

@@ -1,23 +1,80 @@
-"""What a command is."""
+"""What a command is, and the few things that it may do with the console."""
 
 from __future__ import annotations
 
-from collections.abc import Coroutine
-from typing import TYPE_CHECKING, Any, ClassVar
+from collections.abc import Coroutine, Sequence
+from typing import Any, ClassVar, Protocol
 
-if TYPE_CHECKING:
-    from archo_tui.app import ArchoApp
+from textual.screen import Screen
+
+from archo_tui.robot.state import Outcome
+from archo_tui.screens.confirm import Confirm
+from archo_tui.screens.main import MainScreen
+from archo_tui.station import Station, View
 
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
 PANELS = ("Battery", "Motor", "Go to shelf", "Parameters", "Nodes", "Events")
 PARAMETERS, NODES, EVENTS = 4, 5, 6
 
 
+class Console(Protocol):
+    """The console, as its commands see it; the app is one."""
+
+    station: Station
+    view: View  # what is shown now
+    main: MainScreen
+
+    @property
+    def registry(self) -> Sequence[Command]:
+        """Every command."""
+
+    @property
+    def screen(self) -> Screen[Any]:
+        """The dialog in front, or the main screen."""
+
+    def blocked(self, command: Command) -> str:
+        """Why a command cannot run now, or an empty string."""
+
+    def look(self) -> None:
+        """Something changed in this process: show it."""
+
+    def open(self, dialog: Screen[Any]) -> None:
+        """Show a dialog."""
+
+    async def ask(self, question: Confirm) -> str:
+        """Put a question and wait for the answer."""
+
+    def tell(self, outcome: Outcome) -> None:
+        """Say it when a command failed."""
+
+    def say(self, text: str, title: str = "") -> None:
+        """Say something that is not visible otherwise."""
+
+    def copy(self, text: str) -> None:
+        """Put a text on the clipboard."""
+
+    def copy_selection(self) -> bool:
+        """Copy what is selected; False when nothing is."""
+
+    def work(self, coroutine: Coroutine[Any, Any, None], group: str) -> None:
+        """Do it beside everything else."""
+
+    def action_command_palette(self) -> None:
+        """Open the palette."""
+
+    def action_suspend_process(self) -> None:
+        """Suspend to the shell."""
+
+    def exit(self) -> None:
+        """End the console."""
+
+
 class Command:
-    """One thing the operator can do. A command's docstring is its help."""
+    """One thing the operator can do."""
 
     id: ClassVar[str]
     key: ClassVar[str]  # Textual's name of the key, when the keymap names no other
+    help: ClassVar[str]  # one sentence for `?`, the palette and the README
     footer: ClassVar[str] = ""  # one word; empty: not in the footer
     footer_key: ClassVar[str] = ""  # the key in the footer where it stands for several
     where: ClassVar[str] = NOT_TYPING
@@ -26,21 +83,16 @@ class Command:
     runs_blocked: ClassVar[bool] = False  # says why, and does its harmless part all the same
 
     @property
-    def help(self) -> str:
-        """One sentence for `?` and the palette."""
-        return (self.__doc__ or "").rstrip(".")
-
-    @property
     def place(self) -> str:
         """Where the key works, in words."""
         return f"in {PANELS[self.panel - 1]}" if self.where == IN_PANEL else self.where
 
-    def blocked(self, app: ArchoApp) -> str:
+    def blocked(self, console: Console) -> str:
         """Why the command cannot run now, or an empty string."""
-        if self.service and self.service not in app.view.snapshot.offered:
+        if self.service and self.service not in console.view.snapshot.offered:
             return f"{self.service} is not offered by any node"
         return ""
 
-    def run(self, app: ArchoApp) -> Coroutine[Any, Any, None] | None:
+    def run(self, console: Console) -> Coroutine[Any, Any, None] | None:
         """Do it at once, or return a coroutine that may wait for the robot."""
         raise NotImplementedError

@@ -2,116 +2,108 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from archo_tui.commands.base import EVERYWHERE, PANELS, Command
-from archo_tui.leaving import CANCEL, LEAVE, let_go
+from archo_tui.commands.base import EVERYWHERE, NOT_TYPING, PANELS, Command, Console
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
-from archo_tui.screens.help import Help
-
-if TYPE_CHECKING:
-    from archo_tui.app import ArchoApp
+from archo_tui.screens.help import Entry, Help
+from archo_tui.shutdown import CANCEL, LEAVE, let_go
 
 
 class Acknowledge(Command):
-    """Acknowledge the alarm in the banner."""
-
     id, key = "acknowledge", "a"
+    help = "Acknowledge the alarm in the banner"
 
-    def blocked(self, app: ArchoApp) -> str:
-        unseen = any(not alarm.acknowledged for alarm in app.view.alarms)
+    def blocked(self, console: Console) -> str:
+        unseen = any(not alarm.acknowledged for alarm in console.view.alarms)
         return "" if unseen else "no alarm to acknowledge"
 
-    def run(self, app: ArchoApp) -> None:
-        app.acknowledge(list(app.view.alarms[:1]))
+    def run(self, console: Console) -> None:
+        console.station.acknowledge(console.view.alarms[:1])
+        console.look()
 
 
 class ShowAlarms(Command):
-    """List the alarms: acknowledge one or all, shelve one for a while."""
-
     id, key = "alarms", "A"
+    help = "List the alarms: acknowledge one or all, shelve one for a while"
 
-    def run(self, app: ArchoApp) -> None:
-        app.push_screen(AlarmList(app.view, app.acknowledge, app.shelve))
+    def run(self, console: Console) -> None:
+        station = console.station
+        console.open(AlarmList(console.view, station.acknowledge, station.shelve, console.look))
 
 
 class Panel(Command):
-    """Focus one of the numbered panels."""
-
     def __init__(self, number: int) -> None:
         self.number = number
         self.id = f"panel_{number}"  # type: ignore[misc]
         self.key = str(number)  # type: ignore[misc]
+        self.help = f"Go to panel {number}, {PANELS[number - 1]}"  # type: ignore[misc]
         if number == 1:
             self.footer, self.footer_key = "Panels", "1-6"  # type: ignore[misc]
 
-    @property
-    def help(self) -> str:
-        return f"Go to panel {self.number}, {PANELS[self.number - 1]}"
-
-    def run(self, app: ArchoApp) -> None:
-        app.main.focus_panel(self.number)
+    def run(self, console: Console) -> None:
+        console.main.focus_panel(self.number)
 
 
 class ShowHelp(Command):
-    """Show all keys."""
-
     id, key, footer = "help", "question_mark", "Help"
+    help = "Show all keys"
 
-    def run(self, app: ArchoApp) -> None:
-        if not isinstance(app.screen, Help):
-            app.push_screen(Help(app.registry, app.blocked, app.view.key))
+    def run(self, console: Console) -> None:
+        if isinstance(console.screen, Help):
+            return
+        entries = []
+        for command in console.registry:
+            place = "" if command.where == NOT_TYPING else command.place
+            key, reason = console.view.key(command.id), console.blocked(command)
+            entries.append(Entry(key, command.help, place, reason))
+        console.open(Help(entries))
 
 
 class Palette(Command):
-    """Open the command palette: every command, and the themes."""
-
     id, key = "palette", "ctrl+p"
+    help = "Open the command palette: every command, and the themes"
     where = EVERYWHERE
 
-    def run(self, app: ArchoApp) -> None:
-        app.action_command_palette()
+    def run(self, console: Console) -> None:
+        console.action_command_palette()
 
 
 class Suspend(Command):
-    """Suspend to the shell (fg comes back); nodes of this process stand still meanwhile."""
-
     id, key = "suspend", "ctrl+z"
+    help = "Suspend to the shell (fg comes back); nodes of this process stand still meanwhile"
     where = EVERYWHERE
 
-    async def run(self, app: ArchoApp) -> None:
-        goal = app.view.snapshot.goal
-        if goal is not None and goal.is_running and not app.attached:
+    async def run(self, console: Console) -> None:
+        goal = console.view.snapshot.goal
+        if goal is not None and goal.is_running and not console.station.attached:
             question = (
                 f"The robot is on its way to shelf {goal.shelf}; its nodes would stand still."
             )
-            if await app.ask(Confirm("Suspend", question, "Stay", "Suspend")) != "Suspend":
+            if await console.ask(Confirm("Suspend", question, "Stay", "Suspend")) != "Suspend":
                 return
-        app.action_suspend_process()
+        console.action_suspend_process()
 
 
 class Quit(Command):
-    """Quit; with a goal running asks, and cancels it first."""
-
     id, key, footer = "quit", "q", "Quit"
+    help = "Quit; with a goal running asks, and cancels it first"
 
-    async def run(self, app: ArchoApp) -> None:
-        goal = app.view.snapshot.goal
+    async def run(self, console: Console) -> None:
+        goal, station = console.view.snapshot.goal, console.station
         if goal is not None and goal.is_running:
             question = f"The robot is on its way to shelf {goal.shelf}."
             answers = ["Stay", "Cancel it and quit"]
-            if app.attached:
+            if station.attached:
                 answers.append("Leave it running and quit")
-            answer = await app.ask(Confirm("Quit", question, *answers))
+            answer = await console.ask(Confirm("Quit", question, *answers))
             if answer == answers[0]:
                 return
-            await let_go(app.robot, CANCEL if answer == answers[1] else LEAVE, "quit")
-        app.exit()
+            choice = CANCEL if answer == answers[1] else LEAVE
+            await let_go(station.robot, station.clock, choice, "quit")
+        console.exit()
 
 
 class QuitEverywhere(Quit):
-    """Quit, also while typing."""
-
     id, key, footer = "quit_everywhere", "ctrl+q", ""
+    help = "Quit, also while typing"
     where = EVERYWHERE

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from archo_tui import parameter_file
-from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command
+from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console
 from archo_tui.errors import ArchoError
-from archo_tui.robot.values import text_of
+from archo_tui.parameters import save_load
+from archo_tui.robot.parameter_values import text_of
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.screens.confirm import Confirm
-
-if TYPE_CHECKING:
-    from archo_tui.app import ArchoApp
 
 _DEFAULT_FILE = "archo_params.yaml"
 
@@ -22,114 +18,112 @@ _DEFAULT_FILE = "archo_params.yaml"
 class _InParameters(Command):
     where, panel = IN_PANEL, PARAMETERS
 
-    def blocked(self, app: ArchoApp) -> str:
-        return "" if app.view.snapshot.parameters else "no node has told its parameters yet"
+    def blocked(self, console: Console) -> str:
+        return "" if console.view.snapshot.parameters else "no node has reported its parameters yet"
 
 
 class Edit(_InParameters):
-    """Edit the selected parameter."""
-
     id, key = "edit", "enter"
+    help = "Edit the selected parameter"
 
-    def run(self, app: ArchoApp) -> None:
-        app.main.parameters.edit()
+    def run(self, console: Console) -> None:
+        console.main.parameters.edit()
 
 
 class Filter(_InParameters):
-    """Show only parameters with these letters in their node, name or value."""
-
     id, key = "filter", "slash"
+    help = "Show only parameters with these letters in their node, name or value"
 
-    def run(self, app: ArchoApp) -> None:
-        app.main.parameters.search.open()
+    def run(self, console: Console) -> None:
+        console.main.parameters.search.open()
 
 
 class Undo(_InParameters):
-    """Undo your last change of a parameter."""
-
     id, key = "undo", "u"
+    help = "Undo your last change of a parameter"
 
-    def blocked(self, app: ArchoApp) -> str:
-        edit = app.edits.last
+    def blocked(self, console: Console) -> str:
+        edit = console.station.edits.last
         if edit is None:
             return "nothing to undo"
-        there = any(p.node == edit.node for p in app.view.snapshot.parameters)
-        return "" if there else f"{edit.node} is gone"
+        there = any(p.node == edit.node for p in console.view.snapshot.parameters)
+        return "" if there else f"{edit.node} has left the graph"
 
-    async def run(self, app: ArchoApp) -> None:
-        edit = app.edits.last
+    async def run(self, console: Console) -> None:
+        edit = console.station.edits.last
         assert edit is not None
-        now = {p.name: p.value for p in app.view.snapshot.parameters if p.node == edit.node}
+        now = {p.name: p.value for p in console.view.snapshot.parameters if p.node == edit.node}
         others = [name for name, value in edit.after.items() if now.get(name) != value]
         if others:
-            said = ", ".join(f"{name} is {text_of(now.get(name))} by now" for name in others)
-            back = ", ".join(f"{name} {text_of(edit.before[name])}" for name in others)
-            question = Confirm("Undo", f"{said}. Set it back to {back}?", "Leave it", "Set back")
-            if await app.ask(question) != "Set back":
+            said = " ".join(
+                f"{name} has since changed to {text_of(now.get(name))}. "
+                f"Restore {text_of(edit.before[name])}?"
+                for name in others
+            )
+            if await console.ask(Confirm("Undo", said, "Leave it", "Restore")) != "Restore":
                 return
-        app.tell(await app.edits.undo(app.robot, edit))
+        console.tell(await console.station.undo())
 
 
 class Save(_InParameters):
-    """Save all parameters to a ROS parameter file."""
-
     id, key = "save", "ctrl+s"
+    help = "Save all parameters to a ROS parameter file"
 
-    def run(self, app: ArchoApp) -> None:
-        text, left_out = parameter_file.dump(app.view.snapshot.parameters)
-        warned: set[Path] = set()  # files that exist, which was said
+    def run(self, console: Console) -> None:
+        text, left_out = save_load.dump(console.view.snapshot.parameters)
+        warned: set[Path] = set()  # existing files that the operator was warned about
 
         async def save(path: Path) -> str:
             if path not in warned and await asyncio.to_thread(path.exists):
                 warned.add(path)
-                return f"{path} exists: enter again replaces it"
+                return f"{path} already exists: press enter again to overwrite"
             try:
-                await asyncio.to_thread(parameter_file.write, path, text)
+                await asyncio.to_thread(save_load.write, path, text)
             except OSError as error:
-                return f"{path}: cannot be written: {error.strerror}"
-            app.robot.note("YOU", "console", f"save parameters: saved to {path}")
+                return f"{path}: cannot write the file: {error.strerror}"
+            note = console.station.robot.note
+            note("YOU", "console", f"save parameters: saved to {path}")
             for line in left_out:
-                app.robot.note("WARN", "console", f"not saved, files cannot hold it: {line}")
-            app.notify(f"Saved to {path}.", markup=False)
+                note("WARN", "console", f"not saved, a parameter file cannot hold it: {line}")
+            console.say(f"Saved to {path}.")
             return ""
 
-        app.push_screen(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
+        console.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
 
 
 class Load(_InParameters):
-    """Load a ROS parameter file; shows first what would change."""
-
     id, key = "load", "ctrl+o"
+    help = "Load a ROS parameter file; first shows what would change"
 
-    def run(self, app: ArchoApp) -> None:
+    def run(self, console: Console) -> None:
         async def load(path: Path) -> str:
             try:
-                parameters = app.view.snapshot.parameters
-                plan = await asyncio.to_thread(parameter_file.plan, path, parameters)
+                parameters = console.view.snapshot.parameters
+                plan = await asyncio.to_thread(save_load.plan, path, parameters)
             except ArchoError as error:
                 return str(error)
-            app.run_worker(self._preview(app, path, plan), group=self.id)
+            console.work(self._preview(console, path, plan), self.id)
             return ""
 
-        app.push_screen(AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load))
+        console.open(AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load))
 
-    async def _preview(self, app: ArchoApp, path: Path, plan: parameter_file.Plan) -> None:
+    async def _preview(self, console: Console, path: Path, plan: save_load.Plan) -> None:
         lines = [f"{path}", ""]
         if plan.problems:
-            lines += ["Nothing can be changed:", *plan.problems]
+            lines += ["Nothing was changed, because of:", *plan.problems]
         else:
             lines += [
                 f"{p.node.lstrip('/')} {p.name}: {text_of(p.value)} -> {text_of(value)}"
                 for p, value in plan.changes
-            ] or ["Everything is as the file says."]
+            ] or ["All parameters already have the values in the file."]
             lines += [f"left out: {line}" for line in plan.left_out]
         answers = ["Leave"]
         if plan.changes and not plan.problems:
             answers.append(f"Change {len(plan.changes)}")
-        if await app.ask(Confirm("Load parameters", "\n".join(lines), *answers)) == answers[0]:
+        if await console.ask(Confirm("Load parameters", "\n".join(lines), *answers)) == answers[0]:
             return
         by_node: dict[str, dict[str, object]] = {}
         for parameter, value in plan.changes:
             by_node.setdefault(parameter.node, {})[parameter.name] = value
         for node, values in by_node.items():
-            app.tell(await app.set_parameters(node, values))
+            console.tell(await console.station.set_parameters(node, values))

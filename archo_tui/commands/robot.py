@@ -2,89 +2,81 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from archo_tui.commands.base import EVERYWHERE, Command
+from archo_tui.commands.base import EVERYWHERE, Command, Console
 from archo_tui.robot.state import CHARGE, MOVE, RELEASE, RESET, STOP
 from archo_tui.screens.confirm import Confirm
 
-if TYPE_CHECKING:
-    from archo_tui.app import ArchoApp
-
 
 class Go(Command):
-    """Type a shelf number; enter sends the robot there."""
-
     id, key, footer = "go", "g", "Go"
+    help = "Type a shelf number; enter sends the robot there"
     service = MOVE
     runs_blocked = True  # what is typed next is meant for the field, not for the panels
 
-    def run(self, app: ArchoApp) -> None:
-        app.main.focus_panel(3)
+    def run(self, console: Console) -> None:
+        console.main.focus_panel(3)
 
 
 class Cancel(Command):
-    """Cancel the running goal; with none running copy the selection."""
-
     id, key, footer = "cancel", "ctrl+c", "Cancel"
+    help = "Cancel the running goal; with none running copy the selection"
     where = EVERYWHERE
 
-    async def run(self, app: ArchoApp) -> None:
-        goal = app.view.snapshot.goal
+    async def run(self, console: Console) -> None:
+        goal = console.view.snapshot.goal
         if goal is not None and goal.is_running:
-            app.tell(await app.robot.cancel())
-        elif not app.copy_selection():
-            keys = f"{app.view.key('quit')} (or {app.view.key('quit_everywhere')})"
-            app.notify(f"No goal is running. Press {keys} to quit.", markup=False)
+            console.tell(await console.station.robot.cancel())
+        elif not console.copy_selection():
+            keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
+            console.say(f"No goal is running. Press {keys} to quit.")
 
 
 class Stop(Command):
-    """STOP: software stop, at once and latched; does not replace the hardware one."""
-
     id, key, footer = "stop", "ctrl+x", "STOP"
+    help = "STOP: software stop, at once and latched; does not replace the hardware one"
     where = EVERYWHERE
     service = STOP
 
-    async def run(self, app: ArchoApp) -> None:
-        app.tell(await app.robot.emergency_stop())
+    async def run(self, console: Console) -> None:
+        console.tell(await console.station.robot.emergency_stop())
 
 
 class Release(Command):
-    """Release the stop (asks first); nothing resumes by itself."""
-
     id, key = "release", "R"
+    help = "Release the stop (asks first); nothing resumes by itself"
     service = RELEASE
 
-    def blocked(self, app: ArchoApp) -> str:
-        stopped = app.view.snapshot.motor.stopped
-        return super().blocked(app) or ("" if stopped else "the robot is not stopped")
+    def blocked(self, console: Console) -> str:
+        stopped = console.view.snapshot.motor.stopped
+        return super().blocked(console) or ("" if stopped else "the robot is not stopped")
 
-    async def run(self, app: ArchoApp) -> None:
+    async def run(self, console: Console) -> None:
         question = "Release the stop? Moves are allowed again; nothing resumes by itself."
-        if await app.ask(Confirm("Release", question, "Stay stopped", "Release")) == "Release":
-            app.tell(await app.robot.release_emergency_stop())
+        answer = await console.ask(Confirm("Release", question, "Stay stopped", "Release"))
+        if answer == "Release":
+            console.tell(await console.station.robot.release_emergency_stop())
 
 
 class Reset(Command):
-    """Reset the encoder to zero; asks first while a goal runs."""
-
     id, key, footer = "reset", "r", "Reset"
+    help = "Reset the encoder to zero; asks first while a goal runs"
     service = RESET
 
-    async def run(self, app: ArchoApp) -> None:
-        goal = app.view.snapshot.goal
+    async def run(self, console: Console) -> None:
+        goal = console.view.snapshot.goal
         if goal is not None and goal.is_running:
             question = f"The robot is on its way to shelf {goal.shelf}. Reset the encoder now?"
-            if await app.ask(Confirm("Reset encoder", question, "Leave it", "Reset")) != "Reset":
+            answer = await console.ask(Confirm("Reset encoder", question, "Leave it", "Reset"))
+            if answer != "Reset":
                 return
-        app.tell(await app.robot.reset_encoder())
+        console.tell(await console.station.robot.reset_encoder())
 
 
 class Charge(Command):
-    """Charge the battery, or stop charging."""
-
     id, key = "charge", "c"
+    help = "Charge the battery, or stop charging"
     service = CHARGE
 
-    async def run(self, app: ArchoApp) -> None:
-        app.tell(await app.robot.set_charging(not app.view.snapshot.battery.charging))
+    async def run(self, console: Console) -> None:
+        charging = console.view.snapshot.battery.charging
+        console.tell(await console.station.robot.set_charging(not charging))

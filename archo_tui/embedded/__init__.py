@@ -51,6 +51,6 @@ def install(packages: Mapping[str, Path] | None = None) -> None:
         return
     other = sys.modules.get("rclpy")
     if other is not None:
-        raise RuntimeError(f"another rclpy is imported already: {other.__file__}")
+        raise RuntimeError(f"another rclpy is already imported: {other.__file__}")
     sys.meta_path.insert(0, InterfaceFinder(HERE / "share", packages or {}))
     sys.meta_path.insert(0, RclpyFinder())

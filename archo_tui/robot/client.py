@@ -5,21 +5,24 @@ Verbs are called on the asyncio loop. Each ends: done, refused with the reason, 
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
 from rcl_interfaces.msg import Log
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
 from rclpy.context import Context
 from rclpy.node import Node
 
-from archo_tui.robot import calls, interfaces, ros2_command
-from archo_tui.robot.calls import Calls
-from archo_tui.robot.census import Census
-from archo_tui.robot.door import Door, Receiver
+from archo_tui.clock import Clock
+from archo_tui.robot import interfaces, ros2_command, services
 from archo_tui.robot.events import EventLog, harmless
 from archo_tui.robot.goals import Goals
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.mailbox import Mailbox, Receiver
+from archo_tui.robot.parameter_values import text_of
 from archo_tui.robot.parameters import Parameters
+from archo_tui.robot.services import Services
 from archo_tui.robot.state import (
     CHARGE,
     MOTOR,
@@ -33,7 +36,6 @@ from archo_tui.robot.state import (
 )
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.thread import RosThread
-from archo_tui.robot.values import text_of
 
 NODE_NAME = "archo_console"
 FLUSH_PERIOD = 0.08  # s between two snapshots while data streams in: 12.5 a second
@@ -47,30 +49,31 @@ class Robot:
     """Operates whatever robot is on the graph of `context`."""
 
     def __init__(
-        self, context: Context, happened: Callable[[Event], None] = lambda _: None
+        self, context: Context, clock: Clock, happened: Callable[[Event], None] = lambda _: None
     ) -> None:
         """`happened(event)` is called on the ROS thread for each event, and when one repeats."""
-        self._happened = happened
-        self._door = Door()
+        self._clock, self._happened = clock, happened
+        self._mailbox = Mailbox()
         self._log = EventLog()
         self._dirty = False
         self._stop_asked: float | None = None
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
-        self._calls = Calls(node)
-        self._telemetry = Telemetry(node, self._on_telemetry, self._warn)
-        self._goals = Goals(node, self._calls, self._goal_changed, self._warn)
-        self._parameters = Parameters(node, self._calls, self._mark)
-        self._census = Census(node)
+        self._services = Services(node, clock)
+        self._telemetry = Telemetry(node, clock, self._on_telemetry, self._warn)
+        self._goals = Goals(node, clock, self._services, self._goal_changed, self._warn)
+        self._parameters = Parameters(node, self._services, self._mark)
+        self._graph = Graph(node)
         node.create_subscription(Log, "/rosout", self._on_log, 1000)
-        self._flusher = node.create_timer(FLUSH_PERIOD, self._flush)
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
+        self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
         self._flusher.cancel()
-        node.create_timer(LOOK_PERIOD, self._look)
-        self._watcher = node.create_timer(WATCH_PERIOD, self._watch)
+        node.create_timer(LOOK_PERIOD, self._look, clock=steady)
+        self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._watcher.cancel()
         self._names = {
             name: node.resolve_service_name(name) for name in (RESET, STOP, RELEASE, CHARGE, MOVE)
         }
-        self._thread = RosThread(node, context, self._on_error)
+        self._thread = RosThread(node, context, clock, self._on_error)
 
     # life
 
@@ -81,18 +84,18 @@ class Robot:
 
     def subscribe(self, receiver: Receiver) -> None:
         """Have `receiver(snapshot)` called on this loop, first with what is known already."""
-        self._door.open(receiver)
-        receiver(self._door.latest)
+        self._mailbox.open(receiver)
+        receiver(self._mailbox.latest)
 
     def stop(self) -> None:
         """Deliver no more and leave the graph."""
-        self._door.close()
+        self._mailbox.close()
         self._thread.stop()
 
     @property
     def snapshot(self) -> Snapshot:
         """What is known now."""
-        return self._door.latest
+        return self._mailbox.latest
 
     # verbs
 
@@ -104,10 +107,10 @@ class Robot:
         """Stop at once; stays stopped until released."""
 
         async def stop() -> Outcome:
-            self._stop_asked = time.monotonic()
+            self._stop_asked = self._clock.monotonic()
             self._flush()
             outcome = await self._call(STOP)
-            if outcome.ok or STOP not in self._census.offered:
+            if outcome.ok or STOP not in self._graph.offered:
                 self._stop_asked = None
             return outcome
 
@@ -130,7 +133,7 @@ class Robot:
         async def go() -> Outcome:
             outcome = await self._goals.send(shelf, length)
             if outcome.ok:
-                self._stop_asked = None  # it drives: whatever became of the stop, it is past
+                self._stop_asked = None  # it drives: whatever became of the stop is past
             return outcome
 
         return await self._do(f"go to shelf {shelf}", command, go)
@@ -150,7 +153,7 @@ class Robot:
 
     def note(self, level: str, source: str, text: str, command: str = "") -> None:
         """Add a line to the events, from any thread."""
-        event = Event(time.time(), level, source, text, command)
+        event = Event(self._clock.now(), level, source, text, command)
         self._thread.submit(lambda: self._add_event(event))
 
     # on the ROS thread
@@ -161,7 +164,7 @@ class Robot:
         )
 
     def _type(self, name: str) -> str:
-        return self._census.services.get(self._names[name], "")
+        return self._graph.services.get(self._names[name], "")
 
     def _command(self, name: str, **fields: Any) -> str:
         """The command line for a call, empty when the type of its server is not known here."""
@@ -174,14 +177,14 @@ class Robot:
     async def _call(self, name: str, **fields: Any) -> Outcome:
         """Call a service with the type that its server has."""
         full, kind = self._names[name], self._type(name)
-        if name not in self._census.offered:
+        if name not in self._graph.offered:
             return Outcome(False, f"{full} is not offered by any node")
         srv_type = interfaces.load(kind) if kind else None
         if srv_type is None:
             return Outcome(False, f"{full}: type {kind} is not installed here")
-        answer = await self._calls.call(srv_type, name, srv_type.Request(**fields))
+        answer = await self._services.call(srv_type, name, srv_type.Request(**fields))
         if answer is None:
-            return Outcome(False, f"no answer in {calls.DEADLINE:g} s")
+            return Outcome(False, f"no answer in {services.DEADLINE:g} s")
         return Outcome(bool(answer.success), answer.message)
 
     async def _do(
@@ -192,7 +195,7 @@ class Robot:
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))
             text = f"{title}: {outcome.text}"
-            self._add_event(Event(time.time(), "YOU", "console", text, command))
+            self._add_event(Event(self._clock.now(), "YOU", "console", text, command))
             self._flush()
             return outcome
 
@@ -202,7 +205,7 @@ class Robot:
             except Exception as error:
                 return log(Outcome(False, f"{type(error).__name__}: {error}"))
 
-        deadline = 2 * calls.DEADLINE + 1.0  # more than any verb takes that still can end
+        deadline = 2 * services.DEADLINE + 1.0  # more than any verb takes that still can end
         try:
             return await self._thread.run(there, deadline)
         except TimeoutError:
@@ -211,16 +214,16 @@ class Robot:
             return outcome
 
     def _look(self) -> None:
-        offered = self._census.offered
-        if self._census.look():
+        offered = self._graph.offered
+        if self._graph.look():
             self._mark()
-        if STOP in self._census.offered - offered:
-            self._stop_asked = None  # another server: what it was not asked it cannot confirm
+        if STOP in self._graph.offered - offered:
+            self._stop_asked = None  # another server: it cannot confirm what it was not asked
         self._telemetry.look()
-        self._parameters.follow(self._census.names, self._census.services)
+        self._parameters.follow(self._graph.names, self._graph.services)
 
     def _watch(self) -> None:
-        self._goals.check(time.monotonic(), self._telemetry.motor.received)
+        self._goals.check(self._clock.monotonic(), self._telemetry.motor.received)
         if self._goals.goal is None or not self._goals.goal.is_running:
             self._watcher.cancel()
 
@@ -230,7 +233,7 @@ class Robot:
         self._flush()
 
     def _on_telemetry(self, topic: str) -> None:
-        self._census.heard_topic(topic, time.monotonic())
+        self._graph.heard_topic(topic, self._clock.monotonic())
         if topic == MOTOR:
             self._goals.heard()
             if self._telemetry.motor.stopped:
@@ -241,15 +244,17 @@ class Robot:
         level = _LEVELS.get(message.level if isinstance(message.level, int) else 0, "INFO")
         if message.msg.startswith(_REFUSAL):
             self._goals.refused(message.msg.removeprefix(_REFUSAL))
-        self._census.heard_log(message.name, time.monotonic())
+        self._graph.heard_log(message.name, self._clock.monotonic())
         stamp = message.stamp.sec + message.stamp.nanosec / 1e9
         self._add_event(Event(stamp, level, message.name, message.msg))
 
     def _warn(self, text: str) -> None:
-        self._add_event(Event(time.time(), "WARN", "console", text))
+        self._add_event(Event(self._clock.now(), "WARN", "console", text))
 
     def _on_error(self, error: Exception) -> None:
-        self._add_event(Event(time.time(), "ERROR", "console", f"{type(error).__name__}: {error}"))
+        self._add_event(
+            Event(self._clock.now(), "ERROR", "console", f"{type(error).__name__}: {error}")
+        )
 
     def _add_event(self, event: Event) -> None:
         self._happened(self._log.add(event))
@@ -265,15 +270,15 @@ class Robot:
         """A snapshot goes up now."""
         self._dirty = False
         self._flusher.cancel()
-        self._door.put(
+        self._mailbox.put(
             Snapshot(
                 battery=self._telemetry.battery,
                 motor=self._telemetry.motor,
                 goal=self._goals.goal,
                 history=tuple(self._goals.history),
                 parameters=self._parameters.all(),
-                nodes=self._census.states(),
-                offered=self._census.offered,
+                nodes=self._graph.states(),
+                offered=self._graph.offered,
                 events=self._log.all(),
                 charge=self._telemetry.charge,
                 stop_asked=self._stop_asked,

@@ -1,12 +1,11 @@
 """Follows the goals that this console sends. ROS thread only.
 
 A goal is never declared ended because the console stopped waiting: without an answer it is UNKNOWN,
-without news while it moves LOST, until the robot says how it ended, or that it knows it no more.
+without news while it moves LOST, until the robot says how it ended, or that it does not know it.
 """
 
 from __future__ import annotations
 
-import time
 import uuid
 from collections import deque
 from collections.abc import Callable
@@ -17,13 +16,16 @@ from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
-from archo_tui.robot import calls
-from archo_tui.robot.calls import Calls
+from archo_tui.clock import Clock
+from archo_tui.robot import services
 from archo_tui.robot.events import harmless
+from archo_tui.robot.services import Services
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase
 
 SILENCE = 3.0  # s without feedback or motor status until a moving goal counts as lost
@@ -35,7 +37,7 @@ _ENDS = {
     GoalStatus.STATUS_CANCELED: Phase.CANCELLED,
     GoalStatus.STATUS_ABORTED: Phase.ABORTED,
 }
-_FORGOTTEN = "the robot knows this goal no more (was it started anew?)"
+_FORGOTTEN = "the robot no longer knows this goal (was it restarted?)"
 
 
 class Goals:
@@ -44,13 +46,14 @@ class Goals:
     def __init__(
         self,
         node: Node,
-        pending: Calls,
+        clock: Clock,
+        pending: Services,
         changed: Callable[[], None],
         note: Callable[[str], None],
     ) -> None:
-        """`note` is told what happened after the verb that it belongs to had ended."""
-        self._node = node
-        self._calls = pending
+        """`note(text)` is called with what happens after the verb it belongs to has ended."""
+        self._node, self._clock = node, clock
+        self._services = pending
         self._changed = changed
         self._note = note
         self._client = ActionClient(node, MoveToShelf, MOVE)
@@ -67,7 +70,9 @@ class Goals:
             return Outcome(False, "a goal is running already: cancel it first")
         if not self._client.server_is_ready():
             return Outcome(False, f"{MOVE} is not offered by any node")
-        goal = Goal(shelf, Phase.SENT, time.monotonic(), time.time(), length=route_length)
+        goal = Goal(
+            shelf, Phase.SENT, self._clock.monotonic(), self._clock.now(), length=route_length
+        )
         self._set(goal)
         self._refusals.clear()
         self._handle = self._result = None
@@ -88,10 +93,10 @@ class Goals:
             MoveToShelf.Goal(shelf_number=shelf), on_feedback, goal_id
         )
         future.add_done_callback(on_answer)
-        self._calls.watch(answered)
+        self._services.watch(answered)
         if await answered is None:
             self._unanswered(goal_id)
-            return Outcome(False, f"no answer in {calls.DEADLINE:g} s: the goal may be running")
+            return Outcome(False, f"no answer in {services.DEADLINE:g} s: the goal may be running")
         if self._handle is None:
             reason = await self._reason()
             self._end(Phase.REFUSED, reason)
@@ -106,7 +111,7 @@ class Goals:
         if self._handle is None:
             return Outcome(False, "the goal is not accepted yet")
         before = goal.phase
-        self._update(phase=Phase.CANCELLING, cancel_asked=time.monotonic())
+        self._update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
         future, in_time = self._handle.cancel_goal_async(), self._future()
 
         def on_answer(done: Any) -> None:
@@ -116,28 +121,28 @@ class Goals:
             self._wake()
 
         future.add_done_callback(on_answer)
-        self._calls.watch(in_time)
+        self._services.watch(in_time)
         answer = future.result() if await in_time else None
         if answer is not None and len(answer.goals_canceling):
             return Outcome(True, "cancelling")
         if self._is_current(goal) and self.goal and self.goal.phase == Phase.CANCELLING:
             self._update(phase=before, cancel_asked=None)
         if answer is None:
-            return Outcome(False, f"no answer in {calls.DEADLINE:g} s to the cancel")
-        return Outcome(False, "the robot rejected the cancel: the goal goes on or has ended")
+            return Outcome(False, f"no answer in {services.DEADLINE:g} s to the cancel")
+        return Outcome(False, "the robot rejected the cancel: the goal continues or has ended")
 
     def refused(self, reason: str) -> None:
-        """Take note of a log line that says why a goal is refused."""
+        """Remember a log line that says why a goal is refused."""
         self._refusals.append(reason)
 
     def heard(self) -> None:
-        """The robot was heard again. Whether it still knows a lost goal is asked anew."""
+        """The robot was heard again: ask whether it still knows a goal that was lost."""
         if self.goal is not None and self.goal.phase == Phase.LOST:
             self._update(phase=Phase.UNKNOWN)
             self._asked = 0.0
 
     def check(self, now: float, last_heard: float | None) -> None:
-        """A moving goal that is silent for SILENCE is lost; ask about a doubtful one."""
+        """A moving goal silent for SILENCE is lost; ask the robot about a doubtful one."""
         goal = self.goal
         if goal is None or not goal.is_running:
             return
@@ -145,14 +150,14 @@ class Goals:
         if goal.phase in (Phase.MOVING, Phase.CANCELLING) and silent:
             self._update(phase=Phase.LOST)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST) and self._handle is not None
-        if doubtful and now - self._asked > calls.DEADLINE and self._client.server_is_ready():
+        if doubtful and now - self._asked > services.DEADLINE and self._client.server_is_ready():
             self._ask_result()
 
     def _answered(self, handle: Any) -> None:
         """The server accepted or refused, in time or later."""
         if handle.accepted:
             self._handle = handle
-            now = time.monotonic()
+            now = self._clock.monotonic()
             self._update(phase=Phase.MOVING, started=now, heard=now)
             self._ask_result()
         elif self.goal is not None and self.goal.phase == Phase.UNKNOWN:
@@ -168,7 +173,7 @@ class Goals:
         if self._result is not None:
             self._result.cancel()
         goal = self.goal
-        self._asked = time.monotonic()
+        self._asked = self._clock.monotonic()
         self._result = self._handle.get_result_async()
 
         def on_result(future: Any) -> None:
@@ -195,20 +200,21 @@ class Goals:
             phase=Phase.MOVING if doubtful else goal.phase,
             remaining=remaining,
             length=length,
-            heard=time.monotonic(),
+            heard=self._clock.monotonic(),
             started=goal.sent if goal.started is None else goal.started,
         )
 
     async def _reason(self) -> str:
-        """The reason of the refusal: an action has no field for it, the log has."""
-        end = time.monotonic() + _REASON_WAIT
-        while not self._refusals and time.monotonic() < end:
+        """Why the goal was refused: an action has no field for the reason, the log has it."""
+        end = self._clock.monotonic() + _REASON_WAIT
+        while not self._refusals and self._clock.monotonic() < end:
             await self._pause(0.02)
         return self._refusals[-1] if self._refusals else "refused, no reason given"
 
     async def _pause(self, seconds: float) -> None:
         passed = self._future()
-        timer = self._node.create_timer(seconds, lambda: passed.set_result(True))
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        timer = self._node.create_timer(seconds, lambda: passed.set_result(True), clock=steady)
         await passed
         self._node.destroy_timer(timer)
 
@@ -220,16 +226,18 @@ class Goals:
     def _end(self, phase: Phase, message: str) -> None:
         self._handle = self._result = None
         if self.goal is not None:
-            now = time.monotonic()
+            now = self._clock.monotonic()
             message = harmless(message)
-            ended = replace(self.goal, phase=phase, message=message, ended=now, time=time.time())
+            ended = replace(
+                self.goal, phase=phase, message=message, ended=now, time=self._clock.now()
+            )
             self.history.appendleft(ended)
             self._set(ended)
 
     def _update(self, **changes: Any) -> None:
         if self.goal is not None:
             if changes.get("phase", self.goal.phase) != self.goal.phase:
-                changes["time"] = time.time()
+                changes["time"] = self._clock.now()
             self._set(replace(self.goal, **changes))
 
     def _set(self, goal: Goal) -> None:

@@ -15,11 +15,11 @@ from rcl_interfaces.msg import ParameterEvent, ParameterType
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from archo_tui.robot import calls
-from archo_tui.robot.calls import Calls
+from archo_tui.robot import services
 from archo_tui.robot.events import harmless
+from archo_tui.robot.parameter_values import TYPES, as_python, text_of
+from archo_tui.robot.services import Services
 from archo_tui.robot.state import Outcome, Parameter
-from archo_tui.robot.values import TYPES, as_python, text_of
 
 _DEPTH = 1000  # parameter events kept while the thread is busy
 
@@ -27,9 +27,9 @@ _DEPTH = 1000  # parameter events kept while the thread is busy
 class Parameters:
     """Loads the parameters of nodes as they appear, follows their changes, sets them."""
 
-    def __init__(self, node: Node, calls: Calls, changed: Callable[[], None]) -> None:
+    def __init__(self, node: Node, pending: Services, changed: Callable[[], None]) -> None:
         self._node = node
-        self._calls = calls
+        self._services = pending
         self._changed = changed
         self._by_node: dict[str, dict[str, Parameter]] = {}
         self._loading: set[str] = set()
@@ -40,20 +40,20 @@ class Parameters:
         """By node, then in the order in which the node declared them."""
         return tuple(p for node in sorted(self._by_node) for p in self._by_node[node].values())
 
-    def follow(self, nodes: list[str], services: Container[str]) -> None:
+    def follow(self, nodes: list[str], offered: Container[str]) -> None:
         """Load nodes that are new on the graph and offer parameters, forget those that left."""
         for gone in self._by_node.keys() - set(nodes):
             del self._by_node[gone]
             self._changed()
         for name in nodes:
             known = name in self._by_node or name in self._loading
-            if not known and f"{name}/list_parameters" in services:
+            if not known and f"{name}/list_parameters" in offered:
                 self._loading.add(name)
                 self._task(self._load, name)
         self._refresh_next()
 
     def _refresh_next(self) -> None:
-        """Read one node's values again: a node that was started anew under its name says nothing.
+        """Read one node's values again: one that was restarted under its name does not say so.
 
         One node at each look, so that the cost does not grow with the number of nodes.
         """
@@ -65,13 +65,13 @@ class Parameters:
 
     async def _refresh(self, node: str) -> None:
         names = list(self._by_node[node])
-        got = await self._calls.call(
+        got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
         if got is None or node not in self._by_node:
             return
         if len(got.values) != len(names):
-            self._by_node.pop(node)  # another set of parameters: load it anew
+            self._by_node.pop(node)  # another set of parameters: load all of it
             return
         for name, value in zip(names, got.values, strict=True):
             self._take(node, name, as_python(value))
@@ -81,16 +81,16 @@ class Parameters:
 
     async def _load(self, node: str) -> None:
         try:
-            listed = await self._calls.call(
+            listed = await self._services.call(
                 srv.ListParameters, f"{node}/list_parameters", srv.ListParameters.Request()
             )
             names = list(listed.result.names) if listed is not None else []
-            described = await self._calls.call(
+            described = await self._services.call(
                 srv.DescribeParameters,
                 f"{node}/describe_parameters",
                 srv.DescribeParameters.Request(names=names),
             )
-            got = await self._calls.call(
+            got = await self._services.call(
                 srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
             )
             if listed is None or described is None or got is None:
@@ -113,15 +113,15 @@ class Parameters:
         request = srv.SetParametersAtomically.Request(
             parameters=[RosParameter(n, value=v).to_parameter_msg() for n, v in values.items()]
         )
-        answer = await self._calls.call(
+        answer = await self._services.call(
             srv.SetParametersAtomically, f"{node}/set_parameters_atomically", request
         )
         if answer is None:
-            return Outcome(False, f"no answer in {calls.DEADLINE:g} s from {node}")
+            return Outcome(False, f"no answer in {services.DEADLINE:g} s from {node}")
         if not answer.result.successful:
             return Outcome(False, answer.result.reason or "refused, no reason given")
         names = list(values)
-        got = await self._calls.call(
+        got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
         for name, value in zip(names, got.values if got is not None else (), strict=False):
@@ -144,7 +144,7 @@ class Parameters:
         known = self._by_node.get(node, {}).get(name)
         if known is None:
             if node in self._by_node and node not in self._loading:
-                self._by_node.pop(node)  # declared later: load the node anew
+                self._by_node.pop(node)  # declared later: load the whole node
         elif known.value != value:
             self._by_node[node][name] = replace(known, value=value)
             self._changed()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.robot.values import text_of
+from archo_tui.robot.parameter_values import text_of
 
 
 def _fields(message: Any) -> str:

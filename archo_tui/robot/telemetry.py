@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
+from archo_tui.clock import Clock
 from archo_tui.robot import interfaces
 from archo_tui.robot.state import BATTERY, MOTOR, Battery, Motor
 
@@ -23,14 +23,18 @@ class Telemetry:
     """The last battery and motor readings."""
 
     def __init__(
-        self, node: Node, changed: Callable[[str], None], warn: Callable[[str], None]
+        self,
+        node: Node,
+        clock: Clock,
+        changed: Callable[[str], None],
+        warn: Callable[[str], None],
     ) -> None:
         """`changed(topic)` is called after each reading, `warn` with what cannot be heard."""
-        self._node = node
+        self._node, self._clock = node, clock
         self._changed = changed
         self._warn = warn
         self._subscriptions: dict[str, tuple[tuple[str, bool], Any]] = {}
-        self._unknown: set[str] = set()  # types that were complained of
+        self._unknown: set[str] = set()  # types that the operator was warned about
         self.battery = Battery()
         self.motor = Motor()
         self.charge: tuple[tuple[float, float], ...] = ()  # (s, %): never more than _SAMPLES
@@ -69,7 +73,7 @@ class Telemetry:
         self._subscriptions[topic] = (wanted, subscription)
 
     def _on_battery(self, message: Any) -> None:
-        now = time.monotonic()
+        now = self._clock.monotonic()
         last, charging = self.battery.received, self.battery.charging
         percentage = getattr(message, "percentage", getattr(message, "data", None))
         self.battery = Battery(
@@ -84,9 +88,9 @@ class Telemetry:
         self._changed(BATTERY)
 
     def _sample(self, now: float, *, turned: bool) -> None:
-        """Keep the charge for its trend; what was before it turned says nothing about it."""
+        """Keep the charge for its trend; what came before it turned says nothing about it."""
         percentage, kept = self.battery.percentage, self.charge
-        if percentage is not None and kept:  # another battery, or its node was started anew
+        if percentage is not None and kept:  # another battery, or its node was restarted
             rise = percentage - kept[-1][1]
             turned = turned or (-rise if self.battery.charging else rise) > _JUMP
         kept = () if turned else kept
@@ -99,13 +103,13 @@ class Telemetry:
             speed=_number(getattr(message, "speed", None)),
             moving=getattr(message, "moving", None),
             stopped=getattr(message, "emergency_stopped", None),
-            received=time.monotonic(),
+            received=self._clock.monotonic(),
         )
         self._changed(MOTOR)
 
 
 def _number(value: Any) -> float | None:
-    """A finite number, or None: what is not reported and NaN look the same to a person."""
+    """A finite number, or None: to a person NaN is the same as not reported."""
     if isinstance(value, (int, float)) and math.isfinite(value):
         return float(value)
     return None

@@ -15,14 +15,18 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
+from archo_tui.clock import Clock
+
 T = TypeVar("T")
 
 
 class RosThread:
     """Spins one node until `stop()`; an exception in a callback is reported, and it spins on."""
 
-    def __init__(self, node: Node, context: Context, on_error: Callable[[Exception], None]) -> None:
-        self._node = node
+    def __init__(
+        self, node: Node, context: Context, clock: Clock, on_error: Callable[[Exception], None]
+    ) -> None:
+        self._node, self._clock = node, clock
         self._context = context
         self._on_error = on_error
         self._stopping = False
@@ -44,7 +48,7 @@ class RosThread:
                 self._on_error(error)
 
     def _begin_to_end(self) -> None:
-        """Nothing new from here on; what is queued is begun: Python complains of what never is."""
+        """Nothing new from here on; what is queued is started: Python warns of what never is."""
         for timer in self._node.timers:
             timer.cancel()
         self.executor.create_task(self._end)
@@ -82,10 +86,7 @@ class RosThread:
                 loop.call_soon_threadsafe(put, value, failed)
 
         self.executor.create_task(there)
-        try:
-            return await asyncio.wait_for(result, deadline)
-        except asyncio.TimeoutError:
-            raise TimeoutError from None
+        return await self._clock.wait_for(result, deadline)
 
     def stop(self, timeout: float = 3.0) -> bool:
         """End the thread and destroy the node; False when a callback did not return in time (s)."""

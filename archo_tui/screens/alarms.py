@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from textual.app import ComposeResult
 from textual.containers import Vertical
@@ -10,8 +10,8 @@ from textual.containers import Vertical
 from archo_tui.alarms import SHELF_TIME, Alarm, State
 from archo_tui.clock import time_of_day
 from archo_tui.screens.dialog import Dialog
+from archo_tui.station import View
 from archo_tui.widgets.rows import Rows, Text
-from archo_tui.widgets.view import View
 
 
 def alarm_lines(alarm: Alarm, _width: int) -> list[Text]:
@@ -39,16 +39,19 @@ class AlarmList(Dialog[None]):
     def __init__(
         self,
         view: View,
-        acknowledge: Callable[[list[Alarm]], None],
+        acknowledge: Callable[[Iterable[Alarm]], None],
         shelve: Callable[[Alarm], None],
+        changed: Callable[[], None],
     ) -> None:
+        """`changed()` is called after something was acknowledged or shelved."""
         super().__init__()
         self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
+        self._changed = changed
         self._rows: Rows[Alarm] = Rows(
             alarm_lines,
             lambda alarm: alarm.name,
             id="alarms",
-            empty="No alarm: nothing needs attention.",
+            empty="No alarms: nothing needs attention.",
             wraps=True,
         )
 
@@ -73,12 +76,15 @@ class AlarmList(Dialog[None]):
         """The selected one has been seen."""
         if self._rows.item is not None:
             self._acknowledge([self._rows.item])
+            self._changed()
 
     def action_acknowledge_all(self) -> None:
         """All that are shown have been seen."""
-        self._acknowledge(list(self._view.alarms))
+        self._acknowledge(self._view.alarms)
+        self._changed()
 
     def action_shelve(self) -> None:
         """Silence the selected one for a while, or no longer."""
         if self._rows.item is not None:
             self._shelve(self._rows.item)
+            self._changed()

@@ -12,8 +12,8 @@ from textual.markup import escape
 from textual.widgets import Button, Input, Static
 
 from archo_tui.robot.events import harmless
+from archo_tui.robot.parameter_values import parse, range_text, text_of
 from archo_tui.robot.state import Outcome, Parameter
-from archo_tui.robot.values import parse, range_text, text_of
 from archo_tui.screens.dialog import Form
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from textual.app import ComposeResult
 from textual.containers import VerticalScroll
@@ -12,15 +12,19 @@ from textual.widgets import Static
 
 from archo_tui.screens.dialog import Dialog
 
-if TYPE_CHECKING:
-    from archo_tui.commands.base import Command
-
-_USUAL = "not while typing"  # the introduction says it for all
-
 _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
     "tab moves on, enter presses or edits, esc leads out; while you type, letters are text."
 )
+
+
+class Entry(NamedTuple):
+    """What is said about one key."""
+
+    key: str
+    help: str
+    place: str  # where it works, empty for wherever no text is typed
+    reason: str  # why it cannot run now, or empty
 
 
 class Help(Dialog[None]):
@@ -28,29 +32,22 @@ class Help(Dialog[None]):
 
     BINDINGS = [("escape,question_mark,q", "close", "Close")]
 
-    def __init__(
-        self,
-        commands: Sequence[Command],
-        blocked: Callable[[Command], str],
-        key: Callable[[str], str],
-    ) -> None:
-        """`blocked(command)` says why one cannot run now, `key(id)` how its key reads."""
+    def __init__(self, entries: Sequence[Entry]) -> None:
         super().__init__()
-        self._commands, self._blocked, self._key = commands, blocked, key
+        self._entries = entries
 
     def compose(self) -> ComposeResult:
         with VerticalScroll(classes="dialog keys") as box:
             box.border_title = "Keys"
             box.border_subtitle = "esc close"
             yield Static(Content(_INTRODUCTION))
-            for command in self._commands:
-                yield Static(self._line(command))
+            for entry in self._entries:
+                yield Static(_line(entry))
 
-    def _line(self, command: Command) -> Content:
-        reason = self._blocked(command)
-        key = Content.styled(f"{self._key(command.id):>5}", "dim" if reason else "bold")
-        place = "" if command.where == _USUAL else f" ({command.place})"
-        text = f"  {command.help}{place}"
-        if reason:
-            return Content.assemble(key, (f"{text}: {reason}", "dim"))
-        return Content.assemble(key, text)
+
+def _line(entry: Entry) -> Content:
+    key = Content.styled(f"{entry.key:>5}", "dim" if entry.reason else "bold")
+    text = f"  {entry.help}" + (f" ({entry.place})" if entry.place else "")
+    if entry.reason:
+        return Content.assemble(key, (f"{text}: {entry.reason}", "dim"))
+    return Content.assemble(key, text)

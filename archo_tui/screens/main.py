@@ -7,6 +7,7 @@ from textual.containers import Container, Horizontal
 from textual.screen import Screen
 from textual.widget import Widget
 
+from archo_tui.station import View
 from archo_tui.widgets import bars
 from archo_tui.widgets.battery_panel import BatteryPanel
 from archo_tui.widgets.events_panel import EventsPanel
@@ -17,7 +18,6 @@ from archo_tui.widgets.nodes_panel import NodesPanel
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.search import Search
-from archo_tui.widgets.view import View
 
 
 class MainScreen(Screen[None]):

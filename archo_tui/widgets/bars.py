@@ -7,7 +7,7 @@ from textual.content import Content
 from archo_tui.alarms import Alarm, Priority, State
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Phase
-from archo_tui.widgets.view import View
+from archo_tui.station import View
 
 
 def header(view: View, width: int) -> Content:

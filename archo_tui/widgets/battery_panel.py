@@ -5,10 +5,13 @@ from __future__ import annotations
 from textual.app import ComposeResult
 from textual.content import Content
 
-from archo_tui.widgets import trend, words
+from archo_tui import state_text
+from archo_tui.robot.state import Snapshot
+from archo_tui.station import View
+from archo_tui.widgets import trend
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.view import View
+from archo_tui.widgets.styled import STYLES, content
 
 
 class BatteryPanel(Panel, can_focus=True):
@@ -27,15 +30,29 @@ class BatteryPanel(Panel, can_focus=True):
         snapshot, battery = view.snapshot, view.snapshot.battery
         bar = self.query_one("#battery-gauge", Line)
         width = max(bar.size.width, 1)
-        line = words.battery_line(snapshot, view.now, width)
-        self.query_one("#battery-line", Line).show(line)
-        style = words.battery_word(snapshot)[2]
+        line = state_text.battery_line(snapshot, view.now, width)
+        self.query_one("#battery-line", Line).show(content(line))
+        tone = state_text.battery_word(snapshot)[2]
         if battery.received is None or battery.is_old(view.now):
-            style = words.OLD
-        text = words.gauge(battery.percentage, snapshot.threshold, width)
-        bar.show(Content.styled(text, style))
+            tone = state_text.OLD
+        text = state_text.gauge(battery.percentage, snapshot.threshold, width)
+        bar.show(Content.styled(text, STYLES[tone]))
         history = trend.sparkline(snapshot.charge, width)
-        self.query_one("#battery-history", Line).show(Content.styled(history, words.OLD))
-        does = words.battery_trend(snapshot, view.now, width)
-        self.query_one("#battery-trend", Line).show(does)
+        self.query_one("#battery-history", Line).show(content(((history, state_text.OLD),)))
+        self.query_one("#battery-trend", Line).show(content(_trend(snapshot, view.now, width)))
         self.show_keys(view, f"low {snapshot.threshold:g}")
+
+
+def _trend(snapshot: Snapshot, now: float, width: int) -> state_text.Spans:
+    """What the charge does, and when it will be empty or full."""
+    battery = snapshot.battery
+    if battery.received is None:
+        return ((state_text.battery_source(snapshot), state_text.OLD),)
+    if battery.is_old(now):
+        return ((f"last heard {state_text.age(now - battery.received)} ago", state_text.OLD),)
+    if battery.charging is None:
+        return (("charging: not reported", state_text.OLD),)
+    does = "charging" if battery.charging else "discharging"
+    end = trend.end_text(snapshot.charge, charging=battery.charging)
+    both = f"{does}, {end}"
+    return (((both if len(both) <= width else end) if end else does, state_text.PLAIN),)

@@ -9,10 +9,10 @@ from textual.app import ComposeResult
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Event
+from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Rows, Text
 from archo_tui.widgets.search import Search
-from archo_tui.widgets.view import View
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal
+from textual.content import Content
 from textual.widgets import Button
 
+from archo_tui import state_text
 from archo_tui.robot.state import RESET, STOP
-from archo_tui.widgets import words
+from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.view import View
+from archo_tui.widgets.styled import content
 
 
 class MotorPanel(Panel):
@@ -28,10 +30,13 @@ class MotorPanel(Panel):
 
     def show(self, view: View) -> None:
         self.show_keys(view)
-        self.query_one("#motor-line", Line).show(words.motor_line(view.snapshot, view.now))
+        line = state_text.motor_line(view.snapshot, view.now)
+        self.query_one("#motor-line", Line).show(content(line))
         word = self.query_one("#motor-word", Line)
-        release, width = view.key("release"), word.size.width
-        word.show(words.motor_word(view.snapshot, view.now, release, width))
+        state = state_text.motor_word(view.snapshot, view.now, word.size.width)
+        release = f" [@click=app.command('release')]({view.key('release')} releases)[/]"
+        hint = Content.from_markup(release if state == state_text.STOPPED else "")
+        word.show(Content.assemble(content(state), hint))
         self.grey(view, reset=RESET, stop=STOP)
 
     def take_focus(self) -> None:

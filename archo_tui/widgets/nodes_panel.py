@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from textual.app import ComposeResult
 
 from archo_tui.robot.state import Hosted, Life, NodeState, Snapshot
-from archo_tui.widgets import words
+from archo_tui.state_text import age
+from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Rows, Text, pad
-from archo_tui.widgets.view import View
 
 _WITH_RATE = 33  # columns that a line with its rate needs
 _CLIENT = "/archo_console"  # the console's own node
@@ -40,7 +40,7 @@ class NodeRow:
         if life == Life.STOPPED:
             return "○", life.value, "dim"
         if self.state.is_silent(self.second) and self.state.heard is not None:
-            return "?", f"silent for {words.age(self.second - self.state.heard)}", "dim"
+            return "?", f"silent for {age(self.second - self.state.heard)}", "dim"
         return "●", "", ""
 
     def details(self, now: float, snapshot: Snapshot) -> str:
@@ -51,7 +51,7 @@ class NodeRow:
         lines = [
             f"{glyph} {word.replace(' (enter: traceback)', '') or 'up'}",
             f"runs        {'in this process' if self.hosted else 'in another process'}",
-            f"last heard  {'--' if heard is None else words.age(now - heard) + ' ago'}",
+            f"last heard  {'--' if heard is None else age(now - heard) + ' ago'}",
             f"publishes   {'--' if rate is None else f'{rate:.1f} Hz'}",
             f"parameters  {parameters}",
         ]
@@ -80,9 +80,9 @@ def node_lines(row: NodeRow, width: int) -> list[Text]:
     if word:
         return [(name + word, style)]
     heard, rate = row.state.heard, row.state.rate
-    age = "" if heard is None else words.age(row.second - heard)
+    ago = "" if heard is None else age(row.second - heard)
     often = f" {rate:5.1f} Hz" if rate is not None and width >= _WITH_RATE else ""
-    return [(f"{name}{age:>5}{often}", style)]
+    return [(f"{name}{ago:>5}{often}", style)]
 
 
 class NodesPanel(Panel):

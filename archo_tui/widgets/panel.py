@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from textual.containers import Container
 
-from archo_tui.widgets.view import View
+from archo_tui.station import View
 
 
 class Panel(Container):

@@ -7,13 +7,13 @@ from textual.content import Content
 from textual.message import Message
 
 from archo_tui.robot.events import harmless
+from archo_tui.robot.parameter_values import range_text, text_of
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.values import range_text, text_of
+from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Rows, Text, pad
 from archo_tui.widgets.search import Search
-from archo_tui.widgets.view import View
 
 _NODE, _NAME, _VALUE, _TYPE = 16, 21, 8, 8  # columns
 _LONGEST = 60  # characters of a value in the table

@@ -14,7 +14,7 @@ from archo_tui.robot.state import (
     Phase,
     Snapshot,
 )
-from tests.support.stub import NOW, TIME
+from tests.support.clock import NOW, TIME
 
 ALL = frozenset(
     {

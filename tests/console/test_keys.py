@@ -8,7 +8,7 @@ from rclpy.node import Node
 from textual.widgets import Input
 
 from archo_tui import themes
-from archo_tui.folders import config_file
+from archo_tui.paths import config_file
 from tests.support.console import FAST, console
 
 

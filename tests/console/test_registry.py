@@ -11,7 +11,7 @@ from textual.pilot import Pilot
 from archo_tui.app import ArchoApp
 from archo_tui.commands import COMMANDS
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, PANELS, Command
-from archo_tui.keymap import shown
+from archo_tui.commands.keymap import shown
 from tests.console.states import STATES
 from tests.support.console import send
 from tests.support.stub import stub_app

@@ -17,7 +17,7 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from std_msgs.msg import Float32
 
-from archo_tui.robot import calls
+from archo_tui.robot import services
 from archo_tui.robot.client import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.session import Options, Session
@@ -43,7 +43,7 @@ async def until(condition: Callable[[], object]) -> None:
 
 @pytest.fixture(autouse=True)
 def _short_deadlines(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(calls, "DEADLINE", 0.3)
+    monkeypatch.setattr(services, "DEADLINE", 0.3)
 
 
 def server(*, hang: threading.Event | None = None, end: str = "succeed") -> Any:

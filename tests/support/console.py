@@ -2,32 +2,80 @@
 
 from __future__ import annotations
 
+import asyncio
 import time
+import unicodedata
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
 from textual import events
+from textual.app import App
+from textual.keys import REPLACED_KEYS, _get_unicode_name_from_key
 from textual.pilot import Pilot
 
 from archo_tui.app import ArchoApp
-from archo_tui.clock import Clock
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
-from tests.support import chosen
+from tests.support import chosen, clock
 from tests.support.waiting import DEADLINE
 
 # the textbook's move in a tenth of the time
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0", "-p", "publish_period:=0.05")
-# slow enough to press keys during a move
-SLOW = ("-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
+# a route so long that keys always come in mid-move
+LONG = ("-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
 
 
-def send(app: ArchoApp, *keys: str) -> None:
+def key_event(key: str) -> events.Key:
+    """The event of a key by Textual's name for it, with the character that it types."""
+    try:
+        name = _get_unicode_name_from_key(REPLACED_KEYS.get(key, key))
+        character: str | None = unicodedata.lookup(name)
+    except KeyError:
+        character = key if len(key) == 1 else None
+    return events.Key(key, character)
+
+
+def send(app: App[Any], *keys: str) -> None:
     """Press keys, all at once."""
     for key in keys:
-        app.post_message(events.Key(key, key if len(key) == 1 else None))
+        app.post_message(key_event(key))
+
+
+class Quiet:
+    """Knows when the loop has nothing left to do, and what waits in threads for it."""
+
+    def __init__(self) -> None:
+        self._loop: Any = asyncio.get_running_loop()
+        self._run_in_executor = self._loop.run_in_executor
+        self._loop.run_in_executor = self._tracked
+        self._threads: set[Any] = set()
+
+    def _tracked(self, executor: Any, function: Any, *args: Any) -> Any:
+        future = self._run_in_executor(executor, function, *args)
+        self._threads.add(future)
+        future.add_done_callback(self._threads.discard)
+        return future
+
+    async def settle(self) -> None:
+        """Return when nobody has anything to do before time moves on."""
+        end = time.monotonic() + 3 * DEADLINE
+        while True:
+            assert time.monotonic() < end, "never at rest"
+            virtual = clock.current
+            moves = virtual.moves if virtual is not None else 0
+            while virtual is not None and not virtual.at_rest():
+                assert time.monotonic() < end, "a thread never rests"
+                await asyncio.sleep(clock.LOOK)
+            while self._loop._ready:
+                await asyncio.sleep(0)
+            if self._threads:
+                await asyncio.sleep(clock.LOOK)
+                continue
+            rests = virtual is None or (virtual.moves == moves and virtual.at_rest())
+            if rests and not self._loop._ready:
+                return
 
 
 class Console:
@@ -35,11 +83,12 @@ class Console:
 
     def __init__(self, app: ArchoApp, pilot: Pilot[None], session: Session) -> None:
         self.app, self.pilot, self.session = app, pilot, session
+        self._quiet = Quiet()
 
     @property
     def text(self) -> str:
         """What the screen shows, line by line."""
-        return "\n".join(strip.text for strip in self.app.screen._compositor.render_strips())
+        return screen_text(self.app)
 
     def line(self, part: str) -> str:
         """The first line of the screen with that text in it, or an empty string."""
@@ -54,25 +103,31 @@ class Console:
 
     async def press(self, *keys: str) -> None:
         """Press keys one after the other."""
-        await self.pilot.press(*keys)
+        for key in keys:
+            send(self.app, key)
+            await self._quiet.settle()
 
     def send(self, *keys: str) -> None:
-        """Press keys without waiting for the screen to come to rest: it may never."""
+        """Press keys, all at once: as they come over a slow link."""
         send(self.app, *keys)
 
     async def type(self, text: str) -> None:
         """Type text, character by character."""
-        await self.pilot.press(*text)
+        await self.press(*text)
 
     async def until(
         self, condition: str | Callable[[], object], deadline: float = DEADLINE
     ) -> None:
-        """Wait until the screen shows a text or a condition holds."""
+        """Wait until the screen shows a text or a condition holds; a virtual clock moves on."""
         wanted = (lambda: condition in self.text) if isinstance(condition, str) else condition
         end = time.monotonic() + deadline
-        while not wanted():
+        while True:
+            await self._quiet.settle()
+            if wanted():
+                return
             assert time.monotonic() < end, f"waited {deadline} s for {condition!r}:\n{self.text}"
-            await self.pilot.pause(0.01)
+            if clock.current is None or not clock.current.advance():
+                await asyncio.sleep(0.01)
 
     async def ready(self) -> None:
         """Wait until the robot is seen: data, parameters, services."""
@@ -86,13 +141,17 @@ class Console:
         )
 
 
+def screen_text(app: App[Any]) -> str:
+    """What a screen shows, line by line."""
+    return "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+
+
 @asynccontextmanager
 async def console(
     *ros_args: str,
     size: tuple[int, int] = (120, 36),
     node_makers: Sequence[Any] = (),
     params_files: Sequence[Path] = (),
-    clock: Clock | None = None,
     attach: bool = False,
     domain_id: int | None = None,
     wait: bool = True,
@@ -106,8 +165,9 @@ async def console(
         ros_args=ros_args,
         node_makers=node_makers,
     )
-    with Session(options) as session:
-        app = ArchoApp(session, clock)
+    with Session(options, clock.current) as session:
+        app = ArchoApp(session.station)
+        app.animation_level = "none"
         async with app.run_test(size=size, notifications=True) as pilot:
             operator = Console(app, pilot, session)
             if wait:

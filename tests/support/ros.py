@@ -58,7 +58,7 @@ class Ros:
             except BaseException as error:
                 self.errors.append(error)
 
-        thread = threading.Thread(target=run, daemon=True)
+        thread = threading.Thread(target=run, name="spin", daemon=True)
         thread.start()
         self._spun.append((executor, thread))
         return executor

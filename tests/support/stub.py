@@ -1,4 +1,4 @@
-"""A robot that only shows what it is told, and a clock that stands."""
+"""A robot that only shows what it is told, and a station for it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,11 @@ from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
-from archo_tui.alarms import AlarmBoard
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.robot.state import Hosted, Outcome, Snapshot
-from archo_tui.session import Options
-
-NOW = 1000.0  # monotonic s of every snapshot
-TIME = 1_700_000_000.0  # Unix time of every snapshot
+from archo_tui.station import Station
+from tests.support.clock import NOW, TIME
 
 
 class StandingClock(Clock):
@@ -55,21 +52,38 @@ class StubRobot:
         return refuse
 
 
+def stub_station(
+    robot: Any,
+    clock: Clock | None = None,
+    hosted: tuple[Hosted, ...] = (),
+    *,
+    attached: bool = False,
+    on_disconnect: str = "cancel",
+) -> Station:
+    """A station over a stand-in for the robot; its journal forgets everything."""
+    host: Any = SimpleNamespace(states=lambda: hosted)
+    journal: Any = SimpleNamespace(write=lambda *_, **__: None)
+    return Station(
+        robot,
+        host,
+        journal,
+        clock or StandingClock(),
+        engine="embedded",
+        namespace="/",
+        attached=attached,
+        on_disconnect=on_disconnect,
+    )
+
+
 def stub_app(
     snapshot: Snapshot,
     clock: Clock | None = None,
     hosted: tuple[Hosted, ...] = (),
     keys: Mapping[str, str] | None = None,
+    **options: Any,
 ) -> ArchoApp:
     """The app over a stub."""
-    session: Any = SimpleNamespace(
-        robot=StubRobot(snapshot),
-        host=SimpleNamespace(states=lambda: hosted),
-        options=Options(),
-        engine="embedded",
-        alarms=AlarmBoard(),
-        alarmed=lambda changed: None,
-    )
-    app = ArchoApp(session, clock or StandingClock(), keys)
+    robot: Any = StubRobot(snapshot)
+    app = ArchoApp(stub_station(robot, clock, hosted, **options), keys)
     app.animation_level = "none"
     return app

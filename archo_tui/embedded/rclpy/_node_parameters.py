@@ -96,10 +96,13 @@ class NodeParameters:
     ) -> list[Parameter[Any]]:
         """Declare several `(name, value, descriptor)` under a prefix."""
         prefix = f"{namespace}{PARAMETER_SEPARATOR_STRING}" if namespace else ""
-        return [
-            self.declare_parameter(prefix + name, *rest, ignore_override=ignore_override)
-            for name, *rest in parameters
-        ]
+        declared = []
+        for name, *rest in parameters:
+            value, descriptor = (*rest, None, None)[:2]
+            declared.append(
+                self.declare_parameter(prefix + name, value, descriptor, ignore_override)
+            )
+        return declared
 
     def undeclare_parameter(self, name: str) -> None:
         """Forget a parameter. Raises ParameterNotDeclaredException, ParameterImmutableException."""

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import threading
-import time
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from rclpy import _time_source
 from rclpy._entity import QueueEntity
 from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
 from rclpy.service import RequestHeader
-from rclpy.task import Future
+from rclpy.task import Future, wait_for
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -63,10 +63,8 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
 
         Returns None when `timeout_sec` (s) has passed.
         """
-        answered = threading.Event()
         future = self.call_async(request)
-        future.add_done_callback(lambda _: answered.set())
-        if not answered.wait(timeout_sec):
+        if not wait_for(future, timeout_sec):
             future.cancel()
             return None
         return future.result()
@@ -85,13 +83,12 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
         """Block until the service is offered; False when `timeout_sec` (s) passed before."""
         graph = self._node._graph
-        deadline = None if timeout_sec is None else time.monotonic() + timeout_sec
         with graph.changed:
-            while self._node.context.ok() and not self.service_is_ready():
-                left = None if deadline is None else deadline - time.monotonic()
-                if left is not None and left <= 0:
-                    return False
-                graph.changed.wait(left)
+            _time_source.wait_until(
+                graph.changed,
+                lambda: self.service_is_ready() or not self._node.context.ok(),
+                _time_source.deadline_ns(timeout_sec),
+            )
             return self.service_is_ready()
 
     def destroy(self) -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-
+from rclpy import _time_source
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
 
@@ -24,7 +23,7 @@ class Clock:
     def now(self) -> Time:
         """The time now: monotonic for STEADY_TIME, else since the Unix epoch."""
         steady = self._clock_type == ClockType.STEADY_TIME
-        now = time.monotonic_ns() if steady else time.time_ns()
+        now = _time_source.monotonic_ns() if steady else _time_source.time_ns()
         return Time(nanoseconds=now, clock_type=self._clock_type)
 
 

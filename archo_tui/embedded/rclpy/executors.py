@@ -9,13 +9,13 @@ import heapq
 import itertools
 import os
 import threading
-import time
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future as PoolFuture
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
+from rclpy import _time_source
 from rclpy._entity import Entity
 from rclpy.context import Context
 from rclpy.task import Future, Task
@@ -134,13 +134,17 @@ class Executor:
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
         """Spin until the future is done, or `timeout_sec` (s) have passed."""
-        deadline = None if timeout_sec is None or timeout_sec < 0 else _now() + timeout_sec
+        deadline = _time_source.deadline_ns(timeout_sec)
         future.add_done_callback(lambda _: self.wake())
         while self._context.ok() and not future.done() and not future.cancelled():
-            left = None if deadline is None else deadline - _now()
-            if self._is_shutdown or (left is not None and left < 0):
+            left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
+            if self._is_shutdown:
                 return
-            self.spin_once_until_future_complete(future, left)
+            self.spin_once_until_future_complete(
+                future, None if left_ns is None else max(left_ns, 0) / 1e9
+            )
+            if left_ns is not None and left_ns <= 0:
+                return
 
     def spin_once_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
@@ -186,7 +190,7 @@ class Executor:
     def _next_work(
         self, timeout_sec: float | None, stop: Callable[[], bool]
     ) -> tuple[Task[Any], Entity | None]:
-        deadline = None if timeout_sec is None or timeout_sec < 0 else _now() + timeout_sec
+        deadline = _time_source.deadline_ns(timeout_sec)
         with self._condition:
             while True:
                 if self._is_shutdown:
@@ -197,19 +201,22 @@ class Executor:
                 found = self._pop_ready()
                 if found is not None:
                     return found
-                left = None if deadline is None else deadline - _now()
-                if stop() or (left is not None and left <= 0):
+                now = _time_source.monotonic_ns()
+                if stop() or (deadline is not None and now >= deadline):
                     raise TimeoutException
-                waits = [seconds for seconds in (left, due) if seconds is not None]
-                self._condition.wait(min(waits) if waits else None)
+                until = min((ns for ns in (deadline, due) if ns is not None), default=None)
+                _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
 
-    def _collect_timers(self) -> float | None:
-        """Queue the timers that are due; returns the seconds until the next one, or None."""
+    def _is_idle(self) -> bool:
+        """True while there is nothing to do but wait."""
+        return not self._ready and not self._is_shutdown and self._context.ok()
+
+    def _collect_timers(self) -> int | None:
+        """Queue the timers that are due; returns when (ns) the next one is, or None."""
         while self._timers:
             when, _, timer = self._timers[0]
-            left = when - time.monotonic_ns()
-            if left > 0:
-                return left / 1e9
+            if when > _time_source.monotonic_ns():
+                return when
             heapq.heappop(self._timers)
             if timer._node.executor is self and timer.is_ready():
                 self._make_ready(timer)
@@ -245,6 +252,9 @@ class MultiThreadedExecutor(Executor):
         self._pool = ThreadPoolExecutor(max(num_threads or os.cpu_count() or 1, 2))
         self._running: list[PoolFuture[None]] = []
 
+    def _is_idle(self) -> bool:
+        return super()._is_idle() and all(future.done() for future in self._running)
+
     def _run(self, work: Task[Any], entity: Entity | None) -> None:
         self._running.append(self._pool.submit(self._execute_and_wake, work, entity))
         for future in [future for future in self._running if future.done()]:
@@ -261,7 +271,3 @@ class MultiThreadedExecutor(Executor):
         result = super().shutdown(timeout_sec)
         self._pool.shutdown(wait=timeout_sec is None or timeout_sec > 0)
         return result
-
-
-def _now() -> float:
-    return time.monotonic()

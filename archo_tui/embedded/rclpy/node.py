@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent, SetParametersResult
 from rclpy import _arguments, _logging, _names
-from rclpy._node_entities import NodeEntities
-from rclpy._node_graph import NodeGraph
+from rclpy._entity import Entity
 from rclpy._node_parameters import NodeParameters
+from rclpy._rclpy_pybind11 import NodeNameNonExistentError
+from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
+from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.context import Context
 from rclpy.exceptions import NotInitializedException
@@ -20,15 +22,31 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 from rclpy.publisher import Publisher
 from rclpy.qos import (
+    QoSProfile,
+    as_profile,
     qos_profile_parameter_events,
     qos_profile_rosout_default,
+    qos_profile_services_default,
 )
+from rclpy.service import Service
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
 
 MsgT = TypeVar("MsgT")
+NamesAndTypes = list[tuple[str, list[str]]]
 
 
-class Node(NodeEntities, NodeParameters, NodeGraph):
+class TopicEndpointInfo(NamedTuple):
+    """One publisher or subscription of a topic."""
+
+    node_name: str
+    node_namespace: str
+    topic_type: str
+    qos_profile: QoSProfile
+
+
+class Node(NodeParameters):
     """A named participant with publishers, subscriptions, services, clients, timers, parameters."""
 
     def __init__(
@@ -62,7 +80,9 @@ class Node(NodeEntities, NodeParameters, NodeGraph):
         self._clock: Clock = ROSClock()
         self._logger = RcutilsLogger(self.get_fully_qualified_name()[1:].replace("/", "."))
         self._executor: Executor | None = None
-        self._init_entities()
+        self._default_callback_group = MutuallyExclusiveCallbackGroup()
+        self._publishers: list[Publisher[Any]] = []
+        self._entity_list: list[Entity] = []
         self._on_graph = True
         with self._graph.changed:
             self._graph.nodes.append(self)
@@ -142,6 +162,273 @@ class Node(NodeEntities, NodeParameters, NodeGraph):
         rules = () if only_expand else self._remaps
         return _names.remapped(full, self._name, self._namespace, rules)
 
+    # what the node talks by
+
+    @property
+    def default_callback_group(self) -> CallbackGroup:
+        """The mutually exclusive group of what is made without one."""
+        return self._default_callback_group
+
+    @property
+    def publishers(self) -> Iterator[Publisher[Any]]:
+        """This node's publishers."""
+        return iter(list(self._publishers))
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription[Any]]:
+        """This node's subscriptions."""
+        return (e for e in list(self._entity_list) if isinstance(e, Subscription))
+
+    @property
+    def services(self) -> Iterator[Service[Any, Any]]:
+        """This node's services."""
+        return (e for e in list(self._entity_list) if isinstance(e, Service))
+
+    @property
+    def clients(self) -> Iterator[Client[Any, Any]]:
+        """This node's clients."""
+        return (e for e in list(self._entity_list) if isinstance(e, Client))
+
+    @property
+    def timers(self) -> Iterator[Timer]:
+        """This node's timers."""
+        return (e for e in list(self._entity_list) if isinstance(e, Timer))
+
+    def create_publisher(
+        self, msg_type: type[MsgT], topic: str, qos_profile: QoSProfile | int
+    ) -> Publisher[MsgT]:
+        """Raises InvalidTopicNameException, TypeError, ValueError."""
+        qos = as_profile(qos_profile)
+        publisher = Publisher(self, msg_type, self.resolve_topic_name(topic), qos)
+        self._publishers.append(publisher)
+        self._graph.add_publisher(publisher)
+        return publisher
+
+    def create_subscription(
+        self,
+        msg_type: type[MsgT],
+        topic: str,
+        callback: Callable[[MsgT], Any],
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+    ) -> Subscription[MsgT]:
+        """Raises InvalidTopicNameException, TypeError, ValueError."""
+        qos, group = as_profile(qos_profile), callback_group or self._default_callback_group
+        name = self.resolve_topic_name(topic)
+        subscription = Subscription(self, msg_type, name, callback, group, qos)
+        self._entity_list.append(subscription)
+        self._graph.add_subscription(subscription)
+        return subscription
+
+    def create_client(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Client[Any, Any]:
+        """Raises InvalidServiceNameException."""
+        name, group = self.resolve_service_name(srv_name), callback_group
+        client: Client[Any, Any] = Client(
+            self, srv_type, name, group or self._default_callback_group, qos_profile
+        )
+        self._entity_list.append(client)
+        self._graph.add_named(self._graph.clients, name, client)
+        return client
+
+    def create_service(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Service[Any, Any]:
+        """Raises InvalidServiceNameException."""
+        return self._add_service(Service, srv_type, srv_name, callback, callback_group, qos_profile)
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[[], Any],
+        callback_group: CallbackGroup | None = None,
+        clock: Clock | None = None,
+        autostart: bool = True,
+    ) -> Timer:
+        """A timer of that period in s. Raises ValueError for a negative one."""
+        group = callback_group or self._default_callback_group
+        period_ns = int(float(timer_period_sec) * 1e9)
+        timer = Timer(self, callback, group, period_ns, clock or self._clock)
+        self._entity_list.append(timer)
+        if autostart:
+            timer._schedule()
+        else:
+            timer.cancel()
+        return timer
+
+    def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
+        """False when it is not this node's."""
+        if publisher not in self._publishers:
+            return False
+        self._publishers.remove(publisher)
+        publisher.destroy()
+        return True
+
+    def destroy_subscription(self, subscription: Subscription[Any]) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(subscription)
+
+    def destroy_client(self, client: Client[Any, Any]) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(client)
+
+    def destroy_service(self, service: Service[Any, Any]) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(service)
+
+    def destroy_timer(self, timer: Timer) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(timer)
+
+    def _add_service(
+        self,
+        kind: type[Service[Any, Any]],
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[..., Any],
+        group: CallbackGroup | None,
+        qos_profile: QoSProfile,
+    ) -> Service[Any, Any]:
+        name = self.resolve_service_name(srv_name)
+        group = group or self._default_callback_group
+        service = kind(self, srv_type, name, callback, group, qos_profile)
+        self._entity_list.append(service)
+        self._graph.add_named(self._graph.services, name, service)
+        return service
+
+    def _destroy(self, entity: Any) -> bool:
+        if entity not in self._entity_list:
+            return False
+        self._entity_list.remove(entity)
+        entity.destroy()
+        return True
+
+    def _entities(self) -> list[Entity]:
+        return list(self._entity_list)
+
+    # what is on the graph
+
+    def get_node_names(self) -> list[str]:
+        """Names without namespaces."""
+        return [name for name, _ in self.get_node_names_and_namespaces()]
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        """`(name, namespace)` of every node."""
+        with self._graph.lock:
+            return [(node.get_name(), node.get_namespace()) for node in self._graph.nodes]
+
+    def get_fully_qualified_node_names(self) -> list[str]:
+        """`/namespace/name` of every node."""
+        with self._graph.lock:
+            return [node.get_fully_qualified_name() for node in self._graph.nodes]
+
+    def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
+        """Every topic that has a publisher or a subscription."""
+        with self._graph.lock:
+            return _sorted(
+                (name, endpoint.msg_type)
+                for name, topic in self._graph.topics.items()
+                for endpoints in (topic.publishers, topic.subscriptions)
+                for endpoint in endpoints
+            )
+
+    def get_service_names_and_types(self) -> NamesAndTypes:
+        """Every service that somebody offers, or has a client of: `count_services` tells which."""
+        with self._graph.lock:
+            return _sorted(
+                (name, endpoint.srv_type)
+                for table in (self._graph.services, self._graph.clients)
+                for name, endpoints in table.items()
+                for endpoint in endpoints
+            )
+
+    def get_publisher_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> NamesAndTypes:
+        """What one node publishes. Raises NodeNameNonExistentError."""
+        publishers = [p for node in self._named(node_name, node_namespace) for p in node.publishers]
+        return _sorted((p.topic_name, p.msg_type) for p in publishers)
+
+    def get_subscriber_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> NamesAndTypes:
+        """What one node subscribes. Raises NodeNameNonExistentError."""
+        nodes = self._named(node_name, node_namespace)
+        return _sorted((s.topic_name, s.msg_type) for node in nodes for s in node.subscriptions)
+
+    def get_service_names_and_types_by_node(
+        self, node_name: str, node_namespace: str
+    ) -> NamesAndTypes:
+        """What services one node offers. Raises NodeNameNonExistentError."""
+        nodes = self._named(node_name, node_namespace)
+        return _sorted((s.service_name, s.srv_type) for node in nodes for s in node.services)
+
+    def get_publishers_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """Who publishes a topic, with which type and QoS."""
+        name = self.resolve_topic_name(topic_name)
+        with self._graph.lock:
+            topic = self._graph.topics.get(name)
+            return [_info(endpoint) for endpoint in topic.publishers] if topic else []
+
+    def get_subscriptions_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """Who subscribes a topic, with which type and QoS."""
+        name = self.resolve_topic_name(topic_name)
+        with self._graph.lock:
+            topic = self._graph.topics.get(name)
+            return [_info(endpoint) for endpoint in topic.subscriptions] if topic else []
+
+    def count_publishers(self, topic_name: str) -> int:
+        """How many publish a topic."""
+        return len(self.get_publishers_info_by_topic(topic_name))
+
+    def count_subscribers(self, topic_name: str) -> int:
+        """How many subscribe a topic."""
+        return len(self.get_subscriptions_info_by_topic(topic_name))
+
+    def count_services(self, service_name: str) -> int:
+        """How many offer a service."""
+        name = self.resolve_service_name(service_name)
+        with self._graph.lock:
+            return len(self._graph.services.get(name, ()))
+
+    def count_clients(self, service_name: str) -> int:
+        """How many have a client of a service."""
+        name = self.resolve_service_name(service_name)
+        with self._graph.lock:
+            return len(self._graph.clients.get(name, ()))
+
+    def _named(self, name: str, namespace: str) -> list[Node]:
+        with self._graph.lock:
+            nodes = [
+                node
+                for node in self._graph.nodes
+                if node.get_name() == name and node.get_namespace() == namespace
+            ]
+        if not nodes:
+            raise NodeNameNonExistentError(
+                f"cannot get names and types for nonexistent node: {name} in {namespace}"
+            )
+        return nodes
+
+    # the end
+
     def destroy_node(self) -> None:
         """Destroy everything this node made and leave the graph."""
         self._leave_graph()
@@ -175,3 +462,20 @@ def _no_simulated_time(parameters: list[Parameter[Any]]) -> SetParametersResult:
             successful=False, reason="the embedded engine has no simulated time (use_sim_time)"
         )
     return SetParametersResult(successful=True)
+
+
+def _sorted(pairs: Iterable[tuple[str, Any]]) -> NamesAndTypes:
+    types: dict[str, set[str]] = {}
+    for name, kind in pairs:
+        types.setdefault(name, set()).add(kind.__type_name__)
+    return [(name, sorted(types[name])) for name in sorted(types)]
+
+
+def _info(endpoint: Any) -> TopicEndpointInfo:
+    node = endpoint._node
+    return TopicEndpointInfo(
+        node.get_name(),
+        node.get_namespace(),
+        endpoint.msg_type.__type_name__,
+        endpoint.qos_profile,
+    )

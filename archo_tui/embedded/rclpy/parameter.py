@@ -16,66 +16,54 @@ AllowableParameterValueT = TypeVar("AllowableParameterValueT")
 _SEQUENCES = (list, tuple, array.array)
 
 
-class Type(IntEnum):
-    """The types a parameter may have."""
-
-    NOT_SET = ParameterType.PARAMETER_NOT_SET
-    BOOL = ParameterType.PARAMETER_BOOL
-    INTEGER = ParameterType.PARAMETER_INTEGER
-    DOUBLE = ParameterType.PARAMETER_DOUBLE
-    STRING = ParameterType.PARAMETER_STRING
-    BYTE_ARRAY = ParameterType.PARAMETER_BYTE_ARRAY
-    BOOL_ARRAY = ParameterType.PARAMETER_BOOL_ARRAY
-    INTEGER_ARRAY = ParameterType.PARAMETER_INTEGER_ARRAY
-    DOUBLE_ARRAY = ParameterType.PARAMETER_DOUBLE_ARRAY
-    STRING_ARRAY = ParameterType.PARAMETER_STRING_ARRAY
-
-    @classmethod
-    def from_parameter_value(cls, value: Any) -> Type:
-        """The type of a Python value. Raises TypeError when no parameter can have it."""
-        if value is None:
-            return cls.NOT_SET
-        for kind, element in _SCALARS.items():
-            if isinstance(value, element):
-                return kind
-        if isinstance(value, _SEQUENCES):
-            for kind, element in _ELEMENTS.items():
-                if all(isinstance(item, element) for item in value):
-                    return kind
-        raise TypeError(f"The given value is not one of the allowed types '{value}'.")
-
-    def check(self, value: Any) -> bool:
-        """True when a parameter of this type may have that value."""
-        if self == Type.NOT_SET:
-            return value is None
-        if self in _SCALARS:
-            return isinstance(value, _SCALARS[self])
-        element = _ELEMENTS[self]
-        return isinstance(value, _SEQUENCES) and all(isinstance(item, element) for item in value)
-
-
-# bool stands before int, because a Python bool is an int
-_SCALARS = {Type.BOOL: bool, Type.INTEGER: int, Type.DOUBLE: float, Type.STRING: str}
-_ELEMENTS = {
-    Type.BYTE_ARRAY: bytes,
-    Type.BOOL_ARRAY: bool,
-    Type.INTEGER_ARRAY: int,
-    Type.DOUBLE_ARRAY: float,
-    Type.STRING_ARRAY: str,
-}
-
-
 class Parameter(Generic[AllowableParameterValueT]):
     """A name and a typed value."""
 
-    Type = Type
+    class Type(IntEnum):
+        """The types a parameter may have."""
+
+        NOT_SET = ParameterType.PARAMETER_NOT_SET
+        BOOL = ParameterType.PARAMETER_BOOL
+        INTEGER = ParameterType.PARAMETER_INTEGER
+        DOUBLE = ParameterType.PARAMETER_DOUBLE
+        STRING = ParameterType.PARAMETER_STRING
+        BYTE_ARRAY = ParameterType.PARAMETER_BYTE_ARRAY
+        BOOL_ARRAY = ParameterType.PARAMETER_BOOL_ARRAY
+        INTEGER_ARRAY = ParameterType.PARAMETER_INTEGER_ARRAY
+        DOUBLE_ARRAY = ParameterType.PARAMETER_DOUBLE_ARRAY
+        STRING_ARRAY = ParameterType.PARAMETER_STRING_ARRAY
+
+        @classmethod
+        def from_parameter_value(cls, value: Any) -> Parameter.Type:
+            """The type of a Python value. Raises TypeError when no parameter can have it."""
+            if value is None:
+                return cls.NOT_SET
+            for kind, element in _SCALARS.items():
+                if isinstance(value, element):
+                    return kind
+            if isinstance(value, _SEQUENCES):
+                for kind, element in _ELEMENTS.items():
+                    if all(isinstance(item, element) for item in value):
+                        return kind
+            raise TypeError(f"The given value is not one of the allowed types '{value}'.")
+
+        def check(self, value: Any) -> bool:
+            """True when a parameter of this type may have that value."""
+            if self == Parameter.Type.NOT_SET:
+                return value is None
+            if self in _SCALARS:
+                return isinstance(value, _SCALARS[self])
+            element = _ELEMENTS[self]
+            return isinstance(value, _SEQUENCES) and all(
+                isinstance(item, element) for item in value
+            )
 
     def __init__(self, name: str, type_: Type | None = None, value: Any = None) -> None:
         """Raises TypeError for a value no parameter can have, ValueError for another type."""
         if type_ is None:
-            type_ = Type.from_parameter_value(value)
-        if not isinstance(type_, Type):
-            raise TypeError(f"type must be an instance of '{Type!r}'")
+            type_ = Parameter.Type.from_parameter_value(value)
+        if not isinstance(type_, Parameter.Type):
+            raise TypeError(f"type must be an instance of '{Parameter.Type!r}'")
         if not type_.check(value):
             raise ValueError(f"Type '{type_}' and value '{value}' do not agree")
         self._name = name
@@ -100,7 +88,7 @@ class Parameter(Generic[AllowableParameterValueT]):
     def get_parameter_value(self) -> ParameterValue:
         """As rcl_interfaces/ParameterValue."""
         message = ParameterValue(type=int(self._type))
-        if self._type != Type.NOT_SET:
+        if self._type != Parameter.Type.NOT_SET:
             setattr(message, _field(self._type), self._value)
         return message
 
@@ -111,15 +99,31 @@ class Parameter(Generic[AllowableParameterValueT]):
     @classmethod
     def from_parameter_msg(cls, message: ParameterMsg) -> Parameter[Any]:
         """The parameter that a message carries."""
-        kind = Type(message.value.type)
+        kind = Parameter.Type(message.value.type)
         return cls(message.name, kind, parameter_value_to_python(message.value))
 
 
 def parameter_value_to_python(message: ParameterValue) -> Any:
     """The Python value of rcl_interfaces/ParameterValue; None when not set."""
-    kind = Type(message.type)
-    return None if kind == Type.NOT_SET else getattr(message, _field(kind))
+    kind = Parameter.Type(message.type)
+    return None if kind == Parameter.Type.NOT_SET else getattr(message, _field(kind))
 
 
-def _field(kind: Type) -> str:
+def _field(kind: Parameter.Type) -> str:
     return f"{kind.name.lower()}_value"
+
+
+# bool stands before int, because a Python bool is an int
+_SCALARS = {
+    Parameter.Type.BOOL: bool,
+    Parameter.Type.INTEGER: int,
+    Parameter.Type.DOUBLE: float,
+    Parameter.Type.STRING: str,
+}
+_ELEMENTS = {
+    Parameter.Type.BYTE_ARRAY: bytes,
+    Parameter.Type.BOOL_ARRAY: bool,
+    Parameter.Type.INTEGER_ARRAY: int,
+    Parameter.Type.DOUBLE_ARRAY: float,
+    Parameter.Type.STRING_ARRAY: str,
+}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces import srv
+from rclpy import _time_source
 from rclpy.callback_groups import CallbackGroup
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, qos_profile_services_default
@@ -52,10 +52,10 @@ class AsyncParameterClient:
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
         """Block until it does; False when `timeout_sec` (s) passed before."""
-        deadline = None if timeout_sec is None else time.monotonic() + timeout_sec
+        deadline = _time_source.deadline_ns(timeout_sec)
         for client in self._clients:
-            left = None if deadline is None else max(deadline - time.monotonic(), 0.0)
-            if not client.wait_for_service(left):
+            left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
+            if not client.wait_for_service(None if left_ns is None else max(left_ns, 0) / 1e9):
                 return False
         return True
 

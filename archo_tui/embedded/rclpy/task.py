@@ -9,6 +9,8 @@ import weakref
 from collections.abc import Callable, Generator
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from rclpy import _time_source
+
 if TYPE_CHECKING:
     from rclpy.executors import Executor
 
@@ -36,7 +38,8 @@ class Future(Generic[T]):
     def __await__(self) -> Generator[Any, None, T]:
         while self._state == _PENDING:
             yield self
-        return self.result()
+        value: T = self.result()
+        return value
 
     def done(self) -> bool:
         """True when a result or an exception is set."""
@@ -150,7 +153,7 @@ class Task(Future[T]):
         try:
             if self._coroutine is None:
                 call, self._call = self._call, None
-                value = call() if call else None
+                value: Any = call() if call else None
                 if not inspect.iscoroutine(value):
                     self.set_result(value)
                     return
@@ -178,3 +181,17 @@ class Task(Future[T]):
         executor = self._executor()
         if executor is not None:
             executor._resume(self)
+
+
+def wait_for(future: Future[Any], timeout_sec: float | None) -> bool:
+    """Block until the future is done, while another thread spins; False after `timeout_sec` (s)."""
+    answered = threading.Condition()
+
+    def wake(_: Future[Any]) -> None:
+        with answered:
+            answered.notify_all()
+
+    future.add_done_callback(wake)
+    with answered:
+        until = _time_source.deadline_ns(timeout_sec)
+        return _time_source.wait_until(answered, lambda: future.done() or future.cancelled(), until)

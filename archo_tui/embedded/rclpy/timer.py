@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from rclpy import _time_source
 from rclpy._entity import Entity
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
@@ -35,7 +35,7 @@ class Timer(Entity):
         self.clock = clock
         self._period_ns = period_ns
         self._canceled = False
-        self._last_ns = time.monotonic_ns()
+        self._last_ns = _time_source.monotonic_ns()
         self._next_ns = self._last_ns + period_ns
 
     @property
@@ -49,7 +49,7 @@ class Timer(Entity):
 
     def is_ready(self) -> bool:
         """True when the callback is due."""
-        return not self._canceled and time.monotonic_ns() >= self._next_ns
+        return not self._canceled and _time_source.monotonic_ns() >= self._next_ns
 
     def is_canceled(self) -> bool:
         """True between `cancel()` and `reset()`."""
@@ -62,16 +62,16 @@ class Timer(Entity):
     def reset(self) -> None:
         """Tick (again), a full period from now."""
         self._canceled = False
-        self._next_ns = time.monotonic_ns() + self._period_ns
+        self._next_ns = _time_source.monotonic_ns() + self._period_ns
         self._schedule()
 
     def time_since_last_call(self) -> int:
         """ns since the callback was last called (or the timer made)."""
-        return time.monotonic_ns() - self._last_ns
+        return _time_source.monotonic_ns() - self._last_ns
 
     def time_until_next_call(self) -> int | None:
         """ns until the callback is due, negative when late, None when canceled."""
-        return None if self._canceled else self._next_ns - time.monotonic_ns()
+        return None if self._canceled else self._next_ns - _time_source.monotonic_ns()
 
     def destroy(self) -> None:
         """Never tick again."""
@@ -83,7 +83,7 @@ class Timer(Entity):
             executor._add_timer(self)
 
     def _take(self) -> Callable[[], Any] | None:
-        now = time.monotonic_ns()
+        now = _time_source.monotonic_ns()
         if self._canceled or now < self._next_ns:
             return None
         self._last_ns = now

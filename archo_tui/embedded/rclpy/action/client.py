@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import uuid
 import weakref
 from collections.abc import Callable
@@ -10,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
+from rclpy import _time_source
 from rclpy.action._goal_states import ACTIVE
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
-from rclpy.task import Future
+from rclpy.task import Future, wait_for
 from unique_identifier_msgs.msg import UUID
 
 if TYPE_CHECKING:
@@ -157,8 +157,10 @@ class ActionClient:
         """Block until the action is offered; False when `timeout_sec` (s) passed before."""
         graph = self._node._graph
         with graph.changed:
-            graph.changed.wait_for(
-                lambda: self.server_is_ready() or not self._node.context.ok(), timeout_sec
+            _time_source.wait_until(
+                graph.changed,
+                lambda: self.server_is_ready() or not self._node.context.ok(),
+                _time_source.deadline_ns(timeout_sec),
             )
             return self.server_is_ready()
 
@@ -184,7 +186,5 @@ class ActionClient:
 
 
 def _wait(future: Future[Any]) -> Any:
-    done = threading.Event()
-    future.add_done_callback(lambda _: done.set())
-    done.wait()
+    wait_for(future, None)
     return future.result()

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rclpy._node_graph import NamesAndTypes
-    from rclpy.node import Node
+    from rclpy.node import NamesAndTypes, Node
 
 _SUFFIX = "/_action/feedback"
 _TYPE_SUFFIX = "_FeedbackMessage"

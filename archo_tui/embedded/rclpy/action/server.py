@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import threading
-import time
 import traceback
 from collections.abc import Callable
 from enum import Enum
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
+from rclpy import _time_source
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.action import _goal_states as states
 from rclpy.callback_groups import CallbackGroup
@@ -51,7 +51,7 @@ class ServerGoalHandle:
         self._status = GoalStatus.STATUS_ACCEPTED
         self._lock = threading.Lock()
         self._result: Future[Any] = Future()
-        self._expires: float | None = None  # monotonic s
+        self._expires: int | None = None  # monotonic ns
 
     @property
     def request(self) -> Any:
@@ -203,7 +203,7 @@ class ActionServer:
                 f"Goal state not set, assuming aborted. Goal ID: {goal.goal_id.uuid}"
             )
             goal.abort()
-        goal._expires = time.monotonic() + self._result_timeout
+        goal._expires = _time_source.deadline_ns(self._result_timeout)
         goal._result.set_result(
             self.action_type.Impl.GetResultService.Response(status=goal.status, result=result)
         )
@@ -259,9 +259,9 @@ class ActionServer:
         self._status.publish(GoalStatusArray(status_list=statuses))
 
     def _forget_expired(self) -> None:
-        now = time.monotonic()
+        now = _time_source.monotonic_ns()
         for key, goal in list(self._goals.items()):
-            if goal._expires is not None and goal._expires < now:
+            if goal._expires is not None and goal._expires <= now:
                 del self._goals[key]
 
     def _create_task(self, callback: Any, *args: Any) -> None:

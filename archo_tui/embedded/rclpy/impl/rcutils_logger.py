@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import sys
-import time
 
 from rcl_interfaces.msg import Log
-from rclpy import _logging
+from rclpy import _logging, _time_source
 from rclpy.clock import ROSClock
 from rclpy.impl.logging_severity import LoggingSeverity
 
@@ -89,7 +88,7 @@ class RcutilsLogger:
         return True
 
     def _passes(self, place: tuple[str, int], filters: dict[str, float]) -> bool:
-        now = time.monotonic()
+        now = _time_source.monotonic_ns() / 1e9
         last = self._seen.get(place)
         if filters.get("once") and last is not None:
             return False

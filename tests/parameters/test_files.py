@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui import params
 from archo_tui.embedded.parameter_files import read
+from archo_tui.parameters import files
 from tests.support.console import console
 
 TEXT = """\
@@ -27,7 +27,7 @@ def test_unknown_names_are_said_with_the_nearest(tmp_path: Path) -> None:
     file = tmp_path / "shared.yaml"
     file.write_text(TEXT)
     declared = {"/motor_controller": {"max_speed", "wheel_radius"}, "/dashboard": set[str]()}
-    assert params.unknown(read(file), declared) == [
+    assert files.unknown(read(file), declared) == [
         f"{file}:3: no node /motor_controler here (nearest: /motor_controller)",
         f"{file}:6: /motor_controller has no parameter max_sped (nearest: max_speed)",
     ]
@@ -53,7 +53,7 @@ async def test_a_later_file_wins(tmp_path: Path) -> None:
 
 
 def test_the_projects_own_files_are_in_ros_form() -> None:
-    own = params.load(params.default_files())
+    own = files.load(files.default_files())
     assert {(o.pattern, o.name) for o in own} >= {
         ("/motor_controller", "max_speed"),
         ("/motor_controller", "wheel_radius"),

@@ -11,10 +11,10 @@ from typing import Any
 
 import yaml
 
-from archo_tui import params
 from archo_tui.embedded.parameter_files import matches
+from archo_tui.parameters import files
+from archo_tui.robot.parameter_values import fit
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.values import fit
 
 # ROS's files have no way to write these
 _NOT_WRITTEN = ("byte[]", "not set")
@@ -80,7 +80,7 @@ def write(path: Path, text: str) -> None:
 
 def plan(path: Path, parameters: Sequence[Parameter]) -> Plan:
     """What loading a file now would change. Raises ArchoError when it is no parameter file."""
-    overrides = params.load([path])
+    overrides = files.load([path])
     changes, problems = [], []
     for parameter in parameters:
         found = [o for o in overrides if o.name == parameter.name]
@@ -97,5 +97,5 @@ def plan(path: Path, parameters: Sequence[Parameter]) -> Plan:
     declared: dict[str, set[str]] = {}
     for parameter in parameters:
         declared.setdefault(parameter.node, set()).add(parameter.name)
-    left_out = params.unknown(overrides, declared)
+    left_out = files.unknown(overrides, declared)
     return Plan(tuple(changes), tuple(problems), tuple(left_out))

@@ -6,9 +6,6 @@ import os
 from collections.abc import Mapping
 
 from rich.cells import cell_len
-from rich.segment import Segment
-from textual.color import Color
-from textual.filter import LineFilter
 
 _TABLE = str.maketrans(
     {
@@ -25,9 +22,9 @@ _TABLE = str.maketrans(
 
 
 def ascii_only(environ: Mapping[str, str] = os.environ) -> bool:
-    """True for a locale that is said to be without UTF-8, and for Linux's own console.
+    """True when the locale says that it is not UTF-8, and on Linux's own console.
 
-    Nothing said about the locale is taken for UTF-8: so are containers, and Python itself.
+    Without any word about the locale UTF-8 is assumed, as in containers and by Python itself.
     """
     if environ.get("TERM") == "linux":
         return True
@@ -45,13 +42,3 @@ def in_ascii(text: str) -> str:
     if text.isascii():
         return text
     return "".join(char if char.isascii() else "?" * cell_len(char) for char in text)
-
-
-class Ascii(LineFilter):
-    """Changes what is drawn, whatever draws it."""
-
-    def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
-        return [
-            segment if segment.control else Segment(in_ascii(segment.text), segment.style)
-            for segment in segments
-        ]

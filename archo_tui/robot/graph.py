@@ -1,4 +1,4 @@
-"""Which nodes are on the graph, what they offer, and when they were last heard. ROS thread only."""
+"""Which nodes are there, what they offer, and when they were last heard. ROS thread only."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from archo_tui.robot.state import (
 _SMOOTHING = 0.2  # weight of the newest interval in a rate
 
 
-class Census:
-    """Looks at the graph when told, and keeps the time of the last sign of life of each node."""
+class Graph:
+    """Looks at the graph when asked to, and keeps when each node last gave a sign of life."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -32,7 +32,7 @@ class Census:
         self.offered: frozenset[str] = frozenset()
 
     def look(self) -> bool:
-        """Ask the graph anew; True when something came or went."""
+        """Ask what is on the graph now; True when something came or went."""
         names = sorted({_full(*pair) for pair in self._node.get_node_names_and_namespaces()})
         services = {name: types[0] for name, types in self._node.get_service_names_and_types()}
         # a name alone may be that of a client, our own for one: servers are counted
@@ -44,7 +44,7 @@ class Census:
             for info in self._node.get_publishers_info_by_topic(topic)[:1]:
                 self._publisher[topic] = _full(info.node_name, info.node_namespace)
                 offered.add(topic)
-        for name in set(self._last) - set(names):  # its rate begins anew when it comes back
+        for name in set(self._last) - set(names):  # its rate starts over when it comes back
             del self._last[name]
             self._interval.pop(name, None)
         changed = names != self.names or offered != self.offered

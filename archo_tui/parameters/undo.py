@@ -10,7 +10,7 @@ from archo_tui.robot.state import Outcome
 if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
-_UNDOABLE = 100  # changes that are kept
+LIMIT = 100  # changes that are kept
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Edit:
     after: dict[str, Any]
 
 
-class Edits:
+class UndoList:
     """The changes that can be undone, the last one first."""
 
     def __init__(self) -> None:
@@ -39,11 +39,14 @@ class Edits:
         outcome = await robot.set_parameters(node, values)
         if outcome.ok:
             before = {name: known[name] for name in values}
-            self._done = [*self._done[-_UNDOABLE:], Edit(node, before, values)]
+            self._done = [*self._done, Edit(node, before, values)][-LIMIT:]
         return outcome
 
-    async def undo(self, robot: Robot, edit: Edit) -> Outcome:
-        """Set them to what they were."""
+    async def undo(self, robot: Robot) -> Outcome:
+        """Set the parameters of the last change to what they were."""
+        edit = self.last
+        if edit is None:
+            return Outcome(False, "nothing to undo")
         outcome = await robot.set_parameters(edit.node, edit.before)
         if outcome.ok and edit in self._done:
             self._done.remove(edit)

@@ -1,4 +1,4 @@
-"""What becomes of a running goal when the console has to go: chosen and told beforehand."""
+"""How the console ends: what becomes of a running goal is chosen, and said, beforehand."""
 
 from __future__ import annotations
 
@@ -7,14 +7,17 @@ import signal
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from archo_tui.clock import Clock
+
 if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 CANCEL, LEAVE = "cancel", "leave"
-WAIT = 2.0  # s for the robot's answer; the process goes then in any case
+WAIT = 2.0  # s for the robot's answer; the process ends then in any case
+_LOOK = 0.02  # s between two looks at a goal that is being cancelled
 
 
-async def let_go(robot: Robot, on_disconnect: str, why: str) -> None:
+async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
     """Cancel the running goal and wait for its end, or leave it running; the events say which."""
     goal = robot.snapshot.goal
     if goal is None or not goal.is_running:
@@ -24,23 +27,26 @@ async def let_go(robot: Robot, on_disconnect: str, why: str) -> None:
         return
     robot.note("WARN", "console", f"{why}: cancelling the goal to shelf {goal.shelf}")
     try:
-        await asyncio.wait_for(_cancel(robot), WAIT)
-    except asyncio.TimeoutError:
+        await clock.wait_for(_cancel(robot, clock), WAIT)
+    except TimeoutError:
         robot.note("ERROR", "console", f"no answer in {WAIT:g} s: the goal may be running")
 
 
-async def _cancel(robot: Robot) -> None:
+async def _cancel(robot: Robot, clock: Clock) -> None:
     outcome = await robot.cancel()
     while outcome.ok and robot.snapshot.goal is not None and robot.snapshot.goal.is_running:
-        await asyncio.sleep(0.02)
+        await clock.sleep(_LOOK)
 
 
-class Departure:
-    """Ends the console on a signal or a lost terminal, in order: exit code 128 + the signal's."""
+class Shutdown:
+    """Ends the console in order on a signal or a lost terminal: exit code 128 + the signal's."""
 
-    def __init__(self, robot: Robot, on_disconnect: str, end: Callable[[int], None]) -> None:
+    def __init__(
+        self, robot: Robot, clock: Clock, on_disconnect: str, end: Callable[[int], None]
+    ) -> None:
         """`end(code)` is called on the loop when the running goal has been seen to."""
-        self._robot, self._on_disconnect, self._end = robot, on_disconnect, end
+        self._robot, self._clock = robot, clock
+        self._on_disconnect, self._end = on_disconnect, end
         self._task: asyncio.Task[None] | None = None
 
     def on_signals(self) -> None:
@@ -51,7 +57,7 @@ class Departure:
 
     @property
     def has_begun(self) -> bool:
-        """True when the end is on its way."""
+        """True when the console is about to end."""
         return self._task is not None
 
     def begin(self, code: int) -> None:
@@ -61,5 +67,5 @@ class Departure:
 
     async def _leave(self, code: int) -> None:
         why = f"ended by {signal.Signals(code - 128).name}" if code > 128 else "ended"
-        await let_go(self._robot, self._on_disconnect, why)
+        await let_go(self._robot, self._clock, self._on_disconnect, why)
         self._end(code)

@@ -1,4 +1,4 @@
-"""What the console owes its terminal: driver, glyphs, themes, signals, a screen that may fail."""
+"""What the console owes its terminal: driver, ASCII, themes, signals, a screen that may crash."""
 
 from __future__ import annotations
 
@@ -6,29 +6,43 @@ import asyncio
 import signal
 import traceback
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from rich.segment import Segment
 from textual.app import App
+from textual.color import Color
 from textual.driver import Driver
 from textual.filter import LineFilter
 
-from archo_tui.glyphs import Ascii, ascii_only
-from archo_tui.leaving import Departure
-from archo_tui.themes import HIGH_CONTRAST, THEMES, remember
+from archo_tui.shutdown import Shutdown
+from archo_tui.station import Station
+from archo_tui.terminal.ascii import ascii_only, in_ascii
+from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, remember
 
-if TYPE_CHECKING:
-    from archo_tui.robot.client import Robot
+
+class AsciiFilter(LineFilter):
+    """Changes whatever is drawn to ASCII."""
+
+    def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
+        return [
+            segment if segment.control else Segment(in_ascii(segment.text), segment.style)
+            for segment in segments
+        ]
 
 
 class TerminalApp(App[None]):
     """Base of the app."""
 
-    def __init__(self, robot: Robot, on_disconnect: str, theme: str) -> None:
+    def __init__(self, station: Station, theme: str) -> None:
         """`theme` is a name, or empty for the one that suits the terminal."""
         super().__init__()
         self.failure = ""  # the traceback that ended this screen
-        self._departure = Departure(robot, on_disconnect, lambda code: self.exit(return_code=code))
-        self._glyphs = [Ascii()] if ascii_only() else []
+        self._ending = Shutdown(
+            station.robot,
+            station.clock,
+            station.on_disconnect,
+            lambda code: self.exit(return_code=code),
+        )
+        self._ascii = [AsciiFilter()] if ascii_only() else []
         for own in THEMES:
             self.register_theme(own)
         if theme or self.console.color_system == "standard":  # 16 colours: none in between
@@ -36,18 +50,18 @@ class TerminalApp(App[None]):
 
     def get_driver_class(self) -> type[Driver]:
         chosen = super().get_driver_class()
-        if chosen.__name__ != "LinuxDriver":  # a browser, a test, Windows
+        if chosen.__name__ != "LinuxDriver":  # a test, Windows
             return chosen
-        from archo_tui.driver import SteadyDriver
+        from archo_tui.terminal.driver import SteadyDriver
 
         return SteadyDriver
 
     def get_line_filters(self) -> Sequence[LineFilter]:
-        return [*super().get_line_filters(), *self._glyphs]
+        return [*super().get_line_filters(), *self._ascii]
 
     def on_mount(self) -> None:
         if not self.is_headless:
-            self._departure.on_signals()
+            self._ending.on_signals()
         self.app_resume_signal.subscribe(self, lambda _: self.repaint())
 
     def watch_theme(self, before: str, theme: str) -> None:
@@ -57,27 +71,27 @@ class TerminalApp(App[None]):
             try:
                 await asyncio.to_thread(remember, theme)
             except OSError as error:
-                self.notify(f"The theme is not remembered: {error.strerror}", markup=False)
+                self.notify(f"cannot remember the theme: {error.strerror}", markup=False)
 
         if self.screen_stack and self.screen.is_mounted and before != theme:
             self.run_worker(write(), group="theme", exclusive=True)
 
     def repaint(self) -> None:
-        """Draw everything anew: the terminal may show something else."""
+        """Draw everything again: the terminal may show something else."""
         if self.is_running and self.screen_stack:
             self.screen.refresh(layout=True)
             self.refresh()
 
     def hang_up(self) -> None:
         """The terminal is gone."""
-        self._departure.begin(128 + signal.SIGHUP)
+        self._ending.begin(128 + signal.SIGHUP)
 
     def _handle_exception(self, error: Exception) -> None:
         """Textual's end of the screen, without its report: the next screen shows it."""
         if self.is_headless:
             super()._handle_exception(error)  # tests are told
             return
-        if self._exit:  # what comes while the screen is taken down is of no account
+        if self._exit:  # what is raised while the screen is taken down does not matter
             return
         self.failure = self.failure or "".join(traceback.format_exception(error))
         self._return_code = 1

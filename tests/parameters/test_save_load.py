@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from archo_tui import parameter_file
 from archo_tui.embedded.parameter_files import read
 from archo_tui.errors import ArchoError
+from archo_tui.parameters import save_load
 from archo_tui.robot.state import Parameter
 from tests.console.states import PARAMETERS
 
@@ -39,14 +39,14 @@ def one(kind: str, value: Any, **options: Any) -> Parameter:
     ],
 )
 def test_what_is_saved_is_loaded_as_the_same_value(tmp_path: Path, kind: str, value: Any) -> None:
-    text, left_out = parameter_file.dump([one(kind, value)])
+    text, left_out = save_load.dump([one(kind, value)])
     assert left_out == []
     file = tmp_path / "saved.yaml"
-    parameter_file.write(file, text)
+    save_load.write(file, text)
     (override,) = read(file)
     assert (override.pattern, override.name, override.value) == ("/ns/node", "name", value)
     assert type(override.value) is type(value)
-    assert parameter_file.plan(file, [one(kind, value)]).changes == ()
+    assert save_load.plan(file, [one(kind, value)]).changes == ()
 
 
 def test_names_that_yaml_would_read_otherwise_are_quoted(tmp_path: Path) -> None:
@@ -54,12 +54,12 @@ def test_names_that_yaml_would_read_otherwise_are_quoted(tmp_path: Path) -> None
         Parameter("/node", name, "integer", 1, 1) for name in ("a.b", "x: y", "[z]", "#1")
     ]
     file = tmp_path / "saved.yaml"
-    parameter_file.write(file, parameter_file.dump(parameters)[0])
+    save_load.write(file, save_load.dump(parameters)[0])
     assert [override.name for override in read(file)] == ["a.b", "x: y", "[z]", "#1"]
 
 
 def test_what_a_file_cannot_hold_is_said() -> None:
-    text, left_out = parameter_file.dump([one("byte[]", [b"x"]), one("integer", 1)])
+    text, left_out = save_load.dump([one("byte[]", [b"x"]), one("integer", 1)])
     assert left_out == ["/ns/node name: byte[]"]
     assert text.endswith("name: 1\n")
 
@@ -70,7 +70,7 @@ def test_what_ros2_param_dump_writes_is_planned(tmp_path: Path) -> None:
         "/motor_controller:\n  ros__parameters:\n    max_speed: 0.7\n    use_sim_time: false\n"
         "    ticks_per_revolution: 1024\n    wheel_radius: 0.05\n"
     )
-    plan = parameter_file.plan(file, PARAMETERS)
+    plan = save_load.plan(file, PARAMETERS)
     assert [(p.name, p.value, value) for p, value in plan.changes] == [("max_speed", 0.5, 0.7)]
     assert plan.problems == ()
     assert len(plan.left_out) == 1
@@ -93,7 +93,7 @@ def test_a_value_that_cannot_be_is_a_problem_with_its_line(
 ) -> None:
     file = tmp_path / "bad.yaml"
     file.write_text(f"motor_controller:\n  ros__parameters:\n    wheel_radius: 0.1\n    {line}\n")
-    plan = parameter_file.plan(file, PARAMETERS)
+    plan = save_load.plan(file, PARAMETERS)
     name = line.partition(":")[0]
     assert plan.problems == (f"{file}:4: motor_controller {name}: {said}",)
 
@@ -101,7 +101,7 @@ def test_a_value_that_cannot_be_is_a_problem_with_its_line(
 def test_a_whole_number_is_a_double_where_one_is_needed(tmp_path: Path) -> None:
     file = tmp_path / "whole.yaml"
     file.write_text("/**:\n  ros__parameters:\n    max_speed: 1\n")
-    ((parameter, value),) = parameter_file.plan(file, PARAMETERS).changes
+    ((parameter, value),) = save_load.plan(file, PARAMETERS).changes
     assert (parameter.name, value, type(value)) == ("max_speed", 1.0, float)
 
 
@@ -110,7 +110,7 @@ def test_what_is_no_parameter_file_is_one_line(tmp_path: Path, text: str) -> Non
     file = tmp_path / "no.yaml"
     file.write_text(text)
     with pytest.raises(ArchoError) as caught:
-        parameter_file.plan(file, PARAMETERS)
+        save_load.plan(file, PARAMETERS)
     assert str(caught.value).startswith(f"{file}:1: ")
     assert "\n" not in str(caught.value)
 
@@ -120,8 +120,8 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     file.write_text("old")
     file.chmod(0o600)
     with pytest.raises(UnicodeEncodeError):
-        parameter_file.write(file, "new\udcff")  # fails half way
+        save_load.write(file, "new\udcff")  # fails half way
     assert file.read_text() == "old"
-    parameter_file.write(file, "new")
+    save_load.write(file, "new")
     assert (file.read_text(), file.stat().st_mode & 0o777) == ("new", 0o600)
     assert list(tmp_path.iterdir()) == [file]

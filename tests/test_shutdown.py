@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from archo_tui import leaving
-from archo_tui.leaving import CANCEL, LEAVE, Departure, let_go
+from archo_tui import shutdown
 from archo_tui.robot.state import Outcome, Snapshot
+from archo_tui.shutdown import CANCEL, LEAVE, Shutdown, let_go
 from tests.console.states import NORMAL, STATES
 
 
@@ -46,7 +46,7 @@ async def test_a_running_goal_is_cancelled_and_its_end_waited_for() -> None:
 async def test_a_robot_that_does_not_answer_is_not_waited_for_long(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(leaving, "WAIT", 0.05)
+    monkeypatch.setattr(shutdown, "WAIT", 0.05)
     it = robot(answers=False)
     await let_go(it, CANCEL, "ended")
     assert it.said[-1] == "ERROR no answer in 0.05 s: the goal may be running"
@@ -67,9 +67,9 @@ async def test_without_a_goal_nothing_is_said() -> None:
 
 async def test_a_second_signal_does_not_begin_again() -> None:
     it, codes = robot(), list[int]()
-    departure = Departure(it, CANCEL, codes.append)
-    departure.begin(143)
-    departure.begin(129)
+    shutdown_ = Shutdown(it, CANCEL, codes.append)
+    shutdown_.begin(143)
+    shutdown_.begin(129)
     while not codes:
         await asyncio.sleep(0)
     assert codes == [143]

@@ -2,80 +2,96 @@
 
 from __future__ import annotations
 
-from textual.content import Content
-
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import MOVE, Goal, Phase, Snapshot
-from archo_tui.widgets import words
-from archo_tui.widgets.words import seconds_text
+from archo_tui.state_text import BAD, OLD, PLAIN, STRONG, WARN, Spans, seconds_text
 
+ACTIVE = "active"  # the tone of the way that is being driven
 _TEXTBOOK = "motor_controller"
+_INT32_MAX = 2**31 - 1  # the goal's field is an int32
+_SHOWN = 20  # characters of a wrong text that are shown
 
 
-def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Content:
+def parse_shelf(text: str) -> int:
+    """The shelf number that a person typed. Raises ValueError with one line that says why not.
+
+    Which shelves exist is the robot's to say.
+    """
+    text = text.strip()
+    if not text:
+        raise ValueError("type a shelf number")
+    shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
+    if not text.removeprefix("-").isdecimal() or not text.isascii():
+        raise ValueError(f"not a shelf number: {shown}")
+    if len(text) > _SHOWN or int(text) > _INT32_MAX:
+        raise ValueError(f"no such shelf: {shown}")
+    if int(text) < 1:
+        raise ValueError(f"shelves are numbered from 1: {shown}")
+    return int(text)
+
+
+def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
     """Where the goal stands, in the words of its phase."""
     goal = snapshot.goal
     if goal is None:
         if MOVE not in snapshot.offered:
-            return Content.styled("move_to_shelf: not offered by any node", words.OLD)
-        return Content(f"No goal yet. Press {go_key}, type a shelf number, press enter.")
+            return (("move_to_shelf: not offered by any node", OLD),)
+        return ((f"No goal yet. Press {go_key}, type a shelf number, press enter.", PLAIN),)
     texts = {
         Phase.SENT: (
-            "",
+            PLAIN,
             f"SENT to {goal.shelf}",
             f"waiting for {_server(snapshot)} ... {seconds_text(now - goal.sent)}",
         ),
-        Phase.REFUSED: (words.BAD, "✗ REFUSED", goal.message),
-        Phase.MOVING: ("bold", f"MOVING to {goal.shelf}", _progress(goal, now)),
+        Phase.REFUSED: (BAD, "✗ REFUSED", goal.message),
+        Phase.MOVING: (STRONG, f"MOVING to {goal.shelf}", _progress(goal, now)),
         Phase.CANCELLING: (
-            "bold",
+            STRONG,
             "CANCELLING",
             f"asked {seconds_text(now - (goal.cancel_asked or now))} ago",
         ),
-        Phase.CANCELLED: (words.BAD, "✗ CANCELLED", _where_ended(goal)),
-        Phase.ARRIVED: ("bold", "✓ ARRIVED", _arrival(goal)),
-        Phase.ABORTED: (words.BAD, "✗ ABORTED", goal.message),
+        Phase.CANCELLED: (BAD, "✗ CANCELLED", _where_ended(goal)),
+        Phase.ARRIVED: (STRONG, "✓ ARRIVED", _arrival(goal)),
+        Phase.ABORTED: (BAD, "✗ ABORTED", goal.message),
         Phase.UNKNOWN: (
-            words.WARN,
+            WARN,
             "? UNKNOWN",
             f"no answer for {seconds_text(now - (goal.heard or goal.sent))}; "
             "the goal may be running (asking again)",
         ),
         Phase.LOST: (
-            words.BAD,
+            BAD,
             "✗ LOST",
             f"nothing heard for {seconds_text(now - (goal.heard or now))}; "
             "the robot may still be moving",
         ),
     }
-    style, word, rest = texts[goal.phase]
-    return Content.assemble((f"{word:<14}", style), f" {rest}")
+    tone, word, rest = texts[goal.phase]
+    return (f"{word:<14}", tone), (f" {rest}", PLAIN)
 
 
-def goal_bar(goal: Goal | None, width: int) -> Content:
+def goal_bar(goal: Goal | None, width: int) -> Spans:
     """The way driven: a bar with its number beside it."""
     room = max(width - 8, 4)
-    fraction = goal.fraction() if goal is not None else 0.0
-    done = int(fraction * room)
     if goal is None or goal.phase in (Phase.SENT, Phase.REFUSED):
-        return Content.styled("─" * room + "     --", words.OLD)
-    style = "$primary" if goal.is_running else ""
-    return Content.assemble(
-        ("━" * done, style), ("─" * (room - done), words.OLD), f" {fraction:5.0%} "
-    )
+        return (("─" * room + "     --", OLD),)
+    fraction = goal.fraction()
+    done = int(fraction * room)
+    tone = ACTIVE if goal.is_running else PLAIN
+    return ("━" * done, tone), ("─" * (room - done), OLD), (f" {fraction:5.0%} ", PLAIN)
 
 
-def goal_history(history: tuple[Goal, ...], width: int) -> Content:
+def goal_history(history: tuple[Goal, ...], width: int) -> Spans:
     """The goals before, newest first, as many as there is room for."""
     if not history:
-        return Content.styled("before: none", words.OLD)
+        return (("before: none", OLD),)
     text = f"before: {_ended(history[0])}"
     for goal in history[1:]:
         longer = f"{text}   {_ended(goal)}"
         if len(longer) > width:
             break
         text = longer
-    return Content.styled(text, words.OLD)
+    return ((text, OLD),)
 
 
 def _server(snapshot: Snapshot) -> str:

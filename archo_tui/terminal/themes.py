@@ -6,7 +6,7 @@ from pathlib import Path
 
 from textual.theme import BUILTIN_THEMES, Theme
 
-from archo_tui.folders import config_file
+from archo_tui.paths import config_file
 
 HIGH_CONTRAST = Theme(
     name="high-contrast",

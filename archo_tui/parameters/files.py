@@ -1,4 +1,4 @@
-"""Parameter files given by the user: checked before the screen is taken, one clear line each."""
+"""Parameter files given at the start: checked before the terminal is touched."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 from archo_tui.embedded.parameter_files import Override, ParameterFileError, matches, read
 from archo_tui.errors import ArchoError
 
-_HERE = Path(__file__).parent
+_PACKAGE = Path(__file__).parent.parent
 
 
 def default_files() -> list[Path]:
     """The project's own files: `config/` of the checkout, or the copy inside an installed wheel."""
-    for folder in (_HERE.parent / "config", _HERE / "config"):
+    for folder in (_PACKAGE.parent / "config", _PACKAGE / "config"):
         found = sorted(folder.glob("*.yaml"))
         if found:
             return found

@@ -12,7 +12,7 @@ from archo_tui.robot.state import Snapshot
 Receiver = Callable[[Snapshot], None]
 
 
-class Door:
+class Mailbox:
     """Hands the newest snapshot over; at most one waits, however slow the loop is."""
 
     def __init__(self) -> None:
@@ -25,7 +25,7 @@ class Door:
     def open(self, receiver: Receiver) -> None:
         """Deliver to `receiver`, on the running loop, from now on."""
         with self._lock:
-            self._waiting = False  # what an earlier loop did not come to is lost
+            self._waiting = False  # what an earlier loop did not get to is lost
             self._loop = asyncio.get_running_loop()
             self._receiver = receiver
 

@@ -6,12 +6,12 @@ import asyncio
 import threading
 from dataclasses import replace
 
-from archo_tui.robot.door import Door
+from archo_tui.robot.mailbox import Mailbox
 from archo_tui.robot.state import Motor, Snapshot
 
 
 async def test_a_stalled_loop_gets_one_call_with_the_newest() -> None:
-    door, got = Door(), list[Snapshot]()
+    door, got = Mailbox(), list[Snapshot]()
     door.open(got.append)
 
     def flood() -> None:

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from archo_tui.folders import state_file
+from archo_tui.paths import state_file
 
 
 def log_file() -> Path:

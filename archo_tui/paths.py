@@ -1,0 +1,19 @@
+"""Where the console keeps its files: `archo-tui/` in the folders that the system has for that."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import platformdirs
+
+_NAME = "archo-tui"
+
+
+def config_file(name: str) -> Path:
+    """What the operator chose: keymap, theme. On Linux below XDG_CONFIG_HOME or `~/.config`."""
+    return platformdirs.user_config_path(_NAME, appauthor=False) / name
+
+
+def state_file(name: str) -> Path:
+    """What the console wrote: journal, logs. Below XDG_STATE_HOME or `~/.local/state`."""
+    return platformdirs.user_state_path(_NAME, appauthor=False) / name

@@ -1,0 +1,70 @@
+"""Service calls that always end: answered, or given up at their deadline. ROS thread only."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+from rclpy.clock import Clock as RosClock
+from rclpy.clock import ClockType
+from rclpy.node import Node
+
+from archo_tui.clock import Clock
+
+DEADLINE = 2.0  # s; "no answer in 2 s"
+_EARLY = 1e-3  # s that a timer may fire before its time and still count
+
+
+class Services:
+    """Makes clients as they are needed and keeps track of what is pending."""
+
+    def __init__(self, node: Node, clock: Clock) -> None:
+        self._node, self._clock = node, clock
+        self._clients: dict[tuple[str, Any], Any] = {}
+        self._pending: deque[tuple[float, Any, Any]] = deque()  # the oldest deadline first
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        self._timer = node.create_timer(DEADLINE, self._sweep, clock=steady)
+        self._timer.cancel()
+
+    @property
+    def pending(self) -> int:
+        """How many answers are waited for."""
+        return len(self._pending)
+
+    def client(self, srv_type: Any, name: str) -> Any:
+        """The client of that service."""
+        key = (name, srv_type)
+        if key not in self._clients:
+            self._clients[key] = self._node.create_client(srv_type, name)
+        return self._clients[key]
+
+    async def call(self, srv_type: Any, name: str, request: Any) -> Any:
+        """The response, or None when nobody answered within DEADLINE."""
+        client = self.client(srv_type, name)
+        future = client.call_async(request)
+        self.watch(future, client)
+        return await future
+
+    def watch(self, future: Any, client: Any = None) -> None:
+        """Cancel the future when its deadline passes: awaiting it then gives None."""
+        self._pending.append((self._clock.monotonic() + DEADLINE, future, client))
+        if self._timer.is_canceled():
+            self._wake_after(DEADLINE)
+
+    def _sweep(self) -> None:
+        now = self._clock.monotonic()
+        while self._pending:
+            deadline, future, client = self._pending[0]
+            if not (future.done() or future.cancelled()):
+                if deadline > now + _EARLY:
+                    self._wake_after(deadline - now)
+                    return
+                if client is not None:
+                    client.remove_pending_request(future)
+                future.cancel()
+            self._pending.popleft()
+        self._timer.cancel()
+
+    def _wake_after(self, seconds: float) -> None:
+        self._timer.timer_period_ns = int(seconds * 1e9)
+        self._timer.reset()

@@ -1,0 +1,123 @@
+"""The operator's station without a screen: snapshots and the time in, alarms and views out.
+
+The console's app and `--plain` both sit on it; each only shows what it says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from archo_tui.alarms import Alarm, AlarmBoard, conditions
+from archo_tui.clock import Clock
+from archo_tui.parameters.undo import UndoList
+from archo_tui.robot.state import Hosted, Outcome, Snapshot
+
+if TYPE_CHECKING:
+    from archo_tui.host import Host
+    from archo_tui.journal import Journal
+    from archo_tui.robot.client import Robot
+
+
+@dataclass(frozen=True)
+class View:
+    """One moment, as it is shown."""
+
+    snapshot: Snapshot
+    now: float  # monotonic s
+    second: float  # the same, at the last tick of the clock: for ages that need not be livelier
+    time: float  # Unix time
+    engine: str
+    namespace: str
+    alarms: tuple[Alarm, ...] = ()
+    hosted: tuple[Hosted, ...] = ()  # the nodes of this process
+    keys: Mapping[str, str] = field(default_factory=dict)  # of each command, as a person reads it
+    blocked: frozenset[str] = frozenset()  # commands that cannot run now
+
+    def key(self, command: str) -> str:
+        """The key of a command, by its id."""
+        return self.keys[command]
+
+
+class Station:
+    """Keeps the alarms and what can be undone, whatever shows them."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        host: Host,
+        journal: Journal,
+        clock: Clock,
+        *,
+        engine: str,
+        namespace: str,
+        attached: bool,
+        on_disconnect: str,
+    ) -> None:
+        """`attached`: the robot lives on without this process; `on_disconnect`: see shutdown.py."""
+        self.robot, self.host, self.clock = robot, host, clock
+        self.attached, self.on_disconnect = attached, on_disconnect
+        self.edits = UndoList()
+        self._journal = journal
+        self._engine, self._namespace = engine, namespace
+        self._board = AlarmBoard()
+        self._snapshot = Snapshot()
+        self._second = clock.monotonic()
+        self.view = self._view()
+
+    def take(self, snapshot: Snapshot) -> list[Alarm]:
+        """Something was heard. Returns the alarms that changed."""
+        self._snapshot = snapshot
+        return self.look()
+
+    def tick(self) -> list[Alarm]:
+        """A second has passed. Returns the alarms that changed."""
+        self._second = self.clock.monotonic()
+        return self.look()
+
+    def look(self) -> list[Alarm]:
+        """Bring alarms and view up to the time it is now. Returns the alarms that changed."""
+        now = self.clock.monotonic()
+        found = conditions(self._snapshot, now, self.host.states())
+        changed = self._board.update(found, now, self.clock.now())
+        self._record(changed)
+        self.view = self._view()
+        return changed
+
+    def acknowledge(self, alarms: Iterable[Alarm]) -> None:
+        """The operator has seen these alarms."""
+        for alarm in alarms:
+            self._record(self._board.acknowledge(alarm, self.clock.now()))
+        self.view = self._view()
+
+    def shelve(self, alarm: Alarm) -> None:
+        """Silence an alarm for a while, or take it off the shelf."""
+        self._record(self._board.shelve(alarm, self.clock.now()))
+        self.view = self._view()
+
+    async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
+        """Set parameters of a node, all or none; what was done can be undone."""
+        return await self.edits.set_parameters(self.robot, node, values)
+
+    async def undo(self) -> Outcome:
+        """Take the last change of a parameter back."""
+        return await self.edits.undo(self.robot)
+
+    def _record(self, changed: Iterable[Alarm]) -> None:
+        for alarm in changed:
+            what = {"name": alarm.name, "state": alarm.state.value, "text": alarm.text}
+            now = self.clock.now()
+            self._journal.write(now, "alarm", priority=alarm.priority.name, **what)
+
+    def _view(self) -> View:
+        return View(
+            self._snapshot,
+            self.clock.monotonic(),
+            self._second,
+            self.clock.now(),
+            self._engine,
+            self._namespace,
+            self._board.all(),
+            self.host.states(),
+        )
