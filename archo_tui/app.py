@@ -19,6 +19,7 @@ from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.screens.main import MainScreen
+from archo_tui.screens.palette import Palette
 from archo_tui.screens.text import ShowText
 from archo_tui.station import Station, View
 from archo_tui.terminal.app import TerminalApp
@@ -170,6 +171,10 @@ class ArchoApp(TerminalApp):
     def action_leave_field(self) -> None:
         """Out of a field, to where the focus was."""
         self.main.focus_back()
+
+    def action_command_palette(self) -> None:
+        if not Palette.is_open(self):
+            self.push_screen(Palette(id="--command-palette"))
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """The palette: the registry, and what Textual brings."""

@@ -179,9 +179,9 @@ STALE = (
 @pytest.mark.parametrize(
     ("patch", "said", "hint"),
     [
-        (NO_ROS, "ROS 2 is not here", "pip install 'archo-tui[ros2]'"),
+        (NO_ROS, "ROS 2 was not found", "pip install 'archo-tui[ros2]'"),
         (NO_INTERFACES, "archo_interfaces is not installed", "pip install ./interfaces"),
-        (STALE, "archo_interfaces is stale, it lacks msg/BatteryStatus", "colcon build"),
+        (STALE, "archo_interfaces is out of date, it lacks msg/BatteryStatus", "colcon build"),
     ],
 )
 def test_a_lack_of_ros_is_one_line_with_what_to_type(patch: str, said: str, hint: str) -> None:

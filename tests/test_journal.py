@@ -54,7 +54,7 @@ def test_a_disk_that_takes_nothing_is_told_once_and_tried_again(tmp_path: Path) 
     file.rmdir()
     kept.write(0, "event", text="kept")
     kept.close()
-    assert told == [f"the journal {file}: Is a directory"]
+    assert told == [f"{file}: Is a directory"]
     assert [entry["text"] for entry in entries(file)] == ["kept"]
 
 
@@ -103,6 +103,6 @@ async def test_a_journal_that_cannot_be_written_is_said_on_the_screen() -> None:
     journal.path().mkdir(parents=True)
     async with console(*FAST) as op:
         await op.press("r")
-        await op.until("cannot be written, going on without it: the journal ")
+        await op.until("cannot write the journal ")
         await op.press("g", "7", "enter")
         await op.until("Arrived at shelf 7")

@@ -7,10 +7,12 @@ from typing import Any
 
 import pytest
 
-from archo_tui import shutdown
+from archo_tui.clock import Clock
 from archo_tui.robot.state import Outcome, Snapshot
-from archo_tui.shutdown import CANCEL, LEAVE, Shutdown, let_go
+from archo_tui.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
 from tests.console.states import NORMAL, STATES
+from tests.support import clock
+from tests.support.quiet import ended
 
 
 class Robot:
@@ -38,36 +40,35 @@ def robot(**options: Any) -> Any:
 
 async def test_a_running_goal_is_cancelled_and_its_end_waited_for() -> None:
     it = robot()
-    await let_go(it, CANCEL, "ended by SIGHUP")
+    await let_go(it, clock.current or Clock(), CANCEL, "ended by SIGHUP")
     assert it.cancelled
     assert it.said == ["WARN ended by SIGHUP: cancelling the goal to shelf 12"]
 
 
-async def test_a_robot_that_does_not_answer_is_not_waited_for_long(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(shutdown, "WAIT", 0.05)
+async def test_a_robot_that_does_not_answer_is_not_waited_for_long() -> None:
     it = robot(answers=False)
-    await let_go(it, CANCEL, "ended")
-    assert it.said[-1] == "ERROR no answer in 0.05 s: the goal may be running"
+    before = clock.seconds()
+    await ended(let_go(it, clock.current or Clock(), CANCEL, "ended"))
+    assert it.said[-1] == "ERROR no answer in 2 s: the goal may be running"
+    assert clock.seconds() == pytest.approx(before + WAIT, abs=0.5)
 
 
 async def test_a_goal_is_left_running_when_that_was_chosen() -> None:
     it = robot()
-    await let_go(it, LEAVE, "ended by SIGHUP")
+    await let_go(it, clock.current or Clock(), LEAVE, "ended by SIGHUP")
     assert not it.cancelled
     assert it.said == ["WARN ended by SIGHUP: the goal to shelf 12 is left running"]
 
 
 async def test_without_a_goal_nothing_is_said() -> None:
     it: Any = Robot(NORMAL)
-    await let_go(it, CANCEL, "ended")
+    await let_go(it, clock.current or Clock(), CANCEL, "ended")
     assert it.said == []
 
 
 async def test_a_second_signal_does_not_begin_again() -> None:
     it, codes = robot(), list[int]()
-    shutdown_ = Shutdown(it, CANCEL, codes.append)
+    shutdown_ = Shutdown(it, Clock(), CANCEL, codes.append)
     shutdown_.begin(143)
     shutdown_.begin(129)
     while not codes:

@@ -174,7 +174,7 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
     terminals.append(terminal)
     terminal.until("wheel_radius")
     terminal.write("g12\r")
-    terminal.until("The screen failed and was started anew; the nodes ran on.")
+    terminal.until("The screen crashed and was restarted; the nodes kept running.")
     terminal.until("in failing")
     terminal.until("esc close")
     terminal.write("\r")

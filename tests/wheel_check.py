@@ -11,7 +11,7 @@ async def main() -> int:
     """One goal, from the key to its arrival."""
     fast = ["-p", "feedback_period:=0.05", "-p", "time_scale:=75.0"]
     with Session(Options(ros_args=fast)) as session:
-        app = ArchoApp(session)
+        app = ArchoApp(session.station)
         async with app.run_test(size=(120, 36)) as pilot:
             await pilot.press("g", "1", "2", "enter")
             for _ in range(500):

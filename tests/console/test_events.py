@@ -31,7 +31,7 @@ async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
 async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> None:
     async with console(*FAST) as op:
         await op.press("6", "y")
-        await op.until("no command was given yet")
+        await op.until("no command has been given yet")
         await op.press("r")
         await op.until("Encoder reset to zero")
         await op.press("c")

@@ -7,8 +7,8 @@ from typing import Any
 from rclpy.node import Node
 from textual.widgets import Input
 
-from archo_tui import themes
 from archo_tui.paths import config_file
+from archo_tui.terminal import themes
 from tests.support.console import FAST, console
 
 

@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 from archo_tui.robot.state import Life
 from archo_tui.session import _robots_nodes
-from tests.support.console import FAST, SLOW, Console, console
+from tests.support.console import FAST, LONG, Console, console
 
 
 async def select(op: Console, name: str) -> None:
@@ -45,7 +45,7 @@ async def test_ten_dashboards_and_nobody_notices() -> None:
         for _ in range(9):
             await op.press("plus")
         await op.until("● dashboard_10")
-        states = op.app.host.states()
+        states = op.app.station.host.states()
         assert sum(s.name.startswith("/dashboard") and s.life is Life.UP for s in states) == 10
         await op.until(
             lambda: (
@@ -65,7 +65,7 @@ async def test_one_more_node_that_serves_is_asked_about_first() -> None:
     async with console(*FAST) as op:
         await select(op, "/motor_controller")
         await op.press("plus")
-        await op.until("With two of them each call, STOP")
+        await op.until("Any call, including STOP")
         await op.press("enter")  # the safe answer
         await op.until(lambda: op.app.screen is op.app.main)
         await op.press("plus")
@@ -75,13 +75,13 @@ async def test_one_more_node_that_serves_is_asked_about_first() -> None:
 
 
 async def test_stopping_what_drives_is_asked_about_and_the_goal_is_not_called_ended() -> None:
-    async with console(*SLOW) as op:
+    async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("escape")
         await select(op, "/motor_controller")
         await op.press("s")
-        await op.until("what drives it")
+        await op.until("node that drives it")
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
         assert "stopped by you" not in op.text
@@ -91,7 +91,7 @@ async def test_stopping_what_drives_is_asked_about_and_the_goal_is_not_called_en
         await op.until("○ motor_controller stopped by you")
         await op.until("✗ LOST")
         await op.press("s")
-        await op.until("the robot knows this goal no more")
+        await op.until("the robot no longer knows this goal")
 
 
 class Fragile(Node):
@@ -109,7 +109,7 @@ class Fragile(Node):
 async def test_a_crashed_node_says_why_and_is_started_again() -> None:
     async with console(*FAST, node_makers=[*_robots_nodes(False), Fragile]) as op:
         await op.until(lambda: op.app.view.snapshot.parameter("divisor"))
-        await op.app.robot.set_parameters("/fragile", {"divisor": 0})
+        await op.app.station.robot.set_parameters("/fragile", {"divisor": 0})
         await op.until("✗ fragile")
         await op.until("crashed: ZeroDivisionError:")
         await select(op, "/fragile")

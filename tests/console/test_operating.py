@@ -9,7 +9,8 @@ import pytest
 from rclpy.node import Node
 
 from archo_tui.session import _robots_nodes
-from tests.support.console import FAST, SLOW, console
+from tests.support.clock import stuck
+from tests.support.console import FAST, LONG, console
 
 
 async def test_r_resets_the_encoder() -> None:
@@ -27,7 +28,7 @@ async def test_the_reset_button_does_the_same() -> None:
 
 
 async def test_r_asks_while_a_goal_runs_and_the_safe_answer_has_the_focus() -> None:
-    async with console(*SLOW) as op:
+    async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("escape", "r")
@@ -46,7 +47,7 @@ async def test_r_asks_while_a_goal_runs_and_the_safe_answer_has_the_focus() -> N
 
 @pytest.mark.parametrize("where", ["main", "field", "edit dialog", "question", "help"])
 async def test_stop_acts_everywhere_and_is_released_apart(where: str) -> None:
-    async with console(*SLOW) as op:
+    async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         if where != "field":
@@ -98,7 +99,11 @@ class Sleeper(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("sleeper", **options)
-        self.create_timer(0.01, lambda: self.awake.wait(10) and None)
+        self.create_timer(0.01, self.sleep)
+
+    def sleep(self) -> None:
+        with stuck():
+            self.awake.wait(30)
 
 
 async def test_a_node_that_hangs_does_not_hang_the_keyboard() -> None:

@@ -135,15 +135,15 @@ async def test_undo_asks_when_somebody_else_has_changed_it_since() -> None:
     async with console(*FAST) as op:
         await edit(op, "max_speed", "0.4")
         await op.until("0.4 *  double")
-        await op.app.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
         await op.until("1.25 *  double")
         await op.press("4", "u")
-        await op.until("max_speed is 1.25 by now. Set it back to max_speed 0.8?")
+        await op.until("max_speed has since changed to 1.25. Restore 0.8?")
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
         assert "1.25 *  double" in op.text
         await op.press("u")
-        await op.until("Set it back to max_speed 0.8?")
+        await op.until("Restore 0.8?")
         await op.press("tab", "enter")
         await op.until("0.8    double   0.05 .. 2")
 
@@ -192,7 +192,7 @@ async def test_a_file_that_exists_is_replaced_only_when_asked_twice(tmp_path: Pa
         await op.until("ROS parameter file")
         op.app.screen.query_one("#path", Input).value = str(file)
         await op.press("enter")
-        await op.until("exists: enter again replaces it")
+        await op.until("already exists: press enter again to overwrite")
         assert file.read_text() == "precious"
         await op.press("enter")
         await op.until(lambda: "max_speed" in file.read_text())

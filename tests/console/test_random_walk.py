@@ -28,7 +28,7 @@ async def walk(seed: int, keys: int) -> None:
     choose = random.Random(seed)
     names = sorted(set(STATES) - {"many parameters"})
     app = stub_app(STATES["normal"])
-    robot: StubRobot = app.robot  # type: ignore[assignment]
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
     stops: list[int] = []
 
     async def stop() -> Outcome:

@@ -86,7 +86,7 @@ async def test_every_key_works_where_the_table_says_and_nowhere_else(place: str)
 async def test_stop_works_while_the_palette_is_open_too() -> None:
     app = stub_app(STATES["motor moving"])
     asked: list[str] = []
-    app.robot.emergency_stop = lambda: asked.append("stop") or _done()  # type: ignore
+    app.station.robot.emergency_stop = lambda: asked.append("stop") or _done()  # type: ignore
     async with app.run_test(size=(120, 36)) as pilot:
         await pilot.press("ctrl+p")
         await pilot.press("ctrl+x")

@@ -5,17 +5,23 @@ from __future__ import annotations
 import asyncio
 import re
 import time
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
+from textual.command import CommandPalette
 
+from archo_tui.app import ArchoApp
 from archo_tui.robot.state import Hosted, Life, Snapshot
 from tests.console.states import NORMAL, STATES
+from tests.support.console import send
+from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, StubRobot, stub_app
-from tests.support.waiting import DEADLINE
 
 FOLDER = Path(__file__).parent.parent / "snapshots"
-SIZES = {"80x24": (80, 24), "120x36": (120, 36), "160x48": (160, 48)}
+SIZES = {"80x24": (80, 24), "120x36": (120, 36), "160x48": (160, 48), "40x10": (40, 10)}
+ALL_SIZES = ("80x24", "120x36", "160x48")
 
 
 HOSTED = (
@@ -45,142 +51,147 @@ def normalised(svg: str) -> str:
     return re.sub(r"terminal-\d+", "terminal", svg)
 
 
-def compare(request: pytest.FixtureRequest, name: str, actual: str) -> None:
-    """Fail when the picture differs from the accepted one; the new one is left beside it."""
+def differs(request: pytest.FixtureRequest, name: str, actual: str) -> list[str]:
+    """What to say when the picture differs from the accepted one; the new one is left beside it."""
     path = FOLDER / f"{name.replace(' ', '_')}.svg"
     new = path.with_suffix(".new.svg")
     if request.config.getoption("--update-snapshots"):
         path.write_text(actual)
     if path.is_file() and path.read_text() == actual:
         new.unlink(missing_ok=True)
-        return
+        return []
     new.write_text(actual)
-    pytest.fail(f"{path.name} differs: look at {new}, accept it with --update-snapshots")
+    return [f"{path.name} differs: look at {new}, accept it with --update-snapshots"]
 
 
-async def picture(
+async def compare(
+    request: pytest.FixtureRequest,
+    name: str,
     snapshot: Snapshot,
-    size: tuple[int, int],
+    size: str,
+    *keys: str,
+    **options: Any,
+) -> str:
+    """One picture, as accepted."""
+    svg = (await pictures(snapshot, [size], *keys, **options))[size]
+    assert differs(request, f"{name} {size}", svg) == []
+    return svg
+
+
+async def rest(app: ArchoApp, quiet: Quiet) -> None:
+    """Let the screen lay out and draw all that it has to."""
+    palette = app.screen if isinstance(app.screen, CommandPalette) else None
+    if palette is not None:
+        await quiet.until(lambda: palette.has_class("-ready"), lambda: "the palette's commands")
+    await quiet.settle()
+    app.tick()  # a new size may have more to say
+    await quiet.settle()
+
+
+async def pictures(
+    snapshot: Snapshot,
+    sizes: Iterable[str],
     *keys: str,
     dialog: bool = False,
     theme: str = "textual-dark",
     hosted: tuple[Hosted, ...] = (),
-) -> str:
-    """The screen after those keys, when it has come to rest; on-delays of alarms have passed."""
+) -> dict[str, str]:
+    """The screen after those keys, in each size; on-delays of alarms have passed."""
     clock = StandingClock()
     clock.passed = -3.0
     app = stub_app(snapshot, clock, hosted)
-    async with app.run_test(size=size) as pilot:
+    found = {}
+    async with app.run_test(size=SIZES[next(iter(sizes))]) as pilot:
+        quiet = Quiet(app)
         app.theme = theme
         clock.passed = 0.0
         app.tick()
-        await pilot.press(*keys)
-        end = time.monotonic() + DEADLINE
-        last: list[str] = []
-        while True:
-            await pilot.pause(0.02)
-            app.tick()
-            lines = [strip.text for strip in app.screen._compositor.render_strips()]
-            if lines == last and (len(app.screen_stack) == 2 or not dialog):
-                return normalised(app.export_screenshot(simplify=True))
-            last = lines
-            assert time.monotonic() < end, "the screen does not come to rest"
+        for number, size in enumerate(sizes):
+            if number:
+                await pilot.resize_terminal(*SIZES[size])
+            await rest(app, quiet)
+            if not number:
+                for key in keys:
+                    send(app, key)
+                    await rest(app, quiet)
+            assert len(app.screen_stack) == 1 + dialog
+            found[size] = normalised(app.export_screenshot(simplify=True))
+    return found
 
 
-@pytest.mark.parametrize("size", SIZES)
+async def compare_all(
+    request: pytest.FixtureRequest, name: str, snapshot: Snapshot, *keys: str, **options: Any
+) -> None:
+    """One app, resized through the sizes."""
+    different = []
+    for size, svg in (await pictures(snapshot, ALL_SIZES, *keys, **options)).items():
+        different += differs(request, f"{name} {size}", svg)
+    assert different == [], "\n".join(different)
+
+
 @pytest.mark.parametrize("state", STATES)
-async def test_every_state_looks_as_accepted(
-    request: pytest.FixtureRequest, state: str, size: str
-) -> None:
-    compare(request, f"{state} {size}", await picture(STATES[state], SIZES[size]))
+async def test_every_state_looks_as_accepted(request: pytest.FixtureRequest, state: str) -> None:
+    await compare_all(request, state, STATES[state])
 
 
-@pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize(
-    ("name", "keys"), [("help", ["question_mark"]), ("edit", ["down", "down", "enter"])]
-)
-async def test_every_dialog_looks_as_accepted(
-    request: pytest.FixtureRequest, name: str, keys: list[str], size: str
-) -> None:
-    svg = await picture(NORMAL, SIZES[size], *keys, dialog=True)
-    compare(request, f"{name} {size}", svg)
-
-
-@pytest.mark.parametrize("size", SIZES)
-async def test_the_field_looks_as_accepted(request: pytest.FixtureRequest, size: str) -> None:
-    compare(request, f"field {size}", await picture(NORMAL, SIZES[size], "g", "1", "2"))
-
-
-@pytest.mark.parametrize("size", SIZES)
-async def test_the_question_looks_as_accepted(request: pytest.FixtureRequest, size: str) -> None:
-    svg = await picture(STATES["goal cancelling"], SIZES[size], "q", dialog=True)
-    compare(request, f"question {size}", svg)
-
-
-@pytest.mark.parametrize("size", SIZES)
-async def test_nodes_of_this_process_look_as_accepted(
-    request: pytest.FixtureRequest, size: str
-) -> None:
-    svg = await picture(NORMAL, SIZES[size], "5", hosted=HOSTED)
-    compare(request, f"nodes hosted {size}", svg)
-
-
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize(
-    ("name", "keys", "dialog"),
+    ("name", "state", "keys", "dialog"),
     [
-        ("traceback", ["5", "home", "enter"], True),
-        ("filter", ["4", "slash", *"speed"], False),
-        ("filter finds nothing", ["4", "slash", *"warp", "enter"], False),
-        ("search", ["6", "slash", *"shelf", "enter"], False),
-        ("full screen", ["6", "e"], False),
-        ("event", ["6", "down", "enter"], True),
-        ("save", ["4", "ctrl+s"], True),
-        ("palette", ["ctrl+p"], True),
+        ("help", "normal", ["question_mark"], True),
+        ("edit", "normal", ["down", "down", "enter"], True),
+        ("field", "normal", ["g", "1", "2"], False),
+        ("question", "goal cancelling", ["q"], True),
+        ("nodes hosted", "normal", ["5"], False),
+        ("traceback", "normal", ["5", "home", "enter"], True),
+        ("filter", "normal", ["4", "slash", *"speed"], False),
+        ("filter finds nothing", "normal", ["4", "slash", *"warp", "enter"], False),
+        ("search", "normal", ["6", "slash", *"shelf", "enter"], False),
+        ("full screen", "normal", ["6", "e"], False),
+        ("event", "normal", ["6", "down", "enter"], True),
+        ("save", "normal", ["4", "ctrl+s"], True),
+        ("palette", "normal", ["ctrl+p"], True),
     ],
 )
 async def test_what_keys_open_looks_as_accepted(
-    request: pytest.FixtureRequest, name: str, keys: list[str], dialog: bool, size: str
+    request: pytest.FixtureRequest, name: str, state: str, keys: list[str], dialog: bool
 ) -> None:
-    svg = await picture(NORMAL, SIZES[size], *keys, dialog=dialog, hosted=HOSTED)
-    compare(request, f"{name} {size}", svg)
+    plain = ("help", "edit", "field", "question")  # their nodes run elsewhere
+    hosted = () if name in plain else HOSTED
+    await compare_all(request, name, STATES[state], *keys, dialog=dialog, hosted=hosted)
 
 
 @pytest.mark.parametrize("theme", ["textual-light", "high-contrast"])
 async def test_the_other_themes_look_as_accepted(
     request: pytest.FixtureRequest, theme: str
 ) -> None:
-    svg = await picture(STATES["battery low and moving"], SIZES["120x36"], theme=theme)
-    compare(request, f"{theme.removeprefix('textual-')} 120x36", svg)
+    name = theme.removeprefix("textual-")
+    await compare(request, name, STATES["battery low and moving"], "120x36", theme=theme)
 
 
 async def test_without_utf_8_it_is_all_ascii(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("LC_ALL", "C")
-    svg = await picture(STATES["battery low and moving"], SIZES["80x24"])
+    svg = await compare(request, "ascii", STATES["battery low and moving"], "80x24")
     drawn = "".join(re.findall(r"<text[^>]*>([^<]*)</text>", svg)).replace("&#160;", " ")
     assert drawn.isascii(), set(drawn) - set(map(chr, range(128)))
-    compare(request, "ascii 80x24", svg)
 
 
 async def test_without_colour_every_word_stays(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
-    svg = await picture(STATES["battery low and moving"], SIZES["80x24"])
+    svg = await compare(request, "no colour", STATES["battery low and moving"], "80x24")
     colours = {tuple(c[i : i + 2] for i in (1, 3, 5)) for c in re.findall(r"#[0-9a-f]{6}", svg)}
     grey = {colour for colour in colours if len(set(colour)) == 1}
     assert len(colours - grey) <= 4, colours - grey  # the drawn window's own frame and buttons
-    compare(request, "no colour 80x24", svg)
 
 
 @pytest.mark.parametrize("panel", "123456")
 async def test_a_tiny_terminal_shows_the_focused_panel_between_header_and_footer(
     request: pytest.FixtureRequest, panel: str
 ) -> None:
-    svg = await picture(STATES["battery low and moving"], (40, 10), panel)
-    compare(request, f"tiny panel {panel}", svg)
+    await compare(request, f"tiny panel {panel}", STATES["battery low and moving"], "40x10", panel)
 
 
 @pytest.mark.parametrize("size", [(40, 10), (20, 5), (79, 23), (300, 80)])
@@ -195,7 +206,7 @@ async def test_equal_snapshots_draw_nothing() -> None:
     app = stub_app(NORMAL)
     async with app.run_test(size=(120, 36)) as pilot:
         await pilot.pause()
-        robot: StubRobot = app.robot  # type: ignore[assignment]
+        robot: StubRobot = app.station.robot  # type: ignore[assignment]
         lines = list(app.query("Line"))
         for line in lines:
             line.update = _must_not  # type: ignore[attr-defined]

@@ -8,7 +8,7 @@ from rclpy.node import Node
 
 from archo_tui.robot.state import Life
 from archo_tui.session import Options, Session
-from tests.support import chosen
+from tests.support import chosen, clock
 from tests.support.waiting import wait_until
 
 
@@ -37,7 +37,7 @@ class Good(Node):
 
 def test_a_crash_is_an_event_and_the_others_go_on() -> None:
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad, Good))
-    with Session(options) as session:
+    with Session(options, clock.current) as session:
         wait_until(
             lambda: (
                 [
@@ -58,6 +58,6 @@ def test_a_crash_is_an_event_and_the_others_go_on() -> None:
 
 def test_the_crashed_node_has_left_the_graph() -> None:
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Bad,))
-    with Session(options) as session:
+    with Session(options, clock.current) as session:
         wait_until(lambda: session.host.states()[0].error)
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/archo_console"])

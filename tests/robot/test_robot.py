@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
-import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any
@@ -17,33 +15,20 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from std_msgs.msg import Float32
 
-from archo_tui.robot import services
 from archo_tui.robot.client import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.session import Options, Session
-from tests.support import chosen
-from tests.support.waiting import DEADLINE
+from tests.support import chosen, clock
+from tests.support.quiet import ended, until
 
 
 @asynccontextmanager
 async def robot(*makers: Callable[..., Node], nodes: int | None = None) -> AsyncIterator[Robot]:
     """A Robot beside these nodes."""
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=makers)
-    with Session(options) as session:
+    with Session(options, clock.current) as session:
         await until(lambda: len(session.robot.snapshot.nodes) == (nodes or len(makers)) + 1)
         yield session.robot
-
-
-async def until(condition: Callable[[], object]) -> None:
-    end = time.monotonic() + DEADLINE
-    while not condition():
-        assert time.monotonic() < end
-        await asyncio.sleep(0.005)
-
-
-@pytest.fixture(autouse=True)
-def _short_deadlines(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(services, "DEADLINE", 0.3)
 
 
 def server(*, hang: threading.Event | None = None, end: str = "succeed") -> Any:
@@ -57,13 +42,15 @@ def server(*, hang: threading.Event | None = None, end: str = "succeed") -> Any:
 
         def reset(self, request: Any, response: Any) -> Any:
             if hang is not None:
-                hang.wait(10)
+                with clock.stuck():
+                    hang.wait(30)
             response.success, response.message = False, "the encoder is stuck"
             return response
 
         def execute(self, goal: Any) -> Any:
             if hang is not None:
-                hang.wait(10)
+                with clock.stuck():
+                    hang.wait(30)
             getattr(goal, end)()
             return MoveToShelf.Result(final_message="that was it")
 
@@ -76,16 +63,16 @@ def quiet(**options: Any) -> Node:
 
 async def test_what_nobody_offers_is_said() -> None:
     async with robot(quiet) as it:
-        outcome = await it.reset_encoder()
+        outcome = await ended(it.reset_encoder())
         assert (outcome.ok, outcome.text) == (False, "/reset_encoder is not offered by any node")
-        outcome = await it.cancel()
+        outcome = await ended(it.cancel())
         assert (outcome.ok, outcome.text) == (False, "no goal is running")
 
 
 async def test_the_servers_own_refusal_is_passed_on() -> None:
     async with robot(server()) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
-        outcome = await it.reset_encoder()
+        outcome = await ended(it.reset_encoder())
         assert (outcome.ok, outcome.text) == (False, "the encoder is stuck")
 
 
@@ -93,11 +80,11 @@ async def test_a_server_that_hangs_gives_no_answer_and_the_next_call_works() -> 
     hang = threading.Event()
     async with robot(server(hang=hang)) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
-        outcome = await it.reset_encoder()
+        outcome = await ended(it.reset_encoder())
         assert not outcome.ok
         assert outcome.text.startswith("no answer in ")
         hang.set()
-        assert (await it.reset_encoder()).text == "the encoder is stuck"
+        assert (await ended(it.reset_encoder())).text == "the encoder is stuck"
 
 
 async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
@@ -109,11 +96,11 @@ async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
 
     async with robot(make, nodes=2) as it:
         await until(lambda: {"reset_encoder", "move_to_shelf"} <= it.snapshot.offered)
-        assert (await it.reset_encoder()).text.startswith("no answer in ")
-        assert (await it.go_to_shelf(3)).text.startswith("no answer in ")
+        assert (await ended(it.reset_encoder())).text.startswith("no answer in ")
+        assert (await ended(it.go_to_shelf(3))).text.startswith("no answer in ")
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.UNKNOWN
-        assert (await it.cancel()).text.startswith("no answer in ")
+        assert (await ended(it.cancel())).text.startswith("no answer in ")
         unspun[0].destroy_node()
 
 
@@ -127,7 +114,7 @@ async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
 
     async with robot(make, nodes=2) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        await it.go_to_shelf(3)
+        await ended(it.go_to_shelf(3))
         made[0].destroy_node()
         reborn = server()(context=made[1].context)
         executor = made[1].executor
@@ -135,7 +122,7 @@ async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
         executor.create_task(executor.add_node, reborn)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
         assert it.snapshot.goal is not None
-        assert it.snapshot.goal.message.startswith("the robot knows this goal no more")
+        assert it.snapshot.goal.message.startswith("the robot no longer knows this goal")
         reborn.destroy_node()
 
 
@@ -143,8 +130,8 @@ async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -
     hang = threading.Event()
     async with robot(server(hang=hang)) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
-        await it.reset_encoder()  # the server hangs in this one, and has not seen the goal
-        outcome = await it.go_to_shelf(3)
+        await ended(it.reset_encoder())  # the server hangs in this one, and has not seen the goal
+        outcome = await ended(it.go_to_shelf(3))
         assert not outcome.ok
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.UNKNOWN
@@ -157,7 +144,7 @@ async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -
 async def test_a_goal_ends_as_the_server_says(end: str, phase: Phase) -> None:
     async with robot(server(end=end)) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert (await it.go_to_shelf(3)).ok
+        assert (await ended(it.go_to_shelf(3))).ok
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == phase)
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.message == "that was it"
@@ -188,9 +175,9 @@ async def test_a_cancel_that_the_server_rejects_is_said_and_the_goal_goes_on() -
 
     async with robot(make) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert (await it.go_to_shelf(3)).ok
+        assert (await ended(it.go_to_shelf(3))).ok
         await until(lambda: hasattr(made[0], "released"))
-        outcome = await it.cancel()
+        outcome = await ended(it.cancel())
         assert not outcome.ok
         assert outcome.text.startswith("the robot rejected the cancel")
         assert it.snapshot.goal is not None
@@ -235,9 +222,9 @@ async def test_parameters_of_a_node_that_comes_and_goes_come_and_go() -> None:
 async def test_every_verb_leaves_a_line_with_its_ros2_command() -> None:
     async with robot(server()) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
-        await it.reset_encoder()
+        await ended(it.reset_encoder())
         await it.set_parameters("/server", {"use_sim_time": True})
-        await it.go_to_shelf(7)
+        await ended(it.go_to_shelf(7))
         await until(lambda: len([e for e in it.snapshot.events if e.level == "YOU"]) == 3)
         assert [e.command for e in it.snapshot.events if e.level == "YOU"] == [
             'ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder "{}"',

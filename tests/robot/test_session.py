@@ -7,7 +7,7 @@ import os
 import threading
 
 from archo_tui.session import Options, Session
-from tests.support import chosen
+from tests.support import chosen, clock
 
 ROUNDS = 50
 
@@ -19,11 +19,11 @@ def descriptors() -> int:
 
 def test_fifty_sessions_in_a_row_leave_no_thread_and_no_descriptor() -> None:
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain())
-    with Session(options):
+    with Session(options, clock.current):
         pass  # what is made once, is made now
     before, threads = descriptors(), threading.active_count()
     for _ in range(ROUNDS):
-        session = Session(options)
+        session = Session(options, clock.current)
         session.start()
         assert session.close() == []
         del session

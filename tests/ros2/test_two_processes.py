@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tests.ros2.conftest import Processes
-from tests.support.console import SLOW, console
+from tests.support.console import LONG, console
 
 MOTOR, BATTERY = "archo_bringup.motor_controller", "archo_bringup.battery_monitor"
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
@@ -37,7 +37,7 @@ async def test_what_nobody_offers_is_said_and_lights_up_when_it_comes(
 
 
 async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Processes) -> None:
-    motor = processes.start(MOTOR, *SLOW)
+    motor = processes.start(MOTOR, *LONG)
     async with console(attach=True, domain_id=processes.domain, wait=False) as op:
 
         def value(name: str) -> object:
@@ -58,7 +58,7 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
         await op.press("ctrl+x")  # ends, too
         await op.until("no answer in 2 s")
         processes.start(MOTOR, *FAST)
-        await op.until("✗ ABORTED      the robot knows this goal no more", deadline=30)
+        await op.until("✗ ABORTED      the robot no longer knows this goal", deadline=30)
         await op.press("7", "enter")  # the field still has the focus
         await op.until("Arrived at shelf 7", deadline=30)
         await op.until(lambda: value("feedback_period") == 0.05)  # the new one's parameters, too

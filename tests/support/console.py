@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import time
 import unicodedata
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
@@ -19,6 +17,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
 from tests.support import chosen, clock
+from tests.support.quiet import Quiet
 from tests.support.waiting import DEADLINE
 
 # the textbook's move in a tenth of the time
@@ -43,47 +42,12 @@ def send(app: App[Any], *keys: str) -> None:
         app.post_message(key_event(key))
 
 
-class Quiet:
-    """Knows when the loop has nothing left to do, and what waits in threads for it."""
-
-    def __init__(self) -> None:
-        self._loop: Any = asyncio.get_running_loop()
-        self._run_in_executor = self._loop.run_in_executor
-        self._loop.run_in_executor = self._tracked
-        self._threads: set[Any] = set()
-
-    def _tracked(self, executor: Any, function: Any, *args: Any) -> Any:
-        future = self._run_in_executor(executor, function, *args)
-        self._threads.add(future)
-        future.add_done_callback(self._threads.discard)
-        return future
-
-    async def settle(self) -> None:
-        """Return when nobody has anything to do before time moves on."""
-        end = time.monotonic() + 3 * DEADLINE
-        while True:
-            assert time.monotonic() < end, "never at rest"
-            virtual = clock.current
-            moves = virtual.moves if virtual is not None else 0
-            while virtual is not None and not virtual.at_rest():
-                assert time.monotonic() < end, "a thread never rests"
-                await asyncio.sleep(clock.LOOK)
-            while self._loop._ready:
-                await asyncio.sleep(0)
-            if self._threads:
-                await asyncio.sleep(clock.LOOK)
-                continue
-            rests = virtual is None or (virtual.moves == moves and virtual.at_rest())
-            if rests and not self._loop._ready:
-                return
-
-
 class Console:
     """An operator in front of the console."""
 
     def __init__(self, app: ArchoApp, pilot: Pilot[None], session: Session) -> None:
         self.app, self.pilot, self.session = app, pilot, session
-        self._quiet = Quiet()
+        self._quiet = Quiet(app)
 
     @property
     def text(self) -> str:
@@ -120,14 +84,7 @@ class Console:
     ) -> None:
         """Wait until the screen shows a text or a condition holds; a virtual clock moves on."""
         wanted = (lambda: condition in self.text) if isinstance(condition, str) else condition
-        end = time.monotonic() + deadline
-        while True:
-            await self._quiet.settle()
-            if wanted():
-                return
-            assert time.monotonic() < end, f"waited {deadline} s for {condition!r}:\n{self.text}"
-            if clock.current is None or not clock.current.advance():
-                await asyncio.sleep(0.01)
+        await self._quiet.until(wanted, lambda: f"{condition!r}:\n{self.text}", deadline)
 
     async def ready(self) -> None:
         """Wait until the robot is seen: data, parameters, services."""

@@ -8,6 +8,25 @@ from collections.abc import Callable
 from tests.support import clock
 
 DEADLINE = 20.0  # s; generous, for a busy machine: a passing test never waits that long
+_VIRTUAL = 100.0  # s of virtual time in which everything that can happen does
+_AT_LEAST = 3.0  # s of real time for what other threads have to do
+
+
+class Waited:
+    """How long somebody has waited, by the machine's time and the test's."""
+
+    def __init__(self, deadline: float) -> None:
+        self._deadline = deadline
+        self._began, self._virtual = time.monotonic(), clock.seconds()
+
+    def too_long(self) -> bool:
+        """True when it is time to give up."""
+        real = time.monotonic() - self._began
+        moved = clock.current is not None and clock.seconds() - self._virtual > _VIRTUAL
+        return real > self._deadline or (moved and real > _AT_LEAST)
+
+    def __str__(self) -> str:
+        return f"{time.monotonic() - self._began:.1f} s ({clock.seconds() - self._virtual:.1f} s)"
 
 
 def wait_until(condition: Callable[[], object], what: str = "", deadline: float = DEADLINE) -> None:
@@ -15,9 +34,9 @@ def wait_until(condition: Callable[[], object], what: str = "", deadline: float 
 
     A virtual clock is moved on meanwhile, step by step.
     """
-    end = time.monotonic() + deadline
+    waited = Waited(deadline)
     while not condition():
-        assert time.monotonic() < end, f"waited {deadline} s for {what or condition}"
+        assert not waited.too_long(), f"waited {waited} for {what or condition}"
         step()
 
 

@@ -8,18 +8,17 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from typing import Protocol
 
 
-class TimeSource:
-    """The machine's own time."""
+class TimeSource(Protocol):
+    """What the engine asks."""
 
     def monotonic_ns(self) -> int:
         """ns that only grow."""
-        return time.monotonic_ns()
 
     def time_ns(self) -> int:
         """ns since the Unix epoch."""
-        return time.time_ns()
 
     def wait(
         self,
@@ -32,11 +31,28 @@ class TimeSource:
         Returns at `until_ns` (of `monotonic_ns`) at the latest, and may return early: the caller
         looks again. `idle()` is True while there is still nothing to do but wait.
         """
+
+
+class MachineTime:
+    """The machine's own time."""
+
+    def monotonic_ns(self) -> int:
+        return time.monotonic_ns()
+
+    def time_ns(self) -> int:
+        return time.time_ns()
+
+    def wait(
+        self,
+        condition: threading.Condition,
+        idle: Callable[[], bool],
+        until_ns: int | None = None,
+    ) -> None:
         seconds = None if until_ns is None else max(until_ns - self.monotonic_ns(), 0) / 1e9
         condition.wait(seconds)
 
 
-_source = TimeSource()
+_source: TimeSource = MachineTime()
 
 
 def use(source: TimeSource) -> TimeSource:

@@ -50,6 +50,7 @@ class Executor:
         self._timers: list[tuple[int, int, Timer]] = []
         self._order = itertools.count()
         self._is_shutdown = False
+        self._notified = False  # since the last look at what is ready
         self._context.on_shutdown(self.wake)
 
     @property
@@ -69,7 +70,7 @@ class Executor:
                     entity._schedule()
                 for _ in range(entity._waiting()):
                     self._make_ready(entity)
-            self._condition.notify_all()
+            self._notify()
             return True
 
     def remove_node(self, node: Node) -> None:
@@ -92,7 +93,7 @@ class Executor:
         task: Task[Any] = Task(callback, args, kwargs, executor=self)
         with self._condition:
             self._ready.append(task)
-            self._condition.notify()
+            self._notify()
         return task
 
     def create_future(self) -> Future[Any]:
@@ -102,7 +103,7 @@ class Executor:
     def wake(self) -> None:
         """Have a waiting spin look again; by itself this does not end `spin_once`."""
         with self._condition:
-            self._condition.notify_all()
+            self._notify()
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
         """End all spinning and let the nodes go. False if work went on past `timeout_sec` (s)."""
@@ -111,7 +112,7 @@ class Executor:
             for node in list(self._nodes):
                 self.remove_node(node)
             self._timers.clear()
-            self._condition.notify_all()
+            self._notify()
         return True
 
     def spin(self) -> None:
@@ -171,11 +172,16 @@ class Executor:
         if error is not None:
             raise error
 
+    def _notify(self) -> None:
+        """Have a waiting spin look again; the condition is held."""
+        self._notified = True
+        self._condition.notify_all()
+
     def _make_ready(self, entity: Entity) -> None:
         """Queue one piece of work of an entity."""
         with self._condition:
             self._ready.append(entity)
-            self._condition.notify()
+            self._notify()
 
     def _resume(self, task: Task[Any]) -> None:
         """Queue a task whose awaited future is done, without waking anybody."""
@@ -185,7 +191,7 @@ class Executor:
     def _add_timer(self, timer: Timer) -> None:
         with self._condition:
             heapq.heappush(self._timers, (timer._next_ns, next(self._order), timer))
-            self._condition.notify()
+            self._notify()
 
     def _next_work(
         self, timeout_sec: float | None, stop: Callable[[], bool]
@@ -205,11 +211,12 @@ class Executor:
                 if stop() or (deadline is not None and now >= deadline):
                     raise TimeoutException
                 until = min((ns for ns in (deadline, due) if ns is not None), default=None)
+                self._notified = False
                 _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
 
     def _is_idle(self) -> bool:
-        """True while there is nothing to do but wait."""
-        return not self._ready and not self._is_shutdown and self._context.ok()
+        """True while nobody has said that there is something to do."""
+        return not self._notified
 
     def _collect_timers(self) -> int | None:
         """Queue the timers that are due; returns when (ns) the next one is, or None."""

@@ -1,0 +1,93 @@
+"""When nothing is left to do before time moves on: threads that spin, and the asyncio loop."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+from typing import Any, TypeVar
+
+from textual.app import App
+
+from tests.support import clock
+from tests.support.waiting import DEADLINE, Waited
+
+T = TypeVar("T")
+
+
+class Quiet:
+    """Watches the running loop, what the loop has given to threads, and an app's screen."""
+
+    def __init__(self, app: App[Any] | None = None) -> None:
+        self._app = app
+        self._loop: Any = asyncio.get_running_loop()
+        self._run_in_executor = self._loop.run_in_executor
+        setattr(self._loop, "run_in_executor", self._tracked)  # noqa: B010
+        self._threads: set[Any] = set()
+
+    def _tracked(self, executor: Any, function: Any, *args: Any) -> Any:
+        future = self._run_in_executor(executor, function, *args)
+        self._threads.add(future)
+        future.add_done_callback(self._threads.discard)
+        return future
+
+    async def settle(self) -> None:
+        """Return when nobody has anything to do before time moves on, and all is drawn."""
+        while True:
+            await self._settle()
+            if self._app is None or not self._app.is_running or not self._app.screen_stack:
+                return
+            screen = self._app.screen
+            if not (
+                screen._layout_required
+                or screen._scroll_required
+                or screen._repaint_required
+                or screen._dirty_widgets
+                or screen._callbacks
+            ):
+                return
+            screen._on_timer_update()  # what Textual's own timer would do within 1/60 s
+
+    async def _settle(self) -> None:
+        end = time.monotonic() + 3 * DEADLINE
+        while True:
+            assert time.monotonic() < end, "never at rest"
+            virtual = clock.current
+            moves = virtual.moves if virtual is not None else 0
+            while virtual is not None and not virtual.at_rest():
+                assert time.monotonic() < end, "a thread never rests"
+                await asyncio.sleep(clock.LOOK)
+            await asyncio.sleep(0)
+            while self._loop._ready:
+                await asyncio.sleep(0)
+            if self._threads:
+                await asyncio.sleep(clock.LOOK)
+                continue
+            rests = virtual is None or (virtual.moves == moves and virtual.at_rest())
+            if rests and not self._loop._ready:
+                return
+
+    async def until(
+        self, holds: Callable[[], object], what: Callable[[], str], deadline: float = DEADLINE
+    ) -> None:
+        """Wait until it holds; a virtual clock moves on, from one thing that is due to the next."""
+        waited = Waited(deadline)
+        while True:
+            await self.settle()
+            if holds():
+                return
+            assert not waited.too_long(), f"waited {waited} for {what()}"
+            if clock.current is None or not clock.current.advance():
+                await asyncio.sleep(0.01)
+
+
+async def until(holds: Callable[[], object]) -> None:
+    """Wait until it holds."""
+    await Quiet().until(holds, lambda: repr(holds))
+
+
+async def ended(work: Awaitable[T]) -> T:
+    """Wait for the end of something that may take its time."""
+    task = asyncio.ensure_future(work)
+    await until(task.done)
+    return task.result()
