@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+import pytest
 from archo_interfaces.msg import BatteryStatus
 from rcl_interfaces.msg import Log
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
@@ -17,6 +18,8 @@ from rclpy.parameter import Parameter
 from archo_tui.robot.events import LIMIT
 from tests.support import chosen
 from tests.support.console import FAST, Console, console
+
+pytestmark = pytest.mark.real_time  # the floods come from threads of their own
 
 
 @contextmanager

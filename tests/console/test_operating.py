@@ -131,8 +131,7 @@ async def test_nodes_tick_on_while_dialogs_are_open_and_the_terminal_is_resized(
         for width, height in ((80, 24), (160, 48), (40, 10), (120, 36)):
             await op.pilot.resize_terminal(width, height)
             wanted = ticks[0] + 2
-            while ticks[0] < wanted:
-                await op.pilot.pause(0.01)
+            await op.until(lambda wanted=wanted: ticks[0] >= wanted)  # type: ignore[misc]
         await op.press("escape")
         await op.until("1 Battery")
 

@@ -6,7 +6,6 @@ import re
 from pathlib import Path
 
 import pytest
-from textual.pilot import Pilot
 
 from archo_tui.app import ArchoApp
 from archo_tui.commands import COMMANDS
@@ -14,6 +13,7 @@ from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, PANELS, Co
 from archo_tui.commands.keymap import shown
 from tests.console.states import STATES
 from tests.support.console import send
+from tests.support.quiet import Quiet
 from tests.support.stub import stub_app
 
 README = Path(__file__).parent.parent.parent / "README.md"
@@ -23,7 +23,7 @@ PLACES = [f"panel {number}" for number in range(1, 7)] + [
 ]  # fmt: skip
 
 
-async def go_to(app: ArchoApp, pilot: Pilot[None], place: str) -> int:
+async def go_to(app: ArchoApp, quiet: Quiet, place: str) -> int:
     """Bring the app to a place by keys; returns the number of the focused panel, 0 for none."""
     keys = {
         "shelf field": ["g"],
@@ -38,8 +38,9 @@ async def go_to(app: ArchoApp, pilot: Pilot[None], place: str) -> int:
     }.get(place, [place[-1]])
     if place == "panel 3":
         keys = ["3", "tab"]
-    await pilot.press(*keys)
-    await pilot.pause()
+    for key in keys:
+        send(app, key)
+        await quiet.settle()
     return app.main.focused_panel if app.screen is app.main else 0
 
 
@@ -61,7 +62,8 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 async def test_every_key_works_where_the_table_says_and_nowhere_else(place: str) -> None:
     ran: list[str] = []
     app = stub_app(STATES["battery low and moving"])
-    async with app.run_test(size=(120, 36)) as pilot:
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
         run = app.action_command
 
         def record(name: str) -> None:
@@ -74,12 +76,12 @@ async def test_every_key_works_where_the_table_says_and_nowhere_else(place: str)
                 app.action_command = run  # type: ignore[method-assign]
                 while app.screen is not app.main:
                     app.pop_screen()
-                panel = await go_to(app, pilot, place)
+                panel = await go_to(app, quiet, place)
                 there = (app.screen, app.focused)
                 app.action_command = record  # type: ignore[method-assign]
             ran.clear()
             send(app, command.key)
-            await pilot.pause()
+            await quiet.settle()
             assert (command.id in ran) == works(command, place, panel), (place, command.id, ran)
 
 
