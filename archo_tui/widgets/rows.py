@@ -97,11 +97,19 @@ class Rows(ScrollView, Generic[T], can_focus=True):
             total = len(self._items)
         size = Size(max(self._longest(width), 1), total)
         if size != self.virtual_size:
+            scrolled = self._scrolls
             self.virtual_size = size
             self._keep_cursor_in_sight()
+            if self._scrolls != scrolled:  # Textual looks at this only when the size changes
+                self._refresh_scrollbars()
             self.refresh()
         else:
             self.redraw()
+
+    @property
+    def _scrolls(self) -> bool:
+        """True when not all lines have room."""
+        return self.virtual_size.height > self.container_size.height
 
     def _longest(self, width: int) -> int:
         lines = (line for item in self._items[:_MEASURED] for line in self._draw(item, width))

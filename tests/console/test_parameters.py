@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 from textual.widgets import Input
 
 from tests.support.console import FAST, Console, console
@@ -36,27 +35,24 @@ async def test_a_parameter_is_edited_mid_route_and_takes_effect() -> None:
         await op.press("ctrl+c")
 
 
-@pytest.mark.parametrize(
-    ("name", "typed", "said"),
-    [
-        ("max_speed", "", "a value is needed (double)"),
-        ("max_speed", "fast", "not a number: fast"),
-        ("max_speed", "9", "allowed 0.05 .. 2, not 9"),
-        ("max_speed", "nan", "not a finite number: nan"),
-        ("max_speed", "inf", "not a finite number: inf"),
-        ("shelf_count", "1.5", "not a whole number: 1.5"),
-        ("shelf_count", "0", "allowed 1 .. 9999, not 0"),
-        ("drain_min", "50", "drain_min 50 is above drain_max 0.2"),
-        ("use_sim_time", "maybe", "not true or false: maybe"),
-    ],
-)
-async def test_a_bad_value_is_said_and_changes_nothing(name: str, typed: str, said: str) -> None:
+async def test_a_bad_value_is_said_and_changes_nothing() -> None:
     async with console(*FAST) as op:
         before = op.app.view.snapshot.parameters
-        await edit(op, name, typed)
-        await op.until(said)
-        await op.press("escape")
-        await op.until(lambda: op.app.screen is op.app.main)
+        for name, typed, said in (
+            ("max_speed", "", "a value is needed (double)"),
+            ("max_speed", "fast", "not a number: fast"),
+            ("max_speed", "9", "allowed 0.05 .. 2, not 9"),
+            ("max_speed", "nan", "not a finite number: nan"),
+            ("max_speed", "inf", "not a finite number: inf"),
+            ("shelf_count", "1.5", "not a whole number: 1.5"),
+            ("shelf_count", "0", "allowed 1 .. 9999, not 0"),
+            ("drain_min", "50", "drain_min 50 is above drain_max 0.2"),
+            ("use_sim_time", "maybe", "not true or false: maybe"),
+        ):
+            await edit(op, name, typed)
+            await op.until(said)
+            await op.press("escape")
+            await op.until(lambda: op.app.screen is op.app.main)
         assert op.app.view.snapshot.parameters == before
 
 
@@ -198,29 +194,27 @@ async def test_a_file_that_exists_is_replaced_only_when_asked_twice(tmp_path: Pa
         await op.until(lambda: "max_speed" in file.read_text())
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        (None, "cannot read the parameter file: No such file"),
-        ("{", "not YAML"),
-        ("motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n", "allowed 0.05 .. 2"),
-        ("motor_controller:\n  ros__parameters:\n    max_speed: fast\n", "needs a value"),
-    ],
-)
-async def test_a_file_that_cannot_be_loaded_is_said_and_changes_nothing(
-    tmp_path: Path, text: str | None, said: str
-) -> None:
+async def test_a_file_that_cannot_be_loaded_is_said_and_changes_nothing(tmp_path: Path) -> None:
     file = tmp_path / "f.yaml"
-    if text is not None:
-        file.write_text(text)
     async with console(*FAST) as op:
         before = op.app.view.snapshot.parameters
-        await op.press("4", "ctrl+o")
-        await op.until("ROS parameter file")
-        op.app.screen.query_one("#path", Input).value = str(file)
-        await op.press("enter")
-        await op.until(lambda: said in " ".join(op.text.replace("┃", " ").split()))
-        await op.press("escape")
+        for text, said in (
+            (None, "cannot read the parameter file: No such file"),
+            ("{", "not YAML"),
+            ("motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n", "allowed 0.05 .. 2"),
+            ("motor_controller:\n  ros__parameters:\n    max_speed: fast\n", "needs a value"),
+        ):
+            if text is not None:
+                file.write_text(text)
+            await op.press("4", "ctrl+o")
+            await op.until("ROS parameter file")
+            op.app.screen.query_one("#path", Input).value = str(file)
+            await op.press("enter")
+            await op.until(
+                lambda said=said: said in " ".join(op.text.replace("┃", " ").split())  # type: ignore[misc]
+            )
+            await op.press("escape")
+            await op.until(lambda: op.app.screen is op.app.main)
         assert op.app.view.snapshot.parameters == before
 
 

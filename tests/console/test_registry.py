@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from textual.widgets import Input
 
 from archo_tui.app import ArchoApp
 from archo_tui.commands import COMMANDS
@@ -58,8 +59,7 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize("place", PLACES)
-async def test_every_key_works_where_the_table_says_and_nowhere_else(place: str) -> None:
+async def test_every_key_works_where_the_table_says_and_nowhere_else() -> None:
     ran: list[str] = []
     app = stub_app(STATES["battery low and moving"])
     async with app.run_test(size=(120, 36)):
@@ -69,20 +69,25 @@ async def test_every_key_works_where_the_table_says_and_nowhere_else(place: str)
         def record(name: str) -> None:
             ran.append(name)
 
-        there: object = None
-        panel = 0
-        for command in COMMANDS:
-            if there is None or (app.screen, app.focused) != there:  # the last key led away
-                app.action_command = run  # type: ignore[method-assign]
-                while app.screen is not app.main:
-                    app.pop_screen()
-                panel = await go_to(app, quiet, place)
-                there = (app.screen, app.focused)
-                app.action_command = record  # type: ignore[method-assign]
-            ran.clear()
-            send(app, command.key)
-            await quiet.settle()
-            assert (command.id in ran) == works(command, place, panel), (place, command.id, ran)
+        for place in PLACES:
+            there: object = None
+            panel = 0
+            for command in COMMANDS:
+                if there is None or (app.screen, app.focused) != there:  # the last key led away
+                    app.action_command = run  # type: ignore[method-assign]
+                    while app.screen is not app.main:
+                        app.pop_screen()
+                    app.main.remove_class("-full")
+                    while isinstance(app.focused, Input):
+                        send(app, "escape")
+                        await quiet.settle()
+                    panel = await go_to(app, quiet, place)
+                    there = (app.screen, app.focused)
+                    app.action_command = record  # type: ignore[method-assign]
+                ran.clear()
+                send(app, command.key)
+                await quiet.settle()
+                assert (command.id in ran) == works(command, place, panel), (place, command, ran)
 
 
 async def test_stop_works_while_the_palette_is_open_too() -> None:

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from textual.command import CommandPalette
 
+from archo_tui.alarms import AlarmBoard
 from archo_tui.app import ArchoApp
 from archo_tui.robot.state import Hosted, Life, Snapshot
 from tests.console.states import NORMAL, STATES
@@ -129,9 +130,24 @@ async def compare_all(
     assert different == [], "\n".join(different)
 
 
-@pytest.mark.parametrize("state", STATES)
-async def test_every_state_looks_as_accepted(request: pytest.FixtureRequest, state: str) -> None:
-    await compare_all(request, state, STATES[state])
+async def test_every_state_looks_as_accepted_in_every_size(request: pytest.FixtureRequest) -> None:
+    clock = StandingClock()
+    app = stub_app(Snapshot(), clock)
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    different = []
+    async with app.run_test(size=SIZES["80x24"]) as pilot:
+        quiet = Quiet(app)
+        for size in ALL_SIZES:
+            await pilot.resize_terminal(*SIZES[size])
+            for state, snapshot in STATES.items():
+                app.station._board = AlarmBoard()  # no state knows of the one before
+                app.main.nodes._drawn = None
+                for clock.passed in (-3.0, 0.0):  # on-delays of alarms have passed
+                    robot.put(snapshot)
+                await rest(app, quiet)
+                svg = normalised(app.export_screenshot(simplify=True))
+                different += differs(request, f"{state} {size}", svg)
+    assert different == [], "\n".join(different)
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ def test_fifty_sessions_in_a_row_leave_no_thread_and_no_descriptor() -> None:
         session.start()
         assert session.close() == []
         del session
-        gc.collect()  # rclpy frees a context's descriptors with its last reference
+        if chosen.ENGINE == "ros2":
+            gc.collect()  # rclpy frees a context's descriptors with its last reference
     assert threading.active_count() == threads
     assert descriptors() <= before + 4
