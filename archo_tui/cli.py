@@ -27,16 +27,20 @@ def parser() -> argparse.ArgumentParser:
         prog="archo-tui",
         description="Operate the warehouse robot ARCHO from a terminal.",
         epilog="A stop from here is a software stop: it does not replace the hardware one. "
-        f"What libraries print while the screen is up goes to {log_file()}.",
+        f"Whatever libraries print while the screen is shown goes to {log_file()}.",
     )
-    made.add_argument("--version", action="version", version=f"archo-tui {__version__}")
+    made.add_argument(
+        "--version",
+        action="store_true",
+        help="print the versions of archo-tui, Python and Textual, the engine and TERM, for reports",
+    )
     made.add_argument(
         "--params-file",
         metavar="FILE",
         type=Path,
         action="append",
         default=[],
-        help="ROS parameter file for the nodes; may be given several times, the later one wins",
+        help="ROS parameter file for the nodes; can be given several times, the last one wins",
     )
     made.add_argument(
         "--use-sim", action="store_true", help="also start fake_battery_drain (2 %% a second)"
@@ -52,17 +56,19 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--attach",
         action="store_true",
-        help="host no nodes: operate the robot that is on the ROS 2 graph",
+        help="host no nodes: operate the robot on the ROS 2 graph",
     )
     made.add_argument(
         "--on-disconnect",
         choices=("cancel", "leave"),
         default="cancel",
-        help="what becomes of a running goal when the terminal goes or a signal ends the console: "
+        help="what happens to a running goal when the terminal is lost or a signal ends the console: "
         "cancel it (default), or, with --attach, leave it running",
     )
     made.add_argument(
-        "--keys", action="store_true", help="print every command's name and key, as keymap.yaml"
+        "--keys",
+        action="store_true",
+        help="print every command's name and key in the form of keymap.yaml",
     )
     made.add_argument(
         "--journal",
@@ -108,7 +114,7 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def _keys() -> int:
-    """The keymap as it is now, in the form of its file."""
+    """The current keymap, in the form of its file."""
     from archo_tui.commands import COMMANDS, keymap
 
     path = config_file("keymap.yaml")
@@ -119,7 +125,19 @@ def _keys() -> int:
     return 0
 
 
+def _version(engine: str) -> int:
+    """What a report of an error should say."""
+    from importlib.metadata import version
+
+    python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
+    print(f"archo-tui {__version__}")
+    print(f"Python {python}, Textual {version('textual')}, engine {engine}, TERM {term}")
+    return 0
+
+
 def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
+    if options.version:
+        return _version(options.engine)
     if options.keys:
         return _keys()
     if options.journal:
@@ -172,15 +190,17 @@ def _console(session: Session) -> int:
             return app.return_code or 0
         failed, failures = app.failure, failures + 1
         last = failed.strip().splitlines()[-1]
-        session.robot.note("ERROR", "console", f"the screen failed: {last}")
+        session.robot.note("ERROR", "console", f"the screen crashed: {last}")
         if failures == _MOST_FAILURES:
-            print(f"archo-tui: the screen fails again and again: {last}", file=sys.stderr)
+            print(f"archo-tui: the screen keeps crashing: {last}", file=sys.stderr)
             return FAILED
 
 
 def _need_terminal() -> None:
-    if os.environ.get("TEXTUAL_DRIVER"):  # a browser, for one
+    if os.environ.get("TEXTUAL_DRIVER"):  # another driver than a terminal's
         return
     for stream in (sys.stdin, sys.stdout):
         if not stream.isatty():
-            raise ArchoError(f"{stream.name.strip('<>')} is not a terminal: run it in one")
+            raise ArchoError(
+                f"{stream.name.strip('<>')} is not a terminal: run archo-tui in one, or use --plain"
+            )

@@ -43,7 +43,11 @@ def params(tmp_path: Path, text: str) -> str:
 
 
 def test_version_and_help() -> None:
-    assert archo("--version").stdout == f"archo-tui {__version__}\n"
+    first, second = archo("--version").stdout.splitlines()
+    assert first == f"archo-tui {__version__}"
+    python = ".".join(map(str, sys.version_info[:3]))
+    assert second.startswith(f"Python {python}, Textual 8.2.")
+    assert second.endswith(", engine embedded, TERM xterm-256color")
     said = archo("--help").stdout
     for option in ("--params-file", "--use-sim", "--namespace", "--engine", "--ros-args"):
         assert option in said
@@ -60,6 +64,12 @@ def test_the_keymap_is_printed_in_the_form_of_its_file(tmp_path: Path) -> None:
     assert refused("--keys") == f"{file}:1: 1 is the key of panel_1 already"
 
 
+def test_without_docstrings_the_help_texts_are_there() -> None:
+    command = [sys.executable, "-OO", "-m", "archo_tui", "--keys"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
+    assert "everywhere: STOP: software stop" in done.stdout
+
+
 def test_an_unknown_option_is_refused() -> None:
     done = archo("--no-such")
     assert done.returncode == 2
@@ -67,7 +77,7 @@ def test_an_unknown_option_is_refused() -> None:
 
 
 def test_without_a_terminal_it_says_so() -> None:
-    assert refused() == "stdin is not a terminal: run it in one"
+    assert refused() == "stdin is not a terminal: run archo-tui in one, or use --plain"
 
 
 def test_stdout_must_be_a_terminal_too() -> None:
@@ -80,7 +90,10 @@ def test_stdout_must_be_a_terminal_too() -> None:
         os.close(master)
         os.close(slave)
     assert done.returncode == 2
-    assert done.stderr == b"archo-tui: stdout is not a terminal: run it in one\n"
+    assert (
+        done.stderr
+        == b"archo-tui: stdout is not a terminal: run archo-tui in one, or use --plain\n"
+    )
 
 
 def test_a_missing_parameter_file() -> None:

@@ -23,6 +23,15 @@ def test_the_command_line_starts_light() -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_without_a_screen_textual_is_not_imported() -> None:
+    code = (
+        "import sys, archo_tui.plain, archo_tui.cli, archo_tui.session;"
+        "sys.exit('Textual was imported' if 'textual' in sys.modules else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def test_the_stubs_are_what_the_interface_files_say() -> None:
     packages = stubs.shared_packages() | {"archo_interfaces": ROOT / "interfaces"}
     for relative, text in stubs.stubs(packages).items():

@@ -184,7 +184,7 @@ def test_a_screen_that_fails_is_started_anew_and_says_why(terminals: list[Termin
     terminal.write("q")
     assert terminal.exit_code() == 0
     assert terminal.is_as_before()
-    assert "the screen failed: ZeroDivisionError: of the screen" in [
+    assert "the screen crashed: ZeroDivisionError: of the screen" in [
         entry["text"] for entry in journaled()
     ]
 
@@ -196,7 +196,7 @@ def test_a_screen_that_always_fails_is_given_up(terminals: list[Terminal]) -> No
     terminal = Terminal(code=FAIL_ALWAYS)
     terminals.append(terminal)
     assert terminal.exit_code() == 1
-    assert "the screen fails again and again: ZeroDivisionError: of the screen" in terminal.text
+    assert "the screen keeps crashing: ZeroDivisionError: of the screen" in terminal.text
     assert terminal.is_as_before()
 
 

@@ -165,7 +165,6 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
         ("full screen", "normal", ["6", "e"], False),
         ("event", "normal", ["6", "down", "enter"], True),
         ("save", "normal", ["4", "ctrl+s"], True),
-        ("palette", "normal", ["ctrl+p"], True),
     ],
 )
 async def test_what_keys_open_looks_as_accepted(
@@ -174,6 +173,11 @@ async def test_what_keys_open_looks_as_accepted(
     plain = ("help", "edit", "field", "question")  # their nodes run elsewhere
     hosted = () if name in plain else HOSTED
     await compare_all(request, name, STATES[state], *keys, dialog=dialog, hosted=hosted)
+
+
+@pytest.mark.parametrize("size", ALL_SIZES)
+async def test_the_palette_looks_as_accepted(request: pytest.FixtureRequest, size: str) -> None:
+    await compare(request, "palette", NORMAL, size, "ctrl+p", dialog=True, hosted=HOSTED)
 
 
 @pytest.mark.parametrize("theme", ["textual-light", "high-contrast"])

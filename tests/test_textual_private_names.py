@@ -1,0 +1,64 @@
+"""The names that Textual does not promise and that the console needs: each is still there.
+
+Textual is pinned to its minor version because of them. A new use of a private name belongs here.
+"""
+
+from __future__ import annotations
+
+import inspect
+
+import pytest
+from textual import keys
+from textual._xterm_parser import XTermParser
+from textual.app import App
+from textual.binding import BindingsMap
+from textual.drivers.linux_driver import LinuxDriver
+from textual.screen import Screen
+from textual.widget import Widget
+
+# where it is used: its owner and name
+METHODS = [
+    ("terminal/app.py", App, "_handle_exception"),
+    ("terminal/app.py", App, "_close_messages_no_wait"),
+    ("terminal/driver.py", LinuxDriver, "_sigcont_application"),
+    ("terminal/driver.py", LinuxDriver, "start_application_mode"),
+    ("terminal/driver.py", LinuxDriver, "stop_application_mode"),
+    ("terminal/driver.py", LinuxDriver, "resume_application_mode"),
+    ("terminal/driver.py", LinuxDriver, "run_input_thread"),
+    ("terminal/driver.py", LinuxDriver, "process_message"),
+    ("terminal/driver.py", XTermParser, "feed"),
+    ("terminal/driver.py", XTermParser, "tick"),
+    ("widgets/rows.py", Widget, "_refresh_scrollbars"),
+    ("commands/keymap.py", keys, "_character_to_key"),
+    ("tests/support/console.py", keys, "_get_unicode_name_from_key"),
+    ("tests/support/quiet.py", Screen, "_on_timer_update"),
+    ("tests/conftest.py", Screen, "_compositor_refresh"),
+]
+# set in a constructor or function: the source says so
+ATTRIBUTES = [
+    ("terminal/app.py", App, "_exit"),
+    ("terminal/app.py", App, "_return_code"),
+    ("app.py", BindingsMap, "key_to_bindings"),
+    ("terminal/driver.py", LinuxDriver, "_writer_thread"),
+    ("terminal/driver.py", LinuxDriver, "_auto_restart"),
+    ("terminal/driver.py", LinuxDriver, "exit_event"),
+    ("terminal/driver.py", LinuxDriver, "fileno"),
+    ("tests/support/quiet.py", Screen, "_layout_required"),
+    ("tests/support/quiet.py", Screen, "_scroll_required"),
+    ("tests/support/quiet.py", Screen, "_repaint_required"),
+    ("tests/support/quiet.py", Screen, "_dirty_widgets"),
+    ("tests/support/quiet.py", Screen, "_callbacks"),
+    ("tests/support/console.py", Screen, "_compositor"),
+]
+
+
+@pytest.mark.parametrize(("used_by", "owner", "name"), METHODS)
+def test_a_private_method_is_there(used_by: str, owner: object, name: str) -> None:
+    assert callable(getattr(owner, name, None)), f"{used_by} needs {owner}.{name}"
+
+
+@pytest.mark.parametrize(("used_by", "owner", "name"), ATTRIBUTES)
+def test_a_private_attribute_is_there(used_by: str, owner: type, name: str) -> None:
+    bases = (base for base in owner.__mro__ if base.__module__.startswith("textual"))
+    sources = "".join(inspect.getsource(base) for base in bases)
+    assert f"self.{name}" in sources, f"{used_by} needs {owner.__name__}.{name}"
