@@ -32,7 +32,7 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--version",
         action="store_true",
-        help="print the versions of archo-tui, Python and Textual, the engine and TERM, for reports",
+        help="print the versions, the engine and TERM, for reports",
     )
     made.add_argument(
         "--params-file",
@@ -62,8 +62,8 @@ def parser() -> argparse.ArgumentParser:
         "--on-disconnect",
         choices=("cancel", "leave"),
         default="cancel",
-        help="what happens to a running goal when the terminal is lost or a signal ends the console: "
-        "cancel it (default), or, with --attach, leave it running",
+        help="what happens to a running goal when the terminal is lost or a signal ends the "
+        "console: cancel it (default), or, with --attach, leave it running",
     )
     made.add_argument(
         "--keys",
