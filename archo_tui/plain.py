@@ -112,6 +112,7 @@ class Plain:
         while True:
             await self._clock.sleep(1.0)
             self._tell_alarms(self._station.tick())
+            self._changed.set()
 
     def _finish(self, code: int) -> None:
         if not self._end.done():
@@ -129,6 +130,7 @@ class Plain:
         self._stopping += typed == _STOP
         outcome = await self._do(verb, rest)
         self._stopping -= typed == _STOP
+        self._changed.set()
         if outcome is not None and not outcome.ok:
             self._say(f"failed: {verb}: {outcome.text}")
             self._failed = self._failed or verb != "go"  # a goal may be tried again

@@ -106,3 +106,22 @@ async def test_a_journal_that_cannot_be_written_is_said_on_the_screen() -> None:
         await op.until("cannot write the journal ")
         await op.press("g", "7", "enter")
         await op.until("Arrived at shelf 7")
+
+
+def test_lost_entries_are_counted_once(tmp_path: Path) -> None:
+    file = tmp_path / "journal.jsonl"
+    kept = Journal(file, lambda reason: None)
+    kept._lost = 7  # as many did not find room
+    for number in range(3):
+        kept.write(0, "event", number=number)
+    kept.close()
+    assert [entry.get("lost_before") for entry in entries(file)] == [7, None, None]
+
+
+async def test_of_what_repeats_only_the_first_and_round_numbers_are_written() -> None:
+    async with console(*FAST) as op:
+        for _ in range(25):
+            op.app.station.robot.note("WARN", "console", "again")
+        await op.until("x 25")
+    found = [e["count"] for e in entries(journal.path()) if e.get("text") == "again"]
+    assert found == [1, 10]

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import asyncio
+import io
 import os
 import re
 import signal
 import subprocess
 import sys
 import time
+from typing import Any
 
 import pytest
 
+from archo_tui.plain import Plain
+from archo_tui.robot.state import Outcome
+from tests.console.states import NORMAL
 from tests.support import chosen
+from tests.support.quiet import Quiet, ended, until
+from tests.support.stub import StubRobot, stub_station
 from tests.support.waiting import DEADLINE
 
 FAST = ("--ros-args", "-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
@@ -153,3 +161,23 @@ def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:
     script.signal(signal.SIGTERM)
     script.until("goal ✗ CANCELLED Cancelled mid-route")
     assert script.end() == 128 + signal.SIGTERM
+
+
+async def test_the_end_waits_for_the_answer_to_a_stop() -> None:
+    """In this process, with a robot that takes its time."""
+    robot: Any = StubRobot(NORMAL)
+    answer = asyncio.get_running_loop().create_future()
+    robot.emergency_stop = lambda: answer
+    read, write = os.pipe()
+    out = io.StringIO()
+    os.write(write, b"stop\n")
+    os.close(write)
+    running = asyncio.ensure_future(Plain(stub_station(robot), read, out).run())
+    await until(lambda: robot.listening)
+    for _ in range(20):
+        await Quiet().settle()
+    assert not running.done()
+    answer.set_result(Outcome(False, "no answer in 2 s"))
+    assert await ended(running) == 1
+    assert "failed: stop: no answer in 2 s" in out.getvalue()
+    os.close(read)

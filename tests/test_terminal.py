@@ -226,3 +226,31 @@ def test_a_command_is_copied_through_the_terminal(terminals: list[Terminal]) -> 
     terminal.until(lambda: f"\x1b]52;c;{copied}\a".encode() in terminal.output)  # OSC 52
     terminal.write("q")
     assert terminal.exit_code() == 0
+
+
+HANGING_NODE = """
+import threading
+from archo_tui import session
+makers = session._robots_nodes
+def with_hanging(use_sim):
+    from archo_tui import host
+    host.JOIN_TIMEOUT = 0.2
+    from rclpy.node import Node
+    class Hanging(Node):
+        def __init__(self, **options):
+            super().__init__("hanging", **options)
+            self.create_timer(0.01, threading.Event().wait)
+    return [*makers(use_sim), Hanging]
+session._robots_nodes = with_hanging
+"""
+
+
+def test_a_node_that_does_not_stop_is_named_and_the_exit_code_says_so(
+    terminals: list[Terminal],
+) -> None:
+    terminal = Terminal(code=HANGING_NODE)
+    terminals.append(terminal)
+    terminal.until("online")
+    terminal.write("q")
+    assert terminal.exit_code() == 1
+    assert "/hanging did not stop: its callback does not return" in terminal.text

@@ -71,7 +71,7 @@ async def test_the_cursor_stays_with_its_event_while_others_come() -> None:
         await op.press("r")
         await op.until("Encoder reset to zero")
         await op.press("c")
-        await op.until("charge: Charging")
+        await op.until("↯ CHARGING")
         await op.press("6", "down")
         before = op.app.main.events.selected
         await op.press("c")

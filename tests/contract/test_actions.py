@@ -18,6 +18,7 @@ from rclpy.action import (
 )
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.task import Future
+from unique_identifier_msgs.msg import UUID
 
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
@@ -250,3 +251,24 @@ def test_a_multi_threaded_executor_takes_a_cancel_during_a_blocking_execute(ros:
     handle = ros.result(client.send_goal_async(MoveToShelf.Goal(shelf_number=1)))
     assert len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1
     assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_CANCELED
+
+
+def test_a_goal_id_that_is_known_already_is_refused(ros: Ros) -> None:
+    robot = Robot(ros)
+    goal_id = UUID(uuid=list(range(16)))
+    assert send(ros, robot, goal_uuid=goal_id).accepted
+    assert not send(ros, robot, goal_uuid=goal_id).accepted
+    wait_until(lambda: robot.goals)
+    assert len(robot.goals) == 1
+    robot.end("succeed")
+
+
+def test_a_cancel_after_the_end_is_refused(ros: Ros) -> None:
+    robot = Robot(ros, cancel_callback=lambda _: CancelResponse.ACCEPT)
+    handle = send(ros, robot)
+    wait_until(lambda: robot.goals)
+    robot.end("succeed")
+    ros.result(handle.get_result_async())
+    answer = ros.result(handle.cancel_goal_async())
+    assert len(answer.goals_canceling) == 0
+    assert answer.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED

@@ -248,3 +248,22 @@ def test_a_node_belongs_to_one_executor(ros: Ros) -> None:
     assert first.get_nodes() == []
     for executor in (first, second):
         executor.shutdown(0)
+
+
+def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
+    node, other = ros.node("removed"), ros.node("kept")
+    ran: list[str] = []
+    node.create_subscription(Int32, "topic", lambda _: ran.append("removed"), 10)
+    other.create_subscription(Int32, "topic", lambda _: ran.append("kept"), 10)
+    publisher = other.create_publisher(Int32, "topic", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 2)
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    executor.add_node(other)
+    publisher.publish(Int32())
+    executor.remove_node(node)
+    while not ran:
+        executor.spin_once(1.0)
+    executor.spin_once(0.05)
+    assert ran == ["kept"]
+    executor.shutdown(0)

@@ -124,3 +124,19 @@ def test_float32_is_rounded_on_the_way(ros: Ros) -> None:
     publisher.publish(Float32(data=87.3))
     wait_until(lambda: received)
     assert received[0].data == 87.30000305175781
+
+
+def test_an_array_is_copied_too(ros: Ros) -> None:
+    node = ros.node()
+    heard: list[ParameterValue] = []
+    node.create_subscription(ParameterValue, "values", heard.append, 10)
+    publisher = node.create_publisher(ParameterValue, "values", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    ros.spin(node)
+    sent = array.array("q", [1, 2, 3])
+    message = ParameterValue(integer_array_value=sent)
+    publisher.publish(message)
+    sent[0] = 99
+    message.integer_array_value[1] = 99
+    wait_until(lambda: heard)
+    assert list(heard[0].integer_array_value) == [1, 2, 3]

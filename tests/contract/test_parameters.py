@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -196,3 +197,22 @@ def test_every_change_is_an_event(ros: Ros) -> None:
     new, changed = mine()
     assert new.node == changed.node == "/ns/node"
     assert changed.changed_parameters[0].value.double_value == 1.5
+
+
+def test_a_step_is_kept_to_closely(ros: Ros) -> None:
+    node = ros.node()
+    steps = FloatingPointRange(from_value=0.0, to_value=10.0, step=0.5)
+    node.declare_parameter("gain", 1.0, ParameterDescriptor(floating_point_range=[steps]))
+    for value, fits in ((1.5, True), (1.5 + 1e-9, True), (1.501, False), (1.51, False)):
+        result = node.set_parameters([Parameter("gain", value=value)])[0]
+        assert result.successful == fits, value
+
+
+def test_of_two_parameter_files_the_later_one_wins(ros: Ros, tmp_path: Path) -> None:
+    files = []
+    for number in (1, 2):
+        file = tmp_path / f"{number}.yaml"
+        file.write_text(f"/**:\n  ros__parameters:\n    gain: {number}\n")
+        files += ["--params-file", str(file)]
+    node = ros.node(cli_args=["--ros-args", *files])
+    assert node.declare_parameter("gain", 0).value == 2

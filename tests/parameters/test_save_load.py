@@ -125,3 +125,21 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     save_load.write(file, "new")
     assert (file.read_text(), file.stat().st_mode & 0o777) == ("new", 0o600)
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_of_two_lines_for_one_parameter_the_later_one_counts(tmp_path: Path) -> None:
+    file = tmp_path / "f.yaml"
+    file.write_text(
+        "/**:\n  ros__parameters:\n    name: 2.0\n/ns/node:\n  ros__parameters:\n    name: 3.0\n"
+    )
+    plan = save_load.plan(file, [one("double", 1.0)])
+    assert [value for _, value in plan.changes] == [3.0]
+
+
+def test_nothing_but_the_file_is_left_behind(tmp_path: Path) -> None:
+    save_load.write(tmp_path / "f.yaml", "a: 1\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["f.yaml"]
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError):
+        save_load.write(tmp_path / "folder", "a: 1\n")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["f.yaml", "folder"]

@@ -10,9 +10,12 @@ from typing import Any
 import pytest
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
-from archo_interfaces.srv import ResetEncoder
-from rclpy.action import ActionServer
+from archo_interfaces.srv import EmergencyStop, ResetEncoder
+from rclpy.action import ActionServer, CancelResponse
 from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.task import Future
 from std_msgs.msg import Float32
 
 from archo_tui.robot.client import Robot
@@ -20,6 +23,8 @@ from archo_tui.robot.state import Phase
 from archo_tui.session import Options, Session
 from tests.support import chosen, clock
 from tests.support.quiet import ended, until
+
+FIVE: Parameter[int] = Parameter("number", value=5)
 
 
 @asynccontextmanager
@@ -55,6 +60,27 @@ def server(*, hang: threading.Event | None = None, end: str = "succeed") -> Any:
             return MoveToShelf.Result(final_message="that was it")
 
     return Server
+
+
+def slow_server() -> Any:
+    """A node with the action, whose goals never end by themselves."""
+
+    class Slow(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("slow", **options)
+            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+            self.goals: list[Any] = []
+            self.create_timer(0.5, self.report)
+
+        def report(self) -> None:
+            for goal in self.goals:
+                goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=9.0))
+
+        async def execute(self, goal: Any) -> Any:
+            self.goals.append(goal)
+            await Future()
+
+    return Slow
 
 
 def quiet(**options: Any) -> Node:
@@ -252,3 +278,167 @@ async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.Monke
         await until(lambda: [e.text for e in it.snapshot.events] == [said])
         await until(lambda: len(it.snapshot.nodes) == 2)
         assert [e.count for e in it.snapshot.events] == [1]
+
+
+async def test_a_stop_without_an_answer_is_not_forgotten() -> None:
+    class Mute(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("mute", **options)
+            self.create_service(EmergencyStop, "emergency_stop", self.hang)
+
+        def hang(self, request: Any, response: Any) -> Any:
+            with clock.stuck():
+                release.wait(30)
+            response.success = True
+            return response
+
+    release = threading.Event()
+    async with robot(Mute) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.offered)
+        outcome = await ended(it.emergency_stop())
+        assert outcome.text == "no answer in 2 s"
+        asked = it.snapshot.stop_asked
+        assert asked is not None
+        await until(lambda: clock.seconds() > asked + 6.0)
+        assert it.snapshot.stop_asked == asked
+        release.set()
+
+
+async def test_a_cancelled_goal_whose_robot_falls_silent_is_lost() -> None:
+    class Halting(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("halting", **options)
+            accept = lambda _: CancelResponse.ACCEPT  # noqa: E731
+            self.action = ActionServer(
+                self, MoveToShelf, "move_to_shelf", self.execute, cancel_callback=accept
+            )
+
+        async def execute(self, goal: Any) -> Any:
+            await Future()
+            return MoveToShelf.Result()
+
+    async with robot(Halting) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(it.go_to_shelf(3))).ok
+        assert (await ended(it.cancel())).ok
+        assert it.snapshot.goal is not None
+        assert it.snapshot.goal.phase == Phase.CANCELLING
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
+
+
+class Late(Node):
+    """Offers the action; answers to a goal only when somebody spins it at last."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("late", **options)
+        self.answered = 0
+        impl: Any = MoveToShelf.Impl
+        prefix = "move_to_shelf/_action"
+        self.create_service(impl.SendGoalService, f"{prefix}/send_goal", self.accept)
+        self.others = [
+            self.create_service(impl.CancelGoalService, f"{prefix}/cancel_goal", self.accept),
+            self.create_service(impl.GetResultService, f"{prefix}/get_result", self.accept),
+        ]
+        self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
+
+    def accept(self, request: Any, response: Any) -> Any:
+        self.answered += 1
+        response.accepted = True
+        return response
+
+    def wake_up(self) -> None:
+        """What was asked beside the goals is never answered."""
+        for service in self.others:
+            self.destroy_service(service)
+
+
+async def test_a_late_answer_to_an_old_goal_changes_nothing_about_the_new_one() -> None:
+    made: list[Any] = []
+
+    def make(**options: Any) -> Node:
+        made.extend([Late(**options), quiet(**options)])
+        node: Node = made[1]
+        return node
+
+    async with robot(make, nodes=2) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert not (await ended(it.go_to_shelf(3))).ok
+        reborn = slow_server()(context=made[1].context)
+        executor = made[1].executor
+        executor.create_task(executor.add_node, reborn)
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
+        assert (await ended(it.go_to_shelf(7))).ok
+        before: Any = it.snapshot.goal
+        made[0].wake_up()
+        executor.create_task(executor.add_node, made[0])
+        await until(lambda: made[0].answered == 2)
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.heard > before.heard)
+        goal: Any = it.snapshot.goal
+        assert (goal.shelf, goal.phase, goal.started) == (7, Phase.MOVING, before.started)
+        assert [g.shelf for g in it.snapshot.history] == [3]
+        made[0].destroy_node()
+        reborn.destroy_node()
+
+
+async def test_values_of_a_node_that_was_restarted_under_its_name_are_read_again() -> None:
+    made: list[Node] = []
+
+    def make(**options: Any) -> Node:
+        made.append(Node("keeper", **options))
+        made.append(guest(1))
+        return made[0]
+
+    def guest(number: int) -> Node:
+        node = Node("guest", context=made[0].context)
+        node.declare_parameter("number", number)
+        return node
+
+    async with robot(make, nodes=2) as it:
+        executor = made[0].executor
+        assert executor is not None
+        executor.create_task(executor.add_node, made[1])
+        await until(lambda: it.snapshot.parameter("number"))
+
+        def restart() -> None:  # between two looks at the graph, with no word on parameter events
+            made[1].destroy_node()
+            again = Node("guest", context=made[0].context, parameter_overrides=[FIVE])
+            again._parameter_events = None
+            again.declare_parameter("number", 1)
+            executor.add_node(again)
+            made.append(again)
+
+        executor.create_task(restart)
+        await until(lambda: it.snapshot.parameter("number").value == 5)  # type: ignore[union-attr]
+        made[2].destroy_node()
+
+
+async def test_a_battery_that_is_published_with_best_effort_is_heard() -> None:
+    class Radio(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("radio", **options)
+            quality = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+            publisher = self.create_publisher(Float32, "battery_level", quality)
+            self.create_timer(0.05, lambda: publisher.publish(Float32(data=44.5)))
+
+    async with robot(Radio) as it:
+        await until(lambda: it.snapshot.battery.percentage == 44.5)
+
+
+async def test_requests_that_nobody_answers_are_forgotten() -> None:
+    made: list[Node] = []
+
+    def make(**options: Any) -> Node:
+        made.append(server()(**options))  # nobody spins it
+        made.append(quiet(**options))
+        return made[1]
+
+    async with robot(make, nodes=2) as it:
+        await until(lambda: "reset_encoder" in it.snapshot.offered)
+        for _ in range(3):
+            assert not (await ended(it.reset_encoder())).ok
+        await until(lambda: it._services.pending == 0 or clock.seconds() % 1 < 0.2)
+        client = it._services.client(ResetEncoder, "reset_encoder")
+        assert len(client._pending_requests) == 0
+        made[0].destroy_node()

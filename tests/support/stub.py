@@ -37,6 +37,11 @@ class StubRobot:
         self._receiver = receiver
         receiver(self.snapshot)
 
+    @property
+    def listening(self) -> bool:
+        """True when somebody has subscribed."""
+        return self._receiver is not None
+
     def put(self, snapshot: Snapshot) -> None:
         """Something new was heard."""
         self.snapshot = snapshot

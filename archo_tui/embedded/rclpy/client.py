@@ -36,7 +36,7 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         self.service_name = srv_name
         self._lock = threading.Lock()
         self._sequence_number = 0
-        self._pending: dict[int, Future[Any]] = {}
+        self._pending_requests: dict[int, Future[Any]] = {}
 
     def call_async(self, request: SrvRequestT) -> Future[SrvResponseT]:
         """Send a copy of `request`. The future stays pending for ever when nobody answers.
@@ -52,7 +52,7 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         with self._lock:
             self._sequence_number += 1
             number = self._sequence_number
-            self._pending[number] = future
+            self._pending_requests[number] = future
         future.add_done_callback(self.remove_pending_request)
         for server in self._node._graph.servers(self.service_name, self.srv_type):
             server._deliver((RequestHeader(self, number), message.__received__()))
@@ -72,9 +72,9 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     def remove_pending_request(self, future: Future[Any]) -> None:
         """Forget a request; an answer that comes later is dropped."""
         with self._lock:
-            for number, pending in list(self._pending.items()):
+            for number, pending in list(self._pending_requests.items()):
                 if pending is future:
-                    del self._pending[number]
+                    del self._pending_requests[number]
 
     def service_is_ready(self) -> bool:
         """True when somebody offers the service."""
@@ -100,6 +100,6 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     def _handle(self, item: tuple[int, Any]) -> None:
         number, response = item
         with self._lock:
-            future = self._pending.pop(number, None)
+            future = self._pending_requests.pop(number, None)
         if future is not None:
             future.set_result(response)

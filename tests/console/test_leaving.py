@@ -1,0 +1,63 @@
+"""Quitting and suspending with a goal running: what is asked, and what becomes of the goal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.app import ArchoApp
+from archo_tui.robot.state import Outcome
+from tests.console.states import STATES
+from tests.support.console import screen_text, send
+from tests.support.quiet import Quiet
+from tests.support.stub import stub_app
+
+
+class Asked:
+    """An app whose robot is on its way, and what it was asked to do."""
+
+    def __init__(self, **options: Any) -> None:
+        self.app: ArchoApp = stub_app(STATES["motor moving"], **options)
+        self.cancelled = False
+        self.said: list[str] = []
+        robot: Any = self.app.station.robot
+        robot.cancel = self._cancel
+        robot.note = lambda level, source, text, command="": self.said.append(text)
+
+    async def _cancel(self) -> Outcome:
+        self.cancelled = True
+        return Outcome(False, "refused")
+
+    async def press(self, *keys: str) -> str:
+        """Press keys; returns what the screen shows then."""
+        for key in keys:
+            send(self.app, key)
+            await Quiet(self.app).settle()
+        return screen_text(self.app) if self.app.is_running else ""
+
+
+async def test_leaving_it_running_does_not_cancel() -> None:
+    it = Asked(attached=True)
+    async with it.app.run_test(size=(120, 36)):
+        assert "Leave it running and quit" in await it.press("q")
+        await it.press("tab", "tab", "enter")
+        assert not it.app.is_running
+    assert not it.cancelled
+    assert it.said == ["quit: the goal to shelf 12 is left running"]
+
+
+async def test_nodes_of_this_process_cannot_be_left_running() -> None:
+    it = Asked()
+    async with it.app.run_test(size=(120, 36)):
+        assert "Leave it running" not in await it.press("q")
+        await it.press("tab", "enter")
+        assert not it.app.is_running
+    assert it.cancelled
+
+
+async def test_suspending_asks_while_the_robot_drives_on_nodes_of_this_process() -> None:
+    it = Asked()
+    async with it.app.run_test(size=(120, 36)):
+        said = await it.press("ctrl+z")
+        assert "The robot is on its way to shelf 12; its nodes would stand still." in said
+        assert "Suspend" not in (await it.press("enter"))
+        assert it.app.screen is it.app.main

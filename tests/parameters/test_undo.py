@@ -1,0 +1,57 @@
+"""Changes of parameters are undone one by one, the last one first, and only those that happened."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from archo_tui.parameters.undo import LIMIT, UndoList
+from archo_tui.robot.state import Outcome, Parameter
+
+
+class Robot:
+    """Has one parameter, which it may refuse to change."""
+
+    def __init__(self) -> None:
+        self.value, self.refuses = 0, False
+
+    @property
+    def snapshot(self) -> Any:
+        return SimpleNamespace(parameters=(Parameter("/n", "p", "integer", self.value, 0),))
+
+    async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
+        if self.refuses:
+            return Outcome(False, "no")
+        self.value = values["p"]
+        return Outcome(True, "done")
+
+
+async def test_a_change_that_was_refused_cannot_be_undone() -> None:
+    robot: Any = Robot()
+    edits = UndoList()
+    robot.refuses = True
+    assert not (await edits.set_parameters(robot, "/n", {"p": 1})).ok
+    assert edits.last is None
+    assert (await edits.undo(robot)).text == "nothing to undo"
+
+
+async def test_what_cannot_be_undone_now_can_be_undone_later() -> None:
+    robot: Any = Robot()
+    edits = UndoList()
+    await edits.set_parameters(robot, "/n", {"p": 1})
+    robot.refuses = True
+    assert not (await edits.undo(robot)).ok
+    robot.refuses = False
+    assert (await edits.undo(robot)).ok
+    assert robot.value == 0
+
+
+async def test_as_many_changes_as_are_kept_are_undone() -> None:
+    robot: Any = Robot()
+    edits = UndoList()
+    for value in range(1, LIMIT + 51):
+        await edits.set_parameters(robot, "/n", {"p": value})
+    undone = 0
+    while (await edits.undo(robot)).ok:
+        undone += 1
+    assert (undone, robot.value) == (LIMIT, 50)
