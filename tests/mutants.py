@@ -1,0 +1,139 @@
+"""Deliberate faults, planted one by one into a copy of the project: does a test notice each?
+
+    python -m tests.mutants [words of the faults to try]
+
+Not run with the tests. Each fault names the tests that should notice it; they run until the first
+one fails. Ends with exit code 1 when a fault was not noticed.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).parent.parent
+
+
+class Fault(NamedTuple):
+    """One line of the product, and what it says instead."""
+
+    file: str  # below archo_tui/, or from the root
+    line: str
+    instead: str
+    tests: str
+
+
+E = "embedded/rclpy/"
+BRINGUP = "nodes/archo_bringup/"
+CONSOLE, ROBOT, CONTRACT = "tests/console", "tests/robot", "tests/contract"
+FAULTS = [
+    # seen to go unnoticed once
+    Fault("robot/client.py", "if outcome.ok or STOP not in", "if True or STOP not in", ROBOT),
+    Fault("robot/goals.py", "goal.phase in (Phase.MOVING, Phase.CANCELLING) and", "goal.phase in (Phase.MOVING,) and", ROBOT),
+    Fault("robot/goals.py", "            if self._is_current(goal) and done.result() is not None:", "            if done.result() is not None:", ROBOT),
+    Fault("commands/console.py", "choice = CANCEL if answer == answers[1] else LEAVE", "choice = CANCEL", CONSOLE + "/test_leaving.py"),
+    Fault("parameters/undo.py", "        if outcome.ok:\n            before", "        if True:\n            before", "tests/parameters"),
+    Fault("parameters/undo.py", "[-LIMIT:]", "", "tests/parameters"),
+    Fault("commands/console.py", "goal.is_running and not console.station.attached:", "False:", CONSOLE + "/test_leaving.py"),
+    Fault("plain.py", "        await self._until(lambda: not self._stopping)\n", "", "tests/test_plain.py"),
+    Fault("robot/parameters.py", "        self._refresh_next()\n", "", ROBOT),
+    Fault("robot/telemetry.py", "ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT", "ReliabilityPolicy.RELIABLE", ROBOT),
+    Fault("robot/services.py", "                if client is not None:\n                    client.remove_pending_request(future)\n                future.cancel()\n", "                pass\n", ROBOT),
+    Fault("parameters/save_load.py", "[-1:]", "[:1]", "tests/parameters"),
+    Fault("parameters/save_load.py", "        temporary.unlink(missing_ok=True)", "        pass", "tests/parameters"),
+    Fault("journal.py", 'entry | {"lost_before": self._lost}, 0', 'entry | {"lost_before": self._lost}, self._lost', "tests/test_journal.py"),
+    Fault("session.py", "and event.count in _COUNTS", "", "tests/test_journal.py"),
+    Fault("cli.py", "(FAILED if stuck else 0)", "0", "tests/test_terminal.py"),
+    Fault(BRINGUP + "motor_controller.py", "CancelResponse.REJECT if self.outcome.done() else CancelResponse.ACCEPT", "CancelResponse.ACCEPT", "tests/nodes"),
+    Fault(E + "executors.py", "                others = [e for e in self._ready if isinstance(e, Task) or e._node is not node]\n                self._ready.clear()\n                self._ready.extend(others)\n", "", CONTRACT),
+    Fault(E + "action/server.py", "        if goal_id not in self._goals:\n", "        if True:\n", CONTRACT),
+    Fault("embedded/fields.py", "            return lambda value: value[:]\n", "            return lambda value: value\n", CONTRACT),
+    Fault(E + "_parameter_rules.py", "1e-6", "1e-2", CONTRACT),
+    Fault("embedded/interfaces.py", 'os.environ.get("AMENT_PREFIX_PATH", "")', '""', "tests/embedded"),
+    # forty more
+    Fault("alarms.py", "LOW: 2.0, ", "LOW: 0.0, ", "tests/test_alarms.py"),
+    Fault("alarms.py", "SHELF_TIME = 600.0", "SHELF_TIME = 6.0", "tests/test_alarms.py " + CONSOLE + "/test_alarms.py"),
+    Fault("alarms.py", "        if battery.percentage <= 0.0:", "        if battery.percentage < 0.0:", "tests/test_alarms.py"),
+    Fault("alarms.py", '    if battery.health is not None:\n        return battery.health == "warning"\n', "", "tests/test_alarms.py " + CONSOLE + "/test_parameters.py"),
+    Fault("station.py", "            self._record(self._board.acknowledge(alarm, self.clock.now()))", "            self._board.acknowledge(alarm, self.clock.now())", "tests/test_journal.py"),
+    Fault("robot/state.py", "max(3 * self.period, 2.5)", "60.0", "tests/console/test_nodes.py tests/console/test_snapshots.py"),
+    Fault("robot/state.py", "self.remaining * took / driven", "self.remaining * driven / took", CONSOLE),
+    Fault("robot/graph.py", "if count(f\"{MOVE}/_action/send_goal\"):", "if True:", ROBOT + " " + CONSOLE + "/test_keys.py"),
+    Fault("robot/mailbox.py", "if self._waiting or self._loop is None:", "if self._loop is None:", ROBOT),
+    Fault("robot/mailbox.py", "            snapshot = self._latest\n", "            snapshot = Snapshot()\n", ROBOT),
+    Fault("robot/events.py", "LIMIT = 1000", "LIMIT = 100_000", ROBOT),
+    Fault("robot/events.py", '_UNSAFE.sub("\\N{REPLACEMENT CHARACTER}", ', "(", ROBOT),
+    Fault("robot/goals.py", "SILENCE = 3.0", "SILENCE = 300.0", ROBOT),
+    Fault("robot/goals.py", "        if self._handle is None:\n            return Outcome(False, \"the goal is not accepted yet\")\n", "", ROBOT),
+    Fault("robot/goals.py", "self._update(phase=before, cancel_asked=None)", "pass", ROBOT),
+    Fault("robot/services.py", "DEADLINE = 2.0", "DEADLINE = 20.0", ROBOT),
+    Fault("robot/parameters.py", "        if not answer.result.successful:\n", "        if False:\n", CONSOLE + "/test_parameters.py"),
+    Fault("robot/parameter_values.py", "    if parameter.read_only:\n        raise", "    if False:\n        raise", ROBOT),
+    Fault("robot/parameter_values.py", "not parameter.low <= value <= parameter.high", "value > parameter.high", ROBOT),
+    Fault("robot/client.py", "self._stop_asked = None  # it drives", "pass  # it drives", ROBOT + " " + CONSOLE),
+    Fault("host.py", "            self._on_change(self)\n", "            pass\n", ROBOT),
+    Fault("host.py", "                return False\n        self._executor.shutdown(0)", "                return True\n        self._executor.shutdown(0)", "tests/test_terminal.py"),
+    Fault("shutdown.py", "    if on_disconnect == LEAVE:\n", "    if False:\n", "tests/test_shutdown.py"),
+    Fault("shutdown.py", "        if self._task is None:\n", "        if True:\n", "tests/test_shutdown.py"),
+    Fault("app.py", "        if self.screen is not self.main or typing:\n            return False\n", "", CONSOLE + "/test_registry.py"),
+    Fault("app.py", "            if not command.runs_blocked:\n                return\n", "", CONSOLE + "/test_keys.py " + CONSOLE + "/test_events.py"),
+    Fault("app.py", "        if isinstance(self.screen, Confirm):\n            return question.safe\n", "", CONSOLE),
+    Fault("commands/robot.py", 'if answer == "Release":', "if True:", CONSOLE + "/test_keys.py"),
+    Fault("commands/robot.py", "set_charging(not charging)", "set_charging(True)", CONSOLE + "/test_operating.py"),
+    Fault("screens/dialog.py", "        if self.is_current:\n", "        if True:\n", CONSOLE + "/test_keys.py"),
+    Fault("screens/confirm.py", 'self.query_one("#answer-0").focus()', 'self.query_one("#answer-1").focus()', CONSOLE + "/test_operating.py"),
+    Fault("widgets/rows.py", "            self.cursor = next(found, min(self.cursor, max(len(items) - 1, 0)))", "            pass", CONSOLE + "/test_events.py"),
+    Fault("widgets/trend.py", "left * (last_at - at) / gained", "left * gained / (last_at - at)", CONSOLE + "/test_snapshots.py"),
+    Fault("terminal/driver.py", "        if self._auto_restart and not self._started:", "        if True:", "tests/test_terminal.py"),
+    Fault("terminal/driver.py", "                self._dropping = True\n", "                return\n", "tests/test_driver.py tests/test_terminal.py"),
+    Fault(E + "timer.py", "            self._next_ns += missed * self._period_ns\n", "            pass\n", CONTRACT),
+    Fault(E + "publisher.py", "            subscription._deliver(message.__received__())\n\n    def get", "            subscription._deliver(message)\n\n    def get", CONTRACT),
+    Fault(E + "_node_parameters.py", "        if self._descriptors[name].read_only:\n            raise ParameterImmutableException(name)\n", "", CONTRACT),
+    Fault(BRINGUP + "battery_model.py", "HYSTERESIS = 3.0", "HYSTERESIS = 0.0", "tests/nodes"),
+    Fault(BRINGUP + "motor_controller.py", "        self.emergency_stopped = True\n", "        pass\n", "tests/nodes"),
+]  # fmt: skip
+
+
+def noticed(folder: Path, fault: Fault) -> bool:
+    """Plant a fault, run the tests that should notice it, and take it out again."""
+    top = "" if fault.file.startswith("nodes/") else "archo_tui/"
+    path = folder / f"{top}{fault.file}"
+    text = path.read_text(encoding="utf-8")
+    assert fault.line in text, f"{fault.file} does not say {fault.line!r}"
+    path.write_text(text.replace(fault.line, fault.instead, 1), encoding="utf-8")
+    words = [sys.executable, "-m", "pytest", "-q", "-x", "--no-header", *fault.tests.split()]
+    environ = os.environ | {"PYTHONPATH": f"{folder}:{folder / 'nodes'}"}
+    try:
+        done = subprocess.run(
+            words, cwd=folder, env=environ, capture_output=True, check=False, timeout=300
+        )
+    except subprocess.TimeoutExpired:
+        return True
+    finally:
+        path.write_text(text, encoding="utf-8")
+    return done.returncode == 1
+
+
+def main(words: list[str]) -> int:
+    chosen = [fault for fault in FAULTS if all(word in "".join(fault) for word in words)]
+    missed = 0
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary) / "copy"
+        ignored = shutil.ignore_patterns(".venv", ".git", "*.egg-info", "__pycache__")
+        shutil.copytree(ROOT, folder, ignore=ignored, symlinks=True)
+        for fault in chosen:
+            seen = noticed(folder, fault)
+            missed += not seen
+            line = " ".join(fault.line.split())[:70]
+            print(f"{'noticed ' if seen else 'MISSED  '} {fault.file}: {line}", flush=True)
+    print(f"{len(chosen) - missed} of {len(chosen)} noticed")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
