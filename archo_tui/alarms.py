@@ -48,7 +48,7 @@ class Change(Enum):
 _NORMAL, _UNSEEN, _SEEN = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
 _OVER, _SHELVED = State.OVER, State.SHELVED
 # what is not here changes nothing; a shelved alarm that clears stays shelved for its time, and is
-# raised anew after it if its condition holds then
+# raised again after it if its condition holds then
 TRANSITIONS: dict[tuple[State, Change], State] = {
     (_NORMAL, Change.RAISED): _UNSEEN,
     (_UNSEEN, Change.CLEARED): _OVER,
@@ -129,7 +129,7 @@ def conditions(snapshot: Snapshot, now: float, hosted: Iterable[Hosted] = ()) ->
     for node in hosted:
         if node.life == Life.CRASHED:
             found[f"{CRASHED} {node.name}"] = (
-                f"NODE CRASHED {node.name}: see why in Nodes, start it again"
+                f"NODE CRASHED {node.name}: see why in Nodes, then start it again"
             )
     if (battery.received is not None or motor.received is not None) and (
         (battery.received is None or battery.is_old(now))

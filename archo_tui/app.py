@@ -36,7 +36,7 @@ class ArchoApp(TerminalApp):
     TITLE = "ARCHO"
     CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
     BINDINGS = [
-        Binding("escape", "leave_field", "Out of the field", show=False, priority=True),
+        Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
         *(Binding(key, f"move('{key}')", show=False, priority=True) for key in Rows.KEYS),
     ]
 

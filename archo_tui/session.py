@@ -177,9 +177,11 @@ class Session:
 
 def _check_attach(options: Options) -> None:
     if options.engine == engine.EMBEDDED:
-        raise ArchoError("--attach needs --engine ros2: the embedded engine ends with this process")
+        raise ArchoError(
+            "--attach needs --engine ros2: the embedded engine exists in this process only"
+        )
     if options.params_files or options.use_sim:
-        raise ArchoError("--attach hosts no nodes: --params-file and --use-sim mean nothing here")
+        raise ArchoError("--attach hosts no nodes: --params-file and --use-sim have no effect")
 
 
 def _robots_nodes(use_sim: bool) -> list[Any]:

@@ -61,7 +61,7 @@ def test_the_keymap_is_printed_in_the_form_of_its_file(tmp_path: Path) -> None:
     file.write_text(said.replace("stop: ctrl+x", "stop: f5"))
     assert "\nstop: f5 " in archo("--keys").stdout
     file.write_text("reset: 1\n")
-    assert refused("--keys") == f"{file}:1: 1 is the key of panel_1 already"
+    assert refused("--keys") == f"{file}:1: 1 is already the key of panel_1"
 
 
 def test_without_docstrings_the_help_texts_are_there() -> None:

@@ -70,15 +70,13 @@ class Palette(Command):
 
 class Suspend(Command):
     id, key = "suspend", "ctrl+z"
-    help = "Suspend to the shell (fg comes back); nodes of this process stand still meanwhile"
+    help = "Suspend to the shell (fg brings it back); the nodes of this process pause meanwhile"
     where = EVERYWHERE
 
     async def run(self, console: Console) -> None:
         goal = console.view.snapshot.goal
         if goal is not None and goal.is_running and not console.station.attached:
-            question = (
-                f"The robot is on its way to shelf {goal.shelf}; its nodes would stand still."
-            )
+            question = f"The robot is on its way to shelf {goal.shelf}; its nodes would pause."
             if await console.ask(Confirm("Suspend", question, "Stay", "Suspend")) != "Suspend":
                 return
         console.action_suspend_process()
@@ -86,7 +84,7 @@ class Suspend(Command):
 
 class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
-    help = "Quit; with a goal running asks, and cancels it first"
+    help = "Quit; while a goal runs asks, and cancels it first"
 
     async def run(self, console: Console) -> None:
         goal, station = console.view.snapshot.goal, console.station

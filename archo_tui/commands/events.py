@@ -13,7 +13,7 @@ class _InEvents(Command):
 
 class Level(_InEvents):
     id, key = "level", "l"
-    help = "Show events of more or fewer levels"
+    help = "Show events of another level and above"
 
     def run(self, console: Console) -> None:
         console.main.events.next_level()
@@ -21,7 +21,7 @@ class Level(_InEvents):
 
 class Search(_InEvents):
     id, key = "search", "slash"
-    help = "Show only events with these letters in their source or text"
+    help = "Show only events whose source or text contains what you type"
 
     def run(self, console: Console) -> None:
         console.main.events.search.open()

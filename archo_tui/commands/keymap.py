@@ -31,7 +31,7 @@ def load(path: Path, commands: Iterable[Command]) -> dict[str, str]:
     for name, line in lines.items():
         for other in known.values():
             if other.id != name and keys[other.id] == keys[name] and _meet(known[name], other):
-                raise ArchoError(f"{path}:{line}: {keys[name]} is the key of {other.id} already")
+                raise ArchoError(f"{path}:{line}: {keys[name]} is already the key of {other.id}")
     return keys
 
 
@@ -48,7 +48,7 @@ def _entries(path: Path) -> Iterable[tuple[int, str, str]]:
     except FileNotFoundError:
         return
     except OSError as error:
-        raise ArchoError(f"{path}: cannot be read: {error.strerror}") from None
+        raise ArchoError(f"{path}: cannot read the keymap: {error.strerror}") from None
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.YAMLError as error:
@@ -73,11 +73,11 @@ def _checked(path: Path, line: int, command: Command, key: str) -> str:
     if not types and name not in _NAMES:
         raise ArchoError(f"{path}:{line}: no key {key!r}: like x, ctrl+x, f5, question_mark")
     if name in _RESERVED and command.key != name:
-        raise ArchoError(f"{path}:{line}: {key} leads through fields and dialogs: choose another")
+        raise ArchoError(f"{path}:{line}: {key} is needed in fields and dialogs: choose another")
     if types and command.where == EVERYWHERE:
         raise ArchoError(
             f"{path}:{line}: {command.id} must work while typing too: "
-            f"{key} would be text, take one like ctrl+{key[0]} or f5"
+            f"{key} would be text, choose one like ctrl+{key[0]} or f5"
         )
     return name
 

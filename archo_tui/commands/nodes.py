@@ -60,16 +60,16 @@ class StartStop(_InNodes):
 
 class Copy(_InNodes):
     id, key = "copy_node", "plus"
-    help = "Run one more of the selected node"
+    help = "Run another copy of the selected node"
 
     async def run(self, console: Console) -> None:
         row, hosted = self._selected(console)
         if hosted.serves:
             question = (
                 f"{row.name} answers services. Any call, including STOP, may reach only one of the "
-                "two. Run one more?"
+                "two. Run another copy?"
             )
-            if await console.ask(Confirm("One more", question, "No", "One more")) != "One more":
+            if await console.ask(Confirm("Another copy", question, "No", "Run it")) != "Run it":
                 return
         await self._do(console, "copy", console.station.host.copy_node, hosted)
 

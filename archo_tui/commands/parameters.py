@@ -32,7 +32,7 @@ class Edit(_InParameters):
 
 class Filter(_InParameters):
     id, key = "filter", "slash"
-    help = "Show only parameters with these letters in their node, name or value"
+    help = "Show only parameters whose node, name or value contains what you type"
 
     def run(self, console: Console) -> None:
         console.main.parameters.search.open()

@@ -19,7 +19,7 @@ class Go(Command):
 
 class Cancel(Command):
     id, key, footer = "cancel", "ctrl+c", "Cancel"
-    help = "Cancel the running goal; with none running copy the selection"
+    help = "Cancel the running goal; if none is running, copy the selection"
     where = EVERYWHERE
 
     async def run(self, console: Console) -> None:

@@ -88,7 +88,7 @@ class Robot:
         receiver(self._mailbox.latest)
 
     def stop(self) -> None:
-        """Deliver no more and leave the graph."""
+        """Stop delivering and leave the graph."""
         self._mailbox.close()
         self._thread.stop()
 

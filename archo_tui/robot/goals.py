@@ -67,7 +67,7 @@ class Goals:
     async def send(self, shelf: int, route_length: float | None) -> Outcome:
         """Send a goal; ends when it was accepted, refused, or nobody answered in time."""
         if self.goal is not None and self.goal.is_running:
-            return Outcome(False, "a goal is running already: cancel it first")
+            return Outcome(False, "a goal is already running: cancel it first")
         if not self._client.server_is_ready():
             return Outcome(False, f"{MOVE} is not offered by any node")
         goal = Goal(
@@ -109,7 +109,7 @@ class Goals:
         if goal is None or not goal.is_running:
             return Outcome(False, "no goal is running")
         if self._handle is None:
-            return Outcome(False, "the goal is not accepted yet")
+            return Outcome(False, "the goal has not been accepted yet")
         before = goal.phase
         self._update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
         future, in_time = self._handle.cancel_goal_async(), self._future()
@@ -128,7 +128,7 @@ class Goals:
         if self._is_current(goal) and self.goal and self.goal.phase == Phase.CANCELLING:
             self._update(phase=before, cancel_asked=None)
         if answer is None:
-            return Outcome(False, f"no answer in {services.DEADLINE:g} s to the cancel")
+            return Outcome(False, f"no answer to the cancel in {services.DEADLINE:g} s")
         return Outcome(False, "the robot rejected the cancel: the goal continues or has ended")
 
     def refused(self, reason: str) -> None:

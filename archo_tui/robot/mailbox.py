@@ -30,7 +30,7 @@ class Mailbox:
             self._receiver = receiver
 
     def close(self) -> None:
-        """Deliver no more."""
+        """Stop delivering."""
         self._receiver = None
 
     @property

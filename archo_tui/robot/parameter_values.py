@@ -49,7 +49,7 @@ def range_text(parameter: Parameter) -> str:
 def parse(parameter: Parameter, text: str) -> Any:
     """What `text` means for this parameter. Raises ValueError with one line that says why not."""
     if parameter.read_only:
-        raise ValueError(f"{parameter.name} is read-only: it can only be given at the start")
+        raise ValueError(f"{parameter.name} is read-only: it can only be set at startup")
     if len(text) > _LONGEST:
         raise ValueError(f"too long: {len(text)} characters, at most {_LONGEST}")
     if any(ord(char) < 32 or ord(char) == 127 for char in text):
@@ -69,7 +69,7 @@ def fit(parameter: Parameter, value: Any) -> Any:
     if found != parameter.type and not (value == [] and parameter.type.endswith("[]")):
         raise ValueError(f"needs a value of type {parameter.type}, not {text_of(value)} ({found})")
     if parameter.read_only and value != parameter.value:
-        raise ValueError(f"read-only, and it is {text_of(parameter.value)}")
+        raise ValueError(f"read-only; its value is {text_of(parameter.value)}")
     _check_range(parameter, value, text_of(value))
     return value
 

@@ -60,7 +60,7 @@ class Telemetry:
         if message_class is None:
             if kind not in self._unknown:
                 self._unknown.add(kind)
-                self._warn(f"{topic} cannot be heard: its type {kind} is not installed here")
+                self._warn(f"cannot listen to {topic}: its type {kind} is not installed here")
             return
         if old is not None:
             self._node.destroy_subscription(old[1])

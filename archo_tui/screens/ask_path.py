@@ -28,15 +28,15 @@ class AskPath(Form):
     def compose(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
             box.border_title = self._title
-            box.border_subtitle = "enter go on   esc leave"
-            yield Static(Content(f"{self._text}, in {Path.cwd()} or with its whole path:"))
+            box.border_subtitle = "enter OK   esc cancel"
+            yield Static(Content(f"{self._text}; a relative path starts at {Path.cwd()}:"))
             field = Input(self._default, id="path", compact=True)
             field.cursor_blink = False
             yield field
             yield Static("", classes="error")
             with Horizontal(classes="answers"):
-                yield Button("Leave", id="leave", compact=True)
-                yield Button("Go on", id="go-on", compact=True)
+                yield Button("Cancel", id="leave", compact=True)
+                yield Button("OK", id="go-on", compact=True)
 
     def on_mount(self) -> None:
         self.query_one("#path").focus()

@@ -27,7 +27,7 @@ class EditParameter(Form):
         self._parameter, self._send = parameter, send
         self._sending = False
         if parameter.read_only:
-            self.standing = f"{parameter.name} is read-only: it can only be given at the start"
+            self.standing = f"{parameter.name} is read-only: it can only be set at startup"
 
     def compose(self) -> ComposeResult:
         parameter = self._parameter
@@ -35,7 +35,7 @@ class EditParameter(Form):
         with Vertical(classes="dialog") as box:
             title = f"{parameter.node.lstrip('/')} {harmless(parameter.name)}"
             box.border_title = escape(title)
-            box.border_subtitle = "enter set   esc leave as it is"
+            box.border_subtitle = "enter set   esc cancel"
             yield Static(Content(parameter.description or "no description"))
             kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
             yield Static(Content(f"type   {kind}"))
@@ -48,7 +48,7 @@ class EditParameter(Form):
             yield field
             yield Static(Content(self.standing), classes="error")
             with Horizontal(classes="answers"):
-                yield Button("Leave", id="leave", compact=True)
+                yield Button("Cancel", id="leave", compact=True)
                 yield Button("Set", id="set", compact=True, disabled=parameter.read_only)
 
     def on_mount(self) -> None:

@@ -89,7 +89,7 @@ class TerminalApp(App[None]):
     def _handle_exception(self, error: Exception) -> None:
         """Textual's end of the screen, without its report: the next screen shows it."""
         if self.is_headless:
-            super()._handle_exception(error)  # tests are told
+            super()._handle_exception(error)  # so that tests fail
             return
         if self._exit:  # what is raised while the screen is taken down does not matter
             return

@@ -21,7 +21,7 @@ def log_file() -> Path:
 
 @contextlib.contextmanager
 def guarded_stderr(path: Path) -> Iterator[None]:
-    """Descriptor 2 leads to the file, while Textual goes on with the terminal behind it.
+    """Descriptor 2 leads to the file, while Textual keeps the terminal behind it.
 
     Without a writable file it leads nowhere: a clean screen matters more.
     """

@@ -41,7 +41,7 @@ def event_lines(event: Event, width: int) -> list[Text]:
 
 def details(event: Event) -> str:
     """The whole event, for reading."""
-    count = f", {event.count} times alike" if event.count > 1 else ""
+    count = f", repeated {event.count} times" if event.count > 1 else ""
     lines = [f"{time_of_day(event.time)}  {event.level}  {event.source}{count}", "", event.text]
     return "\n".join([*lines, "", f"$ {event.command}"] if event.command else lines)
 

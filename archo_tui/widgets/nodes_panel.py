@@ -97,7 +97,7 @@ class NodesPanel(Panel):
             node_lines,
             lambda row: row.name,
             id="nodes",
-            empty="? no node on the graph",
+            empty="? no nodes on the graph",
             action="app.command('details')",
             wraps=True,
         )

@@ -39,7 +39,7 @@ class ParametersPanel(Panel):
             parameter_lines,
             lambda p: (p.node, p.name),
             id="parameters",
-            empty="? waiting for the nodes to tell their parameters",
+            empty="? waiting for the nodes to report their parameters",
             action="app.command('edit')",
         )
         self.search = Search(self._rows)

@@ -12,7 +12,7 @@ class Search(Input):
     DEFAULT_CSS = "Search { display: none; } Search.-open { display: block; }"
 
     def __init__(self, target: Widget) -> None:
-        super().__init__(placeholder="letters to look for", compact=True, classes="search")
+        super().__init__(placeholder="type to search", compact=True, classes="search")
         self.cursor_blink = False  # a blinking cursor is traffic over SSH
         self._target = target
 

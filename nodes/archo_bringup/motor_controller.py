@@ -94,7 +94,7 @@ class MotorController(Node):
         if self.battery_empty:
             return "battery empty"
         if self.goal is not None:
-            return "a goal is running already"
+            return "a goal is already running"
         if not 1 <= shelf <= shelves:
             return f"shelf {shelf} is not in 1 .. {shelves}"
         return ""

@@ -70,7 +70,7 @@ async def test_a_second_goal_is_refused_and_the_first_goes_on() -> None:
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("3", "enter")
-        await op.until("a goal is running already: cancel it first")
+        await op.until("a goal is already running: cancel it first")
         assert "MOVING to 12" in op.text
         await op.press("ctrl+c")
         await op.until("✗ CANCELLED")

@@ -58,6 +58,6 @@ async def test_suspending_asks_while_the_robot_drives_on_nodes_of_this_process()
     it = Asked()
     async with it.app.run_test(size=(120, 36)):
         said = await it.press("ctrl+z")
-        assert "The robot is on its way to shelf 12; its nodes would stand still." in said
+        assert "The robot is on its way to shelf 12; its nodes would pause." in said
         assert "Suspend" not in (await it.press("enter"))
         assert it.app.screen is it.app.main

@@ -119,7 +119,7 @@ def test_a_second_goal_is_refused_with_the_reason_and_the_first_goes_on(ros: Ros
     handle = operator.send(12)
     assert not operator.send(3).accepted
     assert operator.outcome(handle)[2] == "Arrived at shelf 12"
-    wait_until(lambda: (30, "Goal refused: a goal is running already") in operator.log)
+    wait_until(lambda: (30, "Goal refused: a goal is already running") in operator.log)
 
 
 @pytest.mark.parametrize("shelf", [0, -1, 41, 2**31 - 1])

@@ -85,7 +85,7 @@ def test_what_ros2_param_dump_writes_is_planned(tmp_path: Path) -> None:
         ("max_speed: fast", "needs a value of type double, not fast (string)"),
         ("max_speed: true", "needs a value of type double, not true (bool)"),
         ("max_speed: [1.0]", "needs a value of type double, not [1.0] (double[])"),
-        ("ticks_per_revolution: 5", "read-only, and it is 1024"),
+        ("ticks_per_revolution: 5", "read-only; its value is 1024"),
     ],
 )
 def test_a_value_that_cannot_be_is_a_problem_with_its_line(

@@ -1,7 +1,7 @@
 """What all nodes of one ROS domain in this process share: who offers what, and who gets it.
 
 Topics and services are the only primitives. A publisher keeps a tuple of the subscriptions that
-match it, made anew when an endpoint of its topic comes or goes: publishing touches nobody else.
+match it, rebuilt when an endpoint of its topic comes or goes: publishing touches nobody else.
 """
 
 from __future__ import annotations

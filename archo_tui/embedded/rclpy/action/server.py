@@ -158,7 +158,7 @@ class ActionServer:
         )
 
     def destroy(self) -> None:
-        """Offer the action no more."""
+        """Stop offering the action."""
         for service in self._services:
             self._node.destroy_service(service)
         self._node.destroy_publisher(self._feedback)
