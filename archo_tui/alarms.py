@@ -64,16 +64,20 @@ TRANSITIONS: dict[tuple[State, Change], State] = {
 
 CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "battery empty"
 STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
+SILENT = "motor silent"
 _PRIORITIES = {
     UNCONFIRMED: Priority.HIGH,
     CONTACT_LOST: Priority.HIGH,
     EMPTY: Priority.HIGH,
+    SILENT: Priority.HIGH,
     CRASHED: Priority.HIGH,
     STOPPED: Priority.MED,
     LOW: Priority.MED,
 }  # of each kind; the worst first
 _ORDER = list(_PRIORITIES)
 
+_HEARD = (EMPTY, STOPPED, LOW, SILENT)  # of what the robot says: nothing new while it is not heard
+_LAST_KNOWN = " (last known)"
 ON_DELAY = {LOW: 2.0, EMPTY: 2.0, UNCONFIRMED: 1.0}  # s that a condition must hold before it counts
 SHELF_TIME = 600.0  # s
 
@@ -146,6 +150,11 @@ def conditions(snapshot: Snapshot, now: float, hosted: Iterable[Hosted] = ()) ->
             found[EMPTY] = "BATTERY EMPTY: the robot refuses moves, charge it where it stands"
         elif is_low(snapshot) and not battery.charging:
             found[LOW] = f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
+    if motor.received is not None and motor.is_old(now) and (moving or motor.moving):
+        found[SILENT] = (
+            f"motor_status silent for {now - motor.received:.0f} s while moving: "
+            "the robot may still be driving"
+        )
     if motor.stopped:
         found[STOPPED] = "STOPPED: look for the cause, then release the stop"
     return found
@@ -181,8 +190,13 @@ class AlarmBoard:
                 raised = known or Alarm(name, text, now, State.NORMAL)
                 changed += self._change(replace(raised, text=text), Change.RAISED, now)
         for alarm in list(self._alarms.values()):
-            if alarm.name not in found and not alarm.is_over:
-                changed += self._change(alarm, Change.CLEARED, now)
+            if alarm.name in found or alarm.is_over:
+                continue
+            if CONTACT_LOST in found and alarm.name in _HEARD:
+                text = alarm.text.removesuffix(_LAST_KNOWN) + _LAST_KNOWN
+                self._alarms[alarm.name] = replace(alarm, text=text)
+                continue
+            changed += self._change(alarm, Change.CLEARED, now)
         return changed
 
     def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:

@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Coroutine, Iterable, Mapping
+import asyncio
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
+from textual import events
 from textual.app import SystemCommand
 from textual.binding import Binding
 from textual.screen import Screen
 from textual.widgets import Input
 
 from archo_tui.commands import COMMANDS
-from archo_tui.commands.base import EVERYWHERE, Command
+from archo_tui.commands.base import EVERYWHERE, Answered, Command
 from archo_tui.commands.keymap import shown_keys
 from archo_tui.robot.state import Outcome, Snapshot
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
-from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.palette import Palette
 from archo_tui.screens.text import ShowText
 from archo_tui.station import Station, View
 from archo_tui.terminal.app import TerminalApp
+from archo_tui.widgets.field import Field
 from archo_tui.widgets.goal_panel import GoalPanel
-from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.rows import Rows
 
 TICK = 1.0  # s between two looks at ages and the time of day
@@ -59,6 +60,7 @@ class ArchoApp(TerminalApp):
         self._keys = {command.id: command.key for command in COMMANDS} | dict(keys or {})
         self._shown_keys = shown_keys(self._keys)
         self._bind_commands()
+        self._held: list[events.Key | events.Paste] = []  # typed before the screen could take it
         self.view = self._view()
 
     def _bind_commands(self) -> None:
@@ -132,11 +134,34 @@ class ArchoApp(TerminalApp):
 
     # keys
 
+    async def on_event(self, event: events.Event) -> None:
+        if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
+            return  # only the left button acts
+        typed = isinstance(event, (events.Key, events.Paste)) and not event.is_forwarded
+        if typed and (self._held or not self._takes_keys):
+            self._held.append(event)  # type: ignore[arg-type]
+            self.call_later(self._release_keys)
+            return
+        await super().on_event(event)
+
+    @property
+    def _takes_keys(self) -> bool:
+        """False while the screen in front is being built."""
+        return bool(self.screen_stack) and self.screen.is_mounted
+
+    async def _release_keys(self) -> None:
+        """Hand on what was typed meanwhile, in its order; what it opens is waited for as well."""
+        while self._held and self._takes_keys:
+            await super().on_event(self._held.pop(0))
+        if self._held:
+            await asyncio.sleep(0)
+            self.call_later(self._release_keys)
+
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """False leaves the key to the field or dialog that has the focus."""
-        typing = isinstance(self.focused, Input)
+        field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
-            return typing and self.screen is self.main
+            return field is not None and self.screen is self.main
         if action == "move":
             return isinstance(self.focused, Rows)
         if action != "command":
@@ -144,9 +169,14 @@ class ArchoApp(TerminalApp):
         command = self._command(str(parameters[0]))
         if command.where == EVERYWHERE:
             return True
-        if self.screen is not self.main or typing:
+        if self.screen is not self.main or (field is not None and self._is_text(command, field)):
             return False
         return not command.panel or command.panel == self.main.focused_panel
+
+    def _is_text(self, command: Command, field: Input) -> bool:
+        """True when the command's key is text, or moves or edits, in the field."""
+        key = self._shown_keys[command.id]
+        return not isinstance(field, Field) or len(key) > 1 or field.takes(key)
 
     def _command(self, name: str) -> Command:
         return next(c for c in self.registry if c.id == name)
@@ -156,8 +186,9 @@ class ArchoApp(TerminalApp):
         command = self._command(name)
         reason = self.blocked(command)
         if reason:
-            self.notify(reason, severity="warning", markup=False)
-            if not command.runs_blocked:
+            if not command.insists:
+                self.notify(reason, severity="warning", markup=False)
+            if not (command.runs_blocked or command.insists):
                 return
         work = command.run(self)  # at once: the next key may be for what this one focused
         if work is not None:
@@ -198,11 +229,20 @@ class ArchoApp(TerminalApp):
         """Show a dialog."""
         self.push_screen(dialog)
 
-    async def ask(self, question: Confirm) -> str:
-        """Put a question and wait for the answer, the safe one if another is being asked."""
+    def ask(self, question: Confirm, then: Answered) -> None:
+        """Put a question now: the keys behind the one that asked are for its answer.
+
+        `then(answer)` follows; while another question is being asked, nothing does.
+        """
         if isinstance(self.screen, Confirm):
-            return question.safe
-        return str(await self.push_screen_wait(question))  # type: ignore[arg-type]
+            return
+
+        def answered(answer: str | None) -> None:
+            work = then(answer or question.safe)
+            if work is not None:
+                self.run_worker(work, group="answered")
+
+        self.push_screen(question, answered)
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed; what it did is seen on the screen."""
@@ -226,10 +266,6 @@ class ArchoApp(TerminalApp):
             self.copy_to_clipboard(text)
         return bool(text)
 
-    def work(self, coroutine: Coroutine[Any, Any, None], group: str) -> None:
-        """Do it beside everything else."""
-        self.run_worker(coroutine, group=group)
-
     # what the panels ask for
 
     def on_goal_panel_send(self, message: GoalPanel.Send) -> None:
@@ -240,12 +276,3 @@ class ArchoApp(TerminalApp):
         if outcome.ok:
             self.main.goal.query_one(Input).clear()
         self.main.goal.hint("" if outcome.ok else outcome.text)
-
-    def on_parameters_panel_edit(self, message: ParametersPanel.Edit) -> None:
-        parameter = message.parameter
-        self.push_screen(
-            EditParameter(
-                parameter,
-                lambda value: self.station.set_parameters(parameter.node, {parameter.name: value}),
-            )
-        )

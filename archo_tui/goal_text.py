@@ -53,6 +53,7 @@ def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
         Phase.CANCELLED: (BAD, "✗ CANCELLED", _where_ended(goal)),
         Phase.ARRIVED: (STRONG, "✓ ARRIVED", _arrival(goal)),
         Phase.ABORTED: (BAD, "✗ ABORTED", goal.message),
+        Phase.DISPUTED: (WARN, "? ENDED", goal.message),
         Phase.UNKNOWN: (
             WARN,
             "? UNKNOWN",
@@ -73,7 +74,7 @@ def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
 def goal_bar(goal: Goal | None, width: int) -> Spans:
     """The way driven: a bar with its number beside it."""
     room = max(width - 8, 4)
-    if goal is None or goal.phase in (Phase.SENT, Phase.REFUSED):
+    if goal is None or goal.phase in (Phase.SENT, Phase.REFUSED) or not goal.length:
         return (("─" * room + "     --", OLD),)
     fraction = goal.fraction()
     done = int(fraction * room)
@@ -101,8 +102,12 @@ def _server(snapshot: Snapshot) -> str:
 
 
 def _progress(goal: Goal, now: float) -> str:
-    if goal.remaining is None or goal.length is None:
+    if goal.unreadable:
+        return f"? {goal.unreadable} m left   {seconds_text(goal.elapsed(now))} so far"
+    if goal.remaining is None:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
+    if goal.length is None:  # not known yet: no bar, no percentage
+        return f"{goal.remaining:.1f} m left   {seconds_text(goal.elapsed(now))} so far"
     left = goal.seconds_left(now)
     about = "" if left is None else f", about {seconds_text(left)} left"
     return (
@@ -127,4 +132,6 @@ def _ended(goal: Goal) -> str:
     at = time_of_day(goal.time)
     if goal.phase == Phase.ARRIVED:
         return f"✓ {goal.shelf} arrived {at}"
+    if goal.phase == Phase.DISPUTED:
+        return f"? {goal.shelf} ended {at}"
     return f"✗ {goal.shelf} {goal.phase.value.lower()} {at}"

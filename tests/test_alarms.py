@@ -12,6 +12,7 @@ from archo_tui.alarms import (
     EMPTY,
     LOW,
     SHELF_TIME,
+    SILENT,
     STOPPED,
     TRANSITIONS,
     UNCONFIRMED,
@@ -127,9 +128,41 @@ def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
     board.acknowledge(board.all()[0], 102)
     assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
     board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 3, 103)
-    assert shown(board).startswith("▲ was: STOPPED, since ")
-    board.shelve(board.all()[0], 104)
+    assert shown(board) == "▲ STOPPED: look (last known)   +1 more   (a acknowledge)"
+    board.shelve(next(alarm for alarm in board.all() if alarm.name == STOPPED), 104)
     assert shown(board) == "✗ CONTACT LOST: wait   1 shelved"
+
+
+def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
+    board = AlarmBoard()
+    board.update({STOPPED: "STOPPED: look"}, 0, 100)
+    board.update({}, 1, 101)
+    assert shown(board).startswith("▲ was: STOPPED, since ")
+
+
+def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
+    board = AlarmBoard()
+    board.update({STOPPED: "stop"}, 0, 100)
+    board.acknowledge(board.all()[0], 101)
+    board.update({CONTACT_LOST: "lost"}, 2, 102)
+    stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
+    assert (stopped.state, stopped.text) == (State.ACKNOWLEDGED, "stop (last known)")
+    assert board.update({STOPPED: "stop"}, 3, 103) == [
+        alarm for alarm in board.all() if alarm.name == CONTACT_LOST
+    ]
+    stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
+    assert (stopped.state, stopped.text, stopped.since) == (State.ACKNOWLEDGED, "stop", 100)
+
+
+def test_a_motor_that_falls_silent_in_a_move_is_an_alarm_of_its_own() -> None:
+    silent = replace(STATES["motor moving"], motor=replace(MOTOR, received=NOW - 3))
+    found = conditions(silent, NOW)
+    assert list(found) == [SILENT]
+    assert found[SILENT] == (
+        "motor_status silent for 3 s while moving: the robot may still be driving"
+    )
+    resting = replace(NORMAL, motor=replace(MOTOR, received=NOW - 3))
+    assert list(conditions(resting, NOW)) == []
 
 
 def test_a_condition_must_hold_for_its_delay() -> None:

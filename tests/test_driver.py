@@ -88,3 +88,10 @@ def test_the_end_waits_for_what_is_read_and_not_for_what_is_not(pipe: Pipe) -> N
     pipe.writer.stop()
     assert pipe.writer.is_alive()  # it still holds what nobody reads, and nobody waits for it
     pipe.read(b">")
+
+
+def test_one_frame_of_any_size_is_written_when_nothing_waits(pipe: Pipe) -> None:
+    large = "x" * (3 * MAX_WAITING) + ">"
+    pipe.writer.write(large)
+    assert pipe.read(b">") == large.encode()
+    assert not pipe.drained.is_set()

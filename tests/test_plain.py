@@ -99,7 +99,7 @@ def test_stop_ends_the_goal_and_is_released() -> None:
     script.type("go 12\n")
     script.until("m left of 18.0 m")
     script.type("stop\n")
-    script.until("✗ ABORTED Emergency stop at")
+    script.until("✗ ABORTED Emergency stop,")
     script.until("alarm unacknowledged: STOPPED: look for the cause")
     assert script.end("go 3\nrelease\ngo 7\ncancel\n") == 1
     assert "failed: go: emergency stop: release it first" in script.said

@@ -221,7 +221,7 @@ def test_a_command_is_copied_through_the_terminal(terminals: list[Terminal]) -> 
     terminal.write("r")
     terminal.until("Encoder reset to zero")
     terminal.write("6y")
-    command = 'ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder "{}"'
+    command = "ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder '{}'"
     copied = base64.b64encode(command.encode()).decode()
     terminal.until(lambda: f"\x1b]52;c;{copied}\a".encode() in terminal.output)  # OSC 52
     terminal.write("q")
@@ -254,3 +254,39 @@ def test_a_node_that_does_not_stop_is_named_and_the_exit_code_says_so(
     terminal.write("q")
     assert terminal.exit_code() == 1
     assert "/hanging did not stop: its callback does not return" in terminal.text
+
+
+@pytest.mark.parametrize("size", [(300, 80), (500, 200)])
+def test_a_large_terminal_is_drawn_and_stays_alive(
+    size: tuple[int, int], terminals: list[Terminal]
+) -> None:
+    terminal = Terminal(size=size)
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("?")
+    terminal.until("Acknowledge the alarm in the banner")
+    terminal.write("\x1b")
+    terminal.resize(120, 36)
+    terminal.until("1 Battery")
+    terminal.output = b""
+    terminal.resize(*size)
+    terminal.until("wheel_radius")
+    terminal.write("r")
+    terminal.until("Encoder reset to zero")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+
+
+def test_keys_from_the_first_moment_on_are_obeyed(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("\x1b[?1049h")  # the terminal is taken, nothing is drawn yet
+    terminal.write("3?\x1b\x1b[A\x18")
+    wait_until(lambda: "STOP: Stopped" in {e["text"] for e in entries_so_far()})
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert "Traceback" not in terminal.text
+
+
+def entries_so_far() -> list[dict[str, Any]]:
+    return journaled() if journal.path().exists() else []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Coroutine, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from typing import Any, ClassVar, Protocol
 
 from textual.screen import Screen
@@ -12,6 +12,8 @@ from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.main import MainScreen
 from archo_tui.station import Station, View
 
+Work = Coroutine[Any, Any, None]  # what may wait for the robot
+Answered = Callable[[str], Work | None]
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
 PANELS = ("Battery", "Motor", "Go to shelf", "Parameters", "Nodes", "Events")
 PARAMETERS, NODES, EVENTS = 4, 5, 6
@@ -41,8 +43,8 @@ class Console(Protocol):
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog."""
 
-    async def ask(self, question: Confirm) -> str:
-        """Put a question and wait for the answer."""
+    def ask(self, question: Confirm, then: Answered) -> None:
+        """Put a question now; `then(answer)` follows."""
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed."""
@@ -55,9 +57,6 @@ class Console(Protocol):
 
     def copy_selection(self) -> bool:
         """Copy what is selected; False when nothing is."""
-
-    def work(self, coroutine: Coroutine[Any, Any, None], group: str) -> None:
-        """Do it beside everything else."""
 
     def action_command_palette(self) -> None:
         """Open the palette."""
@@ -81,6 +80,7 @@ class Command:
     panel: ClassVar[int] = 0  # the panel's number, for IN_PANEL
     service: ClassVar[str] = ""  # what somebody must offer
     runs_blocked: ClassVar[bool] = False  # says why, and does its harmless part all the same
+    insists: ClassVar[bool] = False  # tried in any case: what is in the way may be over
 
     @property
     def place(self) -> str:
@@ -93,6 +93,6 @@ class Command:
             return f"{self.service} is not offered by any node"
         return ""
 
-    def run(self, console: Console) -> Coroutine[Any, Any, None] | None:
-        """Do it at once, or return a coroutine that may wait for the robot."""
+    def run(self, console: Console) -> Work | None:
+        """Do it or ask at once, or return a coroutine that may wait for the robot."""
         raise NotImplementedError

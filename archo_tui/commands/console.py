@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVERYWHERE, NOT_TYPING, PANELS, Command, Console
+from archo_tui.commands.base import EVERYWHERE, NOT_TYPING, PANELS, Command, Console, Work
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.help import Entry, Help
@@ -73,32 +73,44 @@ class Suspend(Command):
     help = "Suspend to the shell (fg brings it back); the nodes of this process pause meanwhile"
     where = EVERYWHERE
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> None:
+        def then(answer: str) -> None:
+            if answer == "Suspend":
+                console.action_suspend_process()
+
         goal = console.view.snapshot.goal
-        if goal is not None and goal.is_running and not console.station.attached:
-            question = f"The robot is on its way to shelf {goal.shelf}; its nodes would pause."
-            if await console.ask(Confirm("Suspend", question, "Stay", "Suspend")) != "Suspend":
-                return
-        console.action_suspend_process()
+        if goal is None or not goal.is_running or console.station.attached:
+            console.action_suspend_process()
+            return
+        question = f"The robot is on its way to shelf {goal.shelf}; its nodes would pause."
+        console.ask(Confirm("Suspend", question, "Stay", "Suspend"), then)
 
 
 class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
     help = "Quit; while a goal runs asks, and cancels it first"
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> None:
         goal, station = console.view.snapshot.goal, console.station
-        if goal is not None and goal.is_running:
-            question = f"The robot is on its way to shelf {goal.shelf}."
-            answers = ["Stay", "Cancel it and quit"]
-            if station.attached:
-                answers.append("Leave it running and quit")
-            answer = await console.ask(Confirm("Quit", question, *answers))
+        if goal is None or not goal.is_running:
+            console.exit()
+            return
+        answers = ["Stay", "Cancel it and quit"]
+        if station.attached:
+            answers.append("Leave it running and quit")
+
+        def then(answer: str) -> Work | None:
             if answer == answers[0]:
-                return
-            choice = CANCEL if answer == answers[1] else LEAVE
+                return None
+            return end(CANCEL if answer == answers[1] else LEAVE)
+
+        async def end(choice: str) -> None:
             await let_go(station.robot, station.clock, choice, "quit")
-        console.exit()
+            console.exit()
+
+        console.ask(
+            Confirm("Quit", f"The robot is on its way to shelf {goal.shelf}.", *answers), then
+        )
 
 
 class QuitEverywhere(Quit):

@@ -29,21 +29,17 @@ class Search(_InEvents):
 
 class CopyCommand(_InEvents):
     id, key = "copy_command", "y"
-    help = "Copy the ros2 command of the selected event, or of your last one"
-
-    def _command(self, console: Console) -> str:
-        selected = console.main.events.selected
-        if selected is not None and selected.command:
-            return selected.command
-        return next((e.command for e in reversed(console.view.snapshot.events) if e.command), "")
+    help = "Copy the ros2 command of the selected event, or its text if it has none"
 
     def blocked(self, console: Console) -> str:
-        return "" if self._command(console) else "no command has been given yet"
+        return "" if console.main.events.selected else "no event is selected"
 
     def run(self, console: Console) -> None:
-        command = self._command(console)
-        console.copy(command)
-        console.say(command, title="Copied")
+        event = console.main.events.selected
+        assert event is not None
+        console.copy(event.command or event.text)
+        what = "the command" if event.command else "the text: this event has no command"
+        console.say(event.command or event.text, title=f"Copied {what}")
 
 
 class FullScreen(_InEvents):

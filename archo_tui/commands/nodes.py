@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 
-from archo_tui.commands.base import IN_PANEL, NODES, Command, Console
+from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
 from archo_tui.robot.state import Hosted, Life, Outcome
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.text import ShowText
@@ -41,37 +41,45 @@ class StartStop(_InNodes):
     id, key = "start_stop", "s"
     help = "Start or stop the selected node"
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> Work | None:
         row, hosted = self._selected(console)
+        host, goal = console.station.host, console.view.snapshot.goal
         if hosted.life != Life.UP:
-            await self._do(console, "start", console.station.host.start_node, hosted)
-            return
-        goal = console.view.snapshot.goal
-        if hosted.serves and goal is not None and goal.is_running:
-            question = (
-                f"The robot is on its way to shelf {goal.shelf}, and {row.name} may be the "
-                "node that drives it and answers STOP. Stop the node?"
-            )
-            answer = await console.ask(Confirm("Stop a node", question, "Leave it", "Stop it"))
-            if answer != "Stop it":
-                return
-        await self._do(console, "stop", console.station.host.stop_node, hosted)
+            return self._do(console, "start", host.start_node, hosted)
+        if not (hosted.serves and goal is not None and goal.is_running):
+            return self._do(console, "stop", host.stop_node, hosted)
+        question = (
+            f"The robot is on its way to shelf {goal.shelf}, and {row.name} may be the node that "
+            "drives it and answers STOP. Stop the node?"
+        )
+
+        def then(answer: str) -> Work | None:
+            wanted = answer == "Stop it"
+            return self._do(console, "stop", host.stop_node, hosted) if wanted else None
+
+        console.ask(Confirm("Stop a node", question, "Leave it", "Stop it"), then)
+        return None
 
 
 class Copy(_InNodes):
     id, key = "copy_node", "plus"
     help = "Run another copy of the selected node"
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> Work | None:
         row, hosted = self._selected(console)
-        if hosted.serves:
-            question = (
-                f"{row.name} answers services. Any call, including STOP, may reach only one of the "
-                "two. Run another copy?"
-            )
-            if await console.ask(Confirm("Another copy", question, "No", "Run it")) != "Run it":
-                return
-        await self._do(console, "copy", console.station.host.copy_node, hosted)
+        copy = console.station.host.copy_node
+        if not hosted.serves:
+            return self._do(console, "copy", copy, hosted)
+        question = (
+            f"{row.name} answers services. Any call, including STOP, may reach only one of the "
+            "two. Run another copy?"
+        )
+
+        def then(answer: str) -> Work | None:
+            return self._do(console, "copy", copy, hosted) if answer == "Run it" else None
+
+        console.ask(Confirm("Another copy", question, "No", "Run it"), then)
+        return None
 
 
 class Details(_InNodes):

@@ -5,12 +5,13 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
-from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console
+from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Work
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.parameter_values import text_of
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.screens.confirm import Confirm
+from archo_tui.screens.edit_parameter import EditParameter
 
 _DEFAULT_FILE = "archo_params.yaml"
 
@@ -27,7 +28,10 @@ class Edit(_InParameters):
     help = "Edit the selected parameter"
 
     def run(self, console: Console) -> None:
-        console.main.parameters.edit()
+        parameter = console.main.parameters.selected
+        if parameter is not None:
+            node, name, change = parameter.node, parameter.name, console.station.set_parameters
+            console.open(EditParameter(parameter, lambda value: change(node, {name: value})))
 
 
 class Filter(_InParameters):
@@ -49,20 +53,25 @@ class Undo(_InParameters):
         there = any(p.node == edit.node for p in console.view.snapshot.parameters)
         return "" if there else f"{edit.node} has left the graph"
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> Work | None:
         edit = console.station.edits.last
         assert edit is not None
         now = {p.name: p.value for p in console.view.snapshot.parameters if p.node == edit.node}
         others = [name for name, value in edit.after.items() if now.get(name) != value]
-        if others:
-            said = " ".join(
-                f"{name} has since changed to {text_of(now.get(name))}. "
-                f"Restore {text_of(edit.before[name])}?"
-                for name in others
-            )
-            if await console.ask(Confirm("Undo", said, "Leave it", "Restore")) != "Restore":
-                return
-        console.tell(await console.station.undo())
+
+        async def undo() -> None:
+            console.tell(await console.station.undo())
+
+        if not others:
+            return undo()
+        said = " ".join(
+            f"{name} has since changed to {text_of(now.get(name))}. "
+            f"Restore {text_of(edit.before[name])}?"
+            for name in others
+        )
+        question = Confirm("Undo", said, "Leave it", "Restore")
+        console.ask(question, lambda answer: undo() if answer == "Restore" else None)
+        return None
 
 
 class Save(_InParameters):
@@ -102,12 +111,14 @@ class Load(_InParameters):
                 plan = await asyncio.to_thread(save_load.plan, path, parameters)
             except ArchoError as error:
                 return str(error)
-            console.work(self._preview(console, path, plan), self.id)
+            dialog.end()  # before the question, which would else be under it
+            self._preview(console, path, plan)
             return ""
 
-        console.open(AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load))
+        dialog = AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load)
+        console.open(dialog)
 
-    async def _preview(self, console: Console, path: Path, plan: save_load.Plan) -> None:
+    def _preview(self, console: Console, path: Path, plan: save_load.Plan) -> None:
         lines = [f"{path}", ""]
         if plan.problems:
             lines += ["Nothing was changed, because of:", *plan.problems]
@@ -117,13 +128,16 @@ class Load(_InParameters):
                 for p, value in plan.changes
             ] or ["All parameters already have the values in the file."]
             lines += [f"left out: {line}" for line in plan.left_out]
-        answers = ["Leave"]
+        answers = ["Cancel"]
         if plan.changes and not plan.problems:
             answers.append(f"Change {len(plan.changes)}")
-        if await console.ask(Confirm("Load parameters", "\n".join(lines), *answers)) == answers[0]:
-            return
-        by_node: dict[str, dict[str, object]] = {}
-        for parameter, value in plan.changes:
-            by_node.setdefault(parameter.node, {})[parameter.name] = value
-        for node, values in by_node.items():
-            console.tell(await console.station.set_parameters(node, values))
+
+        async def change() -> None:
+            by_node: dict[str, dict[str, object]] = {}
+            for parameter, value in plan.changes:
+                by_node.setdefault(parameter.node, {})[parameter.name] = value
+            for node, values in by_node.items():
+                console.tell(await console.station.set_parameters(node, values))
+
+        question = Confirm("Load parameters", "\n".join(lines), *answers)
+        console.ask(question, lambda answer: None if answer == answers[0] else change())

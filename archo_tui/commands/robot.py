@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVERYWHERE, Command, Console
+from archo_tui.commands.base import EVERYWHERE, Command, Console, Work
 from archo_tui.robot.state import CHARGE, MOVE, RELEASE, RESET, STOP
 from archo_tui.screens.confirm import Confirm
 
@@ -36,6 +36,7 @@ class Stop(Command):
     help = "STOP: software stop, at once and latched; does not replace the hardware one"
     where = EVERYWHERE
     service = STOP
+    insists = True  # never dropped: the robot may only just have been found
 
     async def run(self, console: Console) -> None:
         console.tell(await console.station.robot.emergency_stop())
@@ -50,11 +51,16 @@ class Release(Command):
         stopped = console.view.snapshot.motor.stopped
         return super().blocked(console) or ("" if stopped else "the robot is not stopped")
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> None:
         question = "Release the stop? Moves are allowed again; nothing resumes by itself."
-        answer = await console.ask(Confirm("Release", question, "Stay stopped", "Release"))
-        if answer == "Release":
+
+        def then(answer: str) -> Work | None:
+            return release() if answer == "Release" else None
+
+        async def release() -> None:
             console.tell(await console.station.robot.release_emergency_stop())
+
+        console.ask(Confirm("Release", question, "Stay stopped", "Release"), then)
 
 
 class Reset(Command):
@@ -62,14 +68,19 @@ class Reset(Command):
     help = "Reset the encoder to zero; asks first while a goal runs"
     service = RESET
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> Work | None:
+        async def reset() -> None:
+            console.tell(await console.station.robot.reset_encoder())
+
+        def then(answer: str) -> Work | None:
+            return reset() if answer == "Reset" else None
+
         goal = console.view.snapshot.goal
-        if goal is not None and goal.is_running:
-            question = f"The robot is on its way to shelf {goal.shelf}. Reset the encoder now?"
-            answer = await console.ask(Confirm("Reset encoder", question, "Leave it", "Reset"))
-            if answer != "Reset":
-                return
-        console.tell(await console.station.robot.reset_encoder())
+        if goal is None or not goal.is_running:
+            return reset()
+        question = f"The robot is on its way to shelf {goal.shelf}. Reset the encoder now?"
+        console.ask(Confirm("Reset encoder", question, "Leave it", "Reset"), then)
+        return None
 
 
 class Charge(Command):

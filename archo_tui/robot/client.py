@@ -41,6 +41,7 @@ NODE_NAME = "archo_console"
 FLUSH_PERIOD = 0.08  # s between two snapshots while data streams in: 12.5 a second
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
+_FIND_PERIOD = 0.1  # s between two looks for a server that STOP needs
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 _REFUSAL = "Goal refused: "
 
@@ -109,10 +110,12 @@ class Robot:
         async def stop() -> Outcome:
             self._stop_asked = self._clock.monotonic()
             self._flush()
+            await self._found(STOP)
             outcome = await self._call(STOP)
-            if outcome.ok or STOP not in self._graph.offered:
+            if outcome.ok:
                 self._stop_asked = None
-            return outcome
+                return outcome
+            return Outcome(False, f"{outcome.text}: use the hardware stop")
 
         return await self._do("STOP", self._command(STOP), stop)
 
@@ -126,14 +129,14 @@ class Robot:
 
     async def go_to_shelf(self, shelf: int) -> Outcome:
         """Send the robot to a shelf; ends when it has accepted or refused."""
-        route = self.snapshot.parameter("route_length")
-        length = float(route.value) if route is not None else None
+        length = self._route_length()
         command = ros2_command.send_goal(self._names[MOVE], shelf)
 
         async def go() -> Outcome:
+            sent = self._clock.monotonic()
             outcome = await self._goals.send(shelf, length)
-            if outcome.ok:
-                self._stop_asked = None  # it drives: whatever became of the stop is past
+            if outcome.ok and self._stop_asked is not None and sent > self._stop_asked:
+                self._stop_asked = None  # sent after it and accepted: the stop is past
             return outcome
 
         return await self._do(f"go to shelf {shelf}", command, go)
@@ -158,6 +161,10 @@ class Robot:
 
     # on the ROS thread
 
+    def _route_length(self) -> float | None:
+        route = next((p for p in self._parameters.all() if p.name == "route_length"), None)
+        return float(route.value) if route is not None else None
+
     async def _service(self, title: str, name: str, **fields: Any) -> Outcome:
         return await self._do(
             title, self._command(name, **fields), lambda: self._call(name, **fields)
@@ -173,6 +180,13 @@ class Robot:
         if srv_type is None:
             return ""
         return ros2_command.service_call(self._names[name], kind, srv_type.Request(**fields))
+
+    async def _found(self, name: str) -> None:
+        """Wait up to DEADLINE for a server, at the start or after a restart of its node."""
+        end = self._clock.monotonic() + services.DEADLINE
+        while name not in self._graph.offered and self._clock.monotonic() < end:
+            await self._services.pause(_FIND_PERIOD)
+            self._look()
 
     async def _call(self, name: str, **fields: Any) -> Outcome:
         """Call a service with the type that its server has."""
@@ -214,15 +228,13 @@ class Robot:
             return outcome
 
     def _look(self) -> None:
-        offered = self._graph.offered
         if self._graph.look():
             self._mark()
-        if STOP in self._graph.offered - offered:
-            self._stop_asked = None  # another server: it cannot confirm what it was not asked
         self._telemetry.look()
         self._parameters.follow(self._graph.names, self._graph.services)
 
     def _watch(self) -> None:
+        self._goals.route_is(self._route_length())
         self._goals.check(self._clock.monotonic(), self._telemetry.motor.received)
         if self._goals.goal is None or not self._goals.goal.is_running:
             self._watcher.cancel()

@@ -16,8 +16,6 @@ from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
-from rclpy.clock import Clock as RosClock
-from rclpy.clock import ClockType
 from rclpy.node import Node
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
@@ -28,6 +26,7 @@ from archo_tui.robot.events import harmless
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase
 
+_FARTHEST = 1e6  # m; a way left beyond that is no reading
 SILENCE = 3.0  # s without feedback or motor status until a moving goal counts as lost
 HISTORY = 20  # ended goals that are kept
 _REASON_WAIT = 0.3  # s that the log line with a refusal's reason may come after the refusal
@@ -37,6 +36,7 @@ _ENDS = {
     GoalStatus.STATUS_CANCELED: Phase.CANCELLED,
     GoalStatus.STATUS_ABORTED: Phase.ABORTED,
 }
+_NO_REASON = "the robot gave no reason"
 _FORGOTTEN = "the robot no longer knows this goal (was it restarted?)"
 
 
@@ -131,6 +131,11 @@ class Goals:
             return Outcome(False, f"no answer to the cancel in {services.DEADLINE:g} s")
         return Outcome(False, "the robot rejected the cancel: the goal continues or has ended")
 
+    def route_is(self, length: float | None) -> None:
+        """The route's length (m) became known, maybe only after the goal was sent."""
+        if length is not None and self.goal is not None and self.goal.length is None:
+            self._update(length=length)
+
     def refused(self, reason: str) -> None:
         """Remember a log line that says why a goal is refused."""
         self._refusals.append(reason)
@@ -187,19 +192,27 @@ class Goals:
             self._end(Phase.ABORTED, _FORGOTTEN)
             return
         phase = _ENDS.get(answer.status, Phase.ABORTED)
+        succeeded = bool(answer.result.success)
+        if succeeded != (phase == Phase.ARRIVED):
+            said = "succeeded" if phase == Phase.ARRIVED else phase.value.lower()
+            but = "says not" if not succeeded else "says success"
+            disagreement = f"the action says {said}, its result {but}"
+            self._note(f"goal to shelf {self.goal.shelf if self.goal else '?'}: {disagreement}")
+            self._end(Phase.DISPUTED, disagreement)
+            return
         if phase == Phase.ARRIVED and self.goal is not None:
-            self.goal = replace(self.goal, remaining=0.0)
-        self._end(phase, answer.result.final_message)
+            self.goal = replace(self.goal, remaining=0.0, unreadable="")
+        self._end(phase, answer.result.final_message or _NO_REASON)
 
     def _feedback(self, remaining: float) -> None:
         goal = self.goal
         assert goal is not None
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
-        length = remaining if goal.length is None else max(goal.length, remaining)
+        readable = 0.0 <= remaining <= _FARTHEST  # False for nan too
         self._update(
             phase=Phase.MOVING if doubtful else goal.phase,
-            remaining=remaining,
-            length=length,
+            remaining=remaining if readable else goal.remaining,
+            unreadable="" if readable else f"{remaining:g}",
             heard=self._clock.monotonic(),
             started=goal.sent if goal.started is None else goal.started,
         )
@@ -208,15 +221,8 @@ class Goals:
         """Why the goal was refused: an action has no field for the reason, the log has it."""
         end = self._clock.monotonic() + _REASON_WAIT
         while not self._refusals and self._clock.monotonic() < end:
-            await self._pause(0.02)
+            await self._services.pause(0.02)
         return self._refusals[-1] if self._refusals else "refused, no reason given"
-
-    async def _pause(self, seconds: float) -> None:
-        passed = self._future()
-        steady = RosClock(clock_type=ClockType.STEADY_TIME)
-        timer = self._node.create_timer(seconds, lambda: passed.set_result(True), clock=steady)
-        await passed
-        self._node.destroy_timer(timer)
 
     def _is_current(self, goal: Goal | None) -> bool:
         """True while `goal` (or a later state of it) is the one that runs."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from shlex import quote
 from typing import Any
 
 from archo_tui.robot.parameter_values import text_of
@@ -18,13 +19,13 @@ def _fields(message: Any) -> str:
 
 def service_call(name: str, type_name: str, request: Any) -> str:
     """Call a service of that type with that request."""
-    return f'ros2 service call {name} {type_name} "{_fields(request)}"'
+    return f"ros2 service call {name} {type_name} {quote(_fields(request))}"
 
 
 def send_goal(name: str, shelf: int) -> str:
     """Send a move_to_shelf goal."""
     kind = "archo_interfaces/action/MoveToShelf"
-    return f'ros2 action send_goal {name} {kind} "{{shelf_number: {shelf}}}" --feedback'
+    return f"ros2 action send_goal {name} {kind} {quote(f'{{shelf_number: {shelf}}}')} --feedback"
 
 
 def cancel(name: str) -> str:
@@ -34,6 +35,4 @@ def cancel(name: str) -> str:
 
 def set_parameter(node: str, name: str, value: Any) -> str:
     """Set one parameter."""
-    text = text_of(value)
-    quoted = f'"{text}"' if not text or any(char in text for char in " []'") else text
-    return f"ros2 param set {node} {name} {quoted}"
+    return f"ros2 param set {quote(node)} {quote(name)} {quote(text_of(value))}"

@@ -8,6 +8,7 @@ from typing import Any
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.node import Node
+from rclpy.task import Future
 
 from archo_tui.clock import Clock
 
@@ -50,6 +51,14 @@ class Services:
         self._pending.append((self._clock.monotonic() + DEADLINE, future, client))
         if self._timer.is_canceled():
             self._wake_after(DEADLINE)
+
+    async def pause(self, seconds: float) -> None:
+        """Let that many seconds pass."""
+        passed: Future[bool] = Future(executor=self._node.executor)
+        steady = RosClock(clock_type=ClockType.STEADY_TIME)
+        timer = self._node.create_timer(seconds, lambda: passed.set_result(True), clock=steady)
+        await passed
+        self._node.destroy_timer(timer)
 
     def _sweep(self) -> None:
         now = self._clock.monotonic()

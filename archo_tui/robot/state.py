@@ -59,6 +59,7 @@ class Phase(Enum):
     ABORTED = "ABORTED"
     UNKNOWN = "UNKNOWN"
     LOST = "LOST"
+    DISPUTED = "ENDED"  # the action and its result disagree
 
 
 RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST)
@@ -78,6 +79,7 @@ class Goal:
     started: float | None = None  # when it was accepted
     ended: float | None = None
     cancel_asked: float | None = None
+    unreadable: str = ""  # the last feedback as received, when it is no distance
     message: str = ""  # the robot's own words for the end, or the reason of a refusal
 
     @property

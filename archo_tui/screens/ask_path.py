@@ -8,9 +8,10 @@ from pathlib import Path
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
-from textual.widgets import Button, Input, Static
+from textual.widgets import Button, Static
 
 from archo_tui.screens.dialog import Form
+from archo_tui.widgets.field import Field
 
 
 class AskPath(Form):
@@ -30,9 +31,7 @@ class AskPath(Form):
             box.border_title = self._title
             box.border_subtitle = "enter OK   esc cancel"
             yield Static(Content(f"{self._text}; a relative path starts at {Path.cwd()}:"))
-            field = Input(self._default, id="path", compact=True)
-            field.cursor_blink = False
-            yield field
+            yield Field(self._default, id="path")
             yield Static("", classes="error")
             with Horizontal(classes="answers"):
                 yield Button("Cancel", id="leave", compact=True)
@@ -41,8 +40,8 @@ class AskPath(Form):
     def on_mount(self) -> None:
         self.query_one("#path").focus()
 
-    def submit(self) -> None:
-        typed = self.query_one("#path", Input).value.strip()
+    def submit(self, typed: str) -> None:
+        typed = typed.strip()
         if not typed or "\0" in typed:
             self.say("type the name of a file")
         elif not self._working:

@@ -17,7 +17,7 @@ class Confirm(Dialog[str]):
 
     def __init__(self, title: str, question: str, *answers: str) -> None:
         super().__init__()
-        self._title, self._question, self._answers = title, question, answers
+        self.title, self._question, self._answers = title, question, answers
 
     @property
     def safe(self) -> str:
@@ -26,7 +26,7 @@ class Confirm(Dialog[str]):
 
     def compose(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
-            box.border_title = self._title
+            box.border_title = self.title
             with VerticalScroll(classes="question", can_focus=False):
                 yield Static(Content(self._question))
             with Horizontal(classes="answers"):

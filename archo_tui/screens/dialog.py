@@ -8,6 +8,8 @@ from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Button, Static
 
+from archo_tui.widgets.field import Field
+
 
 class Dialog(ModalScreen[ScreenResultType]):
     """Base of the dialogs."""
@@ -33,16 +35,16 @@ class Form(Dialog[None]):
     def on_input_changed(self) -> None:
         self.say(self.standing)
 
-    def on_input_submitted(self) -> None:
-        self.submit()
+    def on_input_submitted(self, event: Field.Submitted) -> None:
+        self.submit(event.value)  # as it was: the keys behind enter may have changed it since
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == self.submits:
-            self.submit()
+            self.submit(self.query_one(Field).value)
         else:
             self.action_close()
 
-    def submit(self) -> None:
+    def submit(self, typed: str) -> None:
         """Check what was typed, and do it."""
         raise NotImplementedError
 

@@ -9,12 +9,13 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.markup import escape
-from textual.widgets import Button, Input, Static
+from textual.widgets import Button, Static
 
 from archo_tui.robot.events import harmless
 from archo_tui.robot.parameter_values import parse, range_text, text_of
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.screens.dialog import Form
+from archo_tui.widgets.field import Field
 
 
 class EditParameter(Form):
@@ -42,8 +43,7 @@ class EditParameter(Form):
             now = harmless(text_of(parameter.value))
             yield Static(Content(f"now    {now}"))
             yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
-            field = Input(now, id="value", compact=True)
-            field.cursor_blink = False
+            field = Field(now, id="value")
             field.disabled = parameter.read_only
             yield field
             yield Static(Content(self.standing), classes="error")
@@ -54,11 +54,11 @@ class EditParameter(Form):
     def on_mount(self) -> None:
         self.query_one("#leave" if self._parameter.read_only else "#value").focus()
 
-    def submit(self) -> None:
+    def submit(self, typed: str) -> None:
         if self._sending:
             return
         try:
-            value = parse(self._parameter, self.query_one("#value", Input).value)
+            value = parse(self._parameter, typed)
         except ValueError as error:
             self.say(str(error))
             return

@@ -57,7 +57,8 @@ class Writer(threading.Thread):
         with self._changed:
             if self.dead or (self._dropping and not keep):
                 return
-            if self._size + len(data) > MAX_WAITING and not keep:
+            idle = not (self._waiting or self._writing)  # then one frame of any size is taken
+            if self._size + len(data) > MAX_WAITING and not keep and not idle:
                 self._dropping = True
                 self._waiting = deque(item for item in self._waiting if item[1])
                 self._size = sum(len(kept) for kept, _ in self._waiting)

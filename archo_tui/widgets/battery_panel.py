@@ -53,6 +53,7 @@ def _trend(snapshot: Snapshot, now: float, width: int) -> state_text.Spans:
     if battery.charging is None:
         return (("charging: not reported", state_text.OLD),)
     does = "charging" if battery.charging else "discharging"
-    end = trend.end_text(snapshot.charge, charging=battery.charging)
+    empty = battery.percentage is not None and battery.percentage <= 0 and not battery.charging
+    end = "" if empty else trend.end_text(snapshot.charge, charging=battery.charging)
     both = f"{does}, {end}"
     return (((both if len(both) <= width else end) if end else does, state_text.PLAIN),)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.message import Message
-from textual.widgets import Button, Input, Label
+from textual.widgets import Button, Label
 
 from archo_tui import goal_text, state_text
 from archo_tui.robot.state import MOVE
 from archo_tui.station import View
+from archo_tui.widgets.field import INTEGER, Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.styled import content
@@ -31,9 +32,7 @@ class GoalPanel(Panel):
     def compose(self) -> ComposeResult:
         with Horizontal(classes="buttons"):
             yield Label("Shelf ")
-            field = Input(id="shelf", compact=True)
-            field.cursor_blink = False  # a blinking cursor is traffic over SSH
-            yield field
+            yield Field(id="shelf", takes=INTEGER)
             yield Button("Go", id="go", compact=True)
             yield Button("Cancel", id="cancel", compact=True, action="app.command('cancel')")
             yield Line(id="goal-hint")
@@ -58,21 +57,24 @@ class GoalPanel(Panel):
     def on_input_changed(self) -> None:
         self.hint("")
 
-    def on_input_submitted(self) -> None:
-        self.submit()
+    def on_input_submitted(self, event: Field.Submitted) -> None:
+        self.submit(event.value)  # as it was: the keys behind enter may have changed it since
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == "go":
-            self.submit()
+            self.submit(self.query_one(Field).value)
+
+    def on_field_refused(self, event: Field.Refused) -> None:
+        self.hint(event.reason)
 
     def hint(self, text: str) -> None:
         """Say why what was typed cannot be sent."""
         self.query_one("#goal-hint", Line).show(content(((text, state_text.BAD),)))
 
-    def submit(self) -> None:
+    def submit(self, typed: str) -> None:
         """Ask for the shelf that was typed, or say what is wrong with it."""
         try:
-            shelf = goal_text.parse_shelf(self.query_one("#shelf", Input).value)
+            shelf = goal_text.parse_shelf(typed)
         except ValueError as error:
             self.hint(str(error))
             return

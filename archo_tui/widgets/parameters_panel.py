@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from textual.app import ComposeResult
 from textual.content import Content
-from textual.message import Message
 
 from archo_tui.robot.events import harmless
 from archo_tui.robot.parameter_values import range_text, text_of
@@ -24,13 +23,6 @@ class ParametersPanel(Panel):
 
     number, title_text = 4, "Parameters"
     keys = (("edit", "edit"), ("filter", "filter"), ("undo", "undo"), ("save", "save"))
-
-    class Edit(Message):
-        """The operator wants to edit this parameter."""
-
-        def __init__(self, parameter: Parameter) -> None:
-            super().__init__()
-            self.parameter = parameter
 
     def __init__(self) -> None:
         super().__init__()
@@ -56,10 +48,10 @@ class ParametersPanel(Panel):
     def take_focus(self) -> None:
         self.screen.set_focus(self._rows)
 
-    def edit(self) -> None:
-        """Ask for the selected one to be edited."""
-        if self._rows.item is not None:
-            self.post_message(self.Edit(self._rows.item))
+    @property
+    def selected(self) -> Parameter | None:
+        """The parameter under the cursor."""
+        return self._rows.item
 
     def show(self, view: View) -> None:
         self.show_keys(view)

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from textual.widget import Widget
-from textual.widgets import Input
+
+from archo_tui.widgets.field import Field
 
 
-class Search(Input):
+class Search(Field):
     """`/` opens it, enter leaves it and keeps the filter, escape takes both away."""
 
     DEFAULT_CSS = "Search { display: none; } Search.-open { display: block; }"
 
     def __init__(self, target: Widget) -> None:
-        super().__init__(placeholder="type to search", compact=True, classes="search")
-        self.cursor_blink = False  # a blinking cursor is traffic over SSH
+        super().__init__(placeholder="type to search")
+        self.add_class("search")
         self._target = target
 
     def open(self) -> None:

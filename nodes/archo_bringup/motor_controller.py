@@ -50,6 +50,7 @@ class MotorController(Node):
         self.drive = motion.Drive()
         self.clock = Clock(clock_type=ClockType.STEADY_TIME)
         self.goal: Any = None  # the goal that is being driven
+        self.shelf = 0  # where to
         self.outcome: Future[tuple[str, str]] = Future()  # how it ended, and the words for it
         self.emergency_stopped = False
         self.battery_empty = False
@@ -82,6 +83,7 @@ class MotorController(Node):
             self.get_logger().warning(f"Goal refused: {reason}")
             return GoalResponse.REJECT
         self.goal = request  # taken from here on, the handle follows in execute_move
+        self.shelf = request.shelf_number
         self.drive.begin(self.value("route_length"))
         self.outcome = Future()
         return GoalResponse.ACCEPT
@@ -153,7 +155,9 @@ class MotorController(Node):
         self, request: EmergencyStop.Request, response: EmergencyStop.Response
     ) -> EmergencyStop.Response:
         self.emergency_stopped = True
-        self.end(ABORTED, f"Emergency stop at {self.drive.remaining:.1f} m")
+        if self.goal is not None:
+            left, shelf = self.drive.remaining, self.shelf
+            self.end(ABORTED, f"Emergency stop, {left:.1f} m before shelf {shelf}")
         self.publish_status()
         self.get_logger().warning("Emergency stop")
         response.success, response.message = True, "Stopped"

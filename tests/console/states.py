@@ -124,7 +124,7 @@ STATES: dict[str, Snapshot] = {
         goal(Phase.MOVING), motor=Motor(1_234_567, 0.8, True, False, NOW - 0.1)
     ),
     "motor stopped": replace(
-        goal(Phase.ABORTED, message="Emergency stop at 9.0 m", ended=NOW),
+        goal(Phase.ABORTED, message="Emergency stop, 9.0 m before shelf 12", ended=NOW),
         motor=replace(MOTOR, stopped=True),
     ),
     "goal sent": goal(Phase.SENT, started=None, heard=None, remaining=None),

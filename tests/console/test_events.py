@@ -31,13 +31,18 @@ async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
 async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> None:
     async with console(*FAST) as op:
         await op.press("6", "y")
-        await op.until("no command has been given yet")
+        await op.until("no event is selected")
+        op.app.station.robot.note("WARN", "console", "only text")
+        await op.until("only text")
+        await op.press("y")
+        await op.until("this event has no command")
+        assert op.app.clipboard == "only text"
         await op.press("r")
         await op.until("Encoder reset to zero")
         await op.press("c")
         await op.until("charge: Charging")
         await op.press("down", "y")
-        wanted = 'ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder "{}"'
+        wanted = "ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder '{}'"
         await op.until(lambda: op.app.clipboard == wanted)
         await op.press("home", "y")
         await op.until(lambda: "/set_charging std_srvs/srv/SetBool" in op.app.clipboard)

@@ -42,10 +42,19 @@ async def test_escape_leads_out_of_a_field_to_where_the_focus_was() -> None:
 
 async def test_letters_are_text_while_typing() -> None:
     async with console(*FAST) as op:
-        await op.press("g")
+        await op.press("4", "slash")
         await op.type("rqac1?")
-        assert op.app.query_one("#shelf", Input).value == "rqac1?"
+        assert op.app.main.parameters.search.value == "rqac1?"
         assert op.app.screen is op.app.main
+
+
+async def test_letters_are_commands_in_a_field_for_numbers() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", "1", "x", "2", "c")
+        await op.until("charge: Charging")
+        assert op.app.query_one("#shelf", Input).value == "12"
+        await op.press("question_mark")
+        await op.until("Keys")
 
 
 async def test_letters_do_nothing_behind_a_dialog() -> None:
@@ -75,6 +84,7 @@ async def test_a_command_that_cannot_run_says_why() -> None:
     async with console(*FAST) as op:
         await op.press("R")
         await op.until("the robot is not stopped")
+        assert op.app.screen is op.app.main  # and nothing is asked
 
 
 async def test_the_palette_has_the_registry_and_the_themes() -> None:
@@ -116,6 +126,7 @@ async def test_a_click_does_what_the_key_does() -> None:
 
 async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
     async with console(node_makers=[Nobody], wait=False) as op:
+        await op.until("move_to_shelf: not offered by any node")
         await op.press("g", "1", "2", "enter")
         await op.until("move_to_shelf is not offered by any node")
         assert op.app.query_one("#shelf", Input).value == "12"

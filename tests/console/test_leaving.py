@@ -61,3 +61,11 @@ async def test_suspending_asks_while_the_robot_drives_on_nodes_of_this_process()
         assert "The robot is on its way to shelf 12; its nodes would pause." in said
         assert "Suspend" not in (await it.press("enter"))
         assert it.app.screen is it.app.main
+
+
+async def test_while_a_question_is_asked_no_other_is() -> None:
+    it = Asked()
+    async with it.app.run_test(size=(120, 36)):
+        await it.press("q")
+        assert "Cancel it and quit" in await it.press("ctrl+z")
+        assert len(it.app.screen_stack) == 2

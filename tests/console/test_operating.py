@@ -65,7 +65,7 @@ async def test_stop_acts_everywhere_and_is_released_apart(where: str) -> None:
         await op.until(lambda: op.app.view.snapshot.motor.stopped)
         while op.app.screen is not op.app.main:
             await op.press("escape")
-        await op.until("✗ ABORTED      Emergency stop at ")
+        await op.until("✗ ABORTED      Emergency stop, ")
         await op.until("✗ STOPPED (R releases)")
         await op.until("STOPPED: look for the cause, then release the stop")
         if where == "field":

@@ -145,7 +145,7 @@ def test_an_emergency_stop_aborts_latches_and_is_released_apart(ros: Ros) -> Non
     assert operator.outcome(handle) == (
         GoalStatus.STATUS_ABORTED,
         False,
-        "Emergency stop at 9.0 m",
+        "Emergency stop, 9.0 m before shelf 12",
     )
     wait_until(lambda: operator.status[-1].emergency_stopped)
     assert operator.call(EmergencyStop, "emergency_stop").success

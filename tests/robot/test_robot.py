@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import math
 import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -11,16 +13,19 @@ import pytest
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop, ResetEncoder
-from rclpy.action import ActionServer, CancelResponse
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
+from archo_tui.goal_text import goal_line
 from archo_tui.robot.client import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.session import Options, Session
+from archo_tui.state_text import plain
 from tests.support import chosen, clock
 from tests.support.quiet import ended, until
 
@@ -57,7 +62,7 @@ def server(*, hang: threading.Event | None = None, end: str = "succeed") -> Any:
                 with clock.stuck():
                     hang.wait(30)
             getattr(goal, end)()
-            return MoveToShelf.Result(final_message="that was it")
+            return MoveToShelf.Result(success=end == "succeed", final_message="that was it")
 
     return Server
 
@@ -253,10 +258,10 @@ async def test_every_verb_leaves_a_line_with_its_ros2_command() -> None:
         await ended(it.go_to_shelf(7))
         await until(lambda: len([e for e in it.snapshot.events if e.level == "YOU"]) == 3)
         assert [e.command for e in it.snapshot.events if e.level == "YOU"] == [
-            'ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder "{}"',
+            "ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder '{}'",
             "ros2 param set /server use_sim_time true",
             "ros2 action send_goal /move_to_shelf archo_interfaces/action/MoveToShelf "
-            '"{shelf_number: 7}" --feedback',
+            "'{shelf_number: 7}' --feedback",
         ]
 
 
@@ -296,7 +301,7 @@ async def test_a_stop_without_an_answer_is_not_forgotten() -> None:
     async with robot(Mute) as it:
         await until(lambda: "emergency_stop" in it.snapshot.offered)
         outcome = await ended(it.emergency_stop())
-        assert outcome.text == "no answer in 2 s"
+        assert outcome.text == "no answer in 2 s: use the hardware stop"
         asked = it.snapshot.stop_asked
         assert asked is not None
         await until(lambda: clock.seconds() > asked + 6.0)
@@ -323,7 +328,9 @@ async def test_a_cancelled_goal_whose_robot_falls_silent_is_lost() -> None:
         assert (await ended(it.cancel())).ok
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.CANCELLING
+        began = clock.seconds()
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
+        assert 2.0 < clock.seconds() - began < 6.0
 
 
 class Late(Node):
@@ -442,3 +449,208 @@ async def test_requests_that_nobody_answers_are_forgotten() -> None:
         client = it._services.client(ResetEncoder, "reset_encoder")
         assert len(client._pending_requests) == 0
         made[0].destroy_node()
+
+
+class Stoppable(Node):
+    """Hears STOP and goals; answers to each only when it is told to."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("stoppable", **options)
+        self.group = ReentrantCallbackGroup()
+        self.stop_answer: Future[bool] = Future()
+        self.goal_answer: Future[bool] = Future()
+        self.goals_seen = 0
+        self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=self.group)
+        self.action = ActionServer(
+            self,
+            MoveToShelf,
+            "move_to_shelf",
+            self.execute,
+            goal_callback=self.on_goal,
+            callback_group=self.group,
+        )
+
+    async def stop(self, request: Any, response: Any) -> Any:
+        response.success = await self.stop_answer
+        return response
+
+    async def on_goal(self, request: Any) -> GoalResponse:
+        self.goals_seen += 1
+        await self.goal_answer
+        return GoalResponse.ACCEPT
+
+    async def execute(self, goal: Any) -> Any:
+        await Future()
+
+    def answer(self, future: Future[bool]) -> None:
+        executor = self.executor
+        assert executor is not None
+        executor.create_task(lambda: future.set_result(True))
+
+
+@asynccontextmanager
+async def stoppable() -> AsyncIterator[tuple[Robot, Stoppable]]:
+    made: list[Stoppable] = []
+
+    def make(**options: Any) -> Node:
+        made.append(Stoppable(**options))
+        return made[0]
+
+    async with robot(make) as it:
+        await until(lambda: {"emergency_stop", "move_to_shelf"} <= it.snapshot.offered)
+        yield it, made[0]
+
+
+async def test_a_goal_sent_before_a_stop_and_accepted_after_it_does_not_confirm_the_stop() -> None:
+    async with stoppable() as (it, node):
+        going = asyncio.ensure_future(it.go_to_shelf(3))
+        await until(lambda: node.goals_seen)
+        assert not (await ended(it.emergency_stop())).ok
+        node.answer(node.goal_answer)
+        await ended(going)
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.MOVING)
+        assert it.snapshot.stop_asked is not None
+
+
+async def test_a_goal_that_is_sent_after_an_unanswered_stop_and_accepted_ends_it() -> None:
+    async with stoppable() as (it, node):
+        assert not (await ended(it.emergency_stop())).ok
+        assert it.snapshot.stop_asked is not None
+        node.answer(node.goal_answer)
+        assert (await ended(it.go_to_shelf(3))).ok
+        await until(lambda: it.snapshot.stop_asked is None)
+
+
+async def test_a_cancel_before_the_goal_was_accepted_says_so() -> None:
+    async with stoppable() as (it, node):
+        going = asyncio.ensure_future(it.go_to_shelf(3))
+        await until(lambda: node.goals_seen)
+        outcome = await ended(it.cancel())
+        assert (outcome.ok, outcome.text) == (False, "the goal has not been accepted yet")
+        node.answer(node.goal_answer)
+        await ended(going)
+
+
+async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
+    made: list[Node] = []
+
+    def make(**options: Any) -> Node:
+        made.append(quiet(**options))
+        return made[0]
+
+    class Stop(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("stop", **options)
+            self.create_service(EmergencyStop, "emergency_stop", self.stop)
+
+        def stop(self, request: Any, response: Any) -> Any:
+            response.success, response.message = True, "Stopped"
+            return response
+
+    async with robot(make) as it:
+        stopping = asyncio.ensure_future(it.emergency_stop())
+        await until(lambda: it.snapshot.stop_asked is not None)
+        executor = made[0].executor
+        assert executor is not None
+        late = Stop(context=made[0].context)
+        executor.create_task(executor.add_node, late)
+        assert (await ended(stopping)).text == "Stopped"
+        late.destroy_node()
+
+
+async def test_a_stop_that_nobody_serves_says_what_is_missing_and_is_not_forgotten() -> None:
+    async with robot(quiet) as it:
+        before = clock.seconds()
+        outcome = await ended(it.emergency_stop())
+        assert outcome.text == ("/emergency_stop is not offered by any node: use the hardware stop")
+        assert clock.seconds() - before >= 2.0
+        assert it.snapshot.stop_asked is not None
+        events = [event.text for event in it.snapshot.events if event.level == "YOU"]
+        assert events == [f"STOP: {outcome.text}"]
+
+
+@pytest.mark.parametrize(
+    ("end", "success", "said"),
+    [
+        ("succeed", False, "the action says succeeded, its result says not"),
+        ("abort", True, "the action says aborted, its result says success"),
+    ],
+)
+async def test_a_status_and_a_result_that_disagree_are_not_called_an_arrival(
+    end: str, success: bool, said: str
+) -> None:
+    class Confused(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("confused", **options)
+            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+
+        def execute(self, goal: Any) -> Any:
+            getattr(goal, end)()
+            return MoveToShelf.Result(success=success)
+
+    async with robot(Confused) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        await ended(it.go_to_shelf(3))
+        await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
+        goal: Any = it.snapshot.goal
+        assert (goal.phase, goal.message) == (Phase.DISPUTED, said)
+        await until(lambda: any(said in e.text for e in it.snapshot.events if e.level == "WARN"))
+
+
+async def test_an_end_without_words_says_that_there_are_none() -> None:
+    class Terse(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("terse", **options)
+            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+
+        def execute(self, goal: Any) -> Any:
+            goal.abort()
+            return MoveToShelf.Result()
+
+    async with robot(Terse) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        await ended(it.go_to_shelf(3))
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
+        assert it.snapshot.goal is not None
+        assert it.snapshot.goal.message == "the robot gave no reason"
+
+
+async def test_feedback_that_is_no_distance_is_shown_as_received_and_moves_nothing() -> None:
+    class Odd(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("odd", **options)
+            self.left = [9.0, math.nan, math.inf, -math.inf, -5.0]
+            self.goal: Any = None
+            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+
+        async def execute(self, goal: Any) -> Any:
+            self.goal = goal
+            await Future()
+
+        def report(self) -> None:
+            left = MoveToShelf.Feedback(distance_remaining=self.left.pop(0))
+            self.goal.publish_feedback(left)
+
+    made: list[Odd] = []
+
+    def make(**options: Any) -> Node:
+        made.append(Odd(**options))
+        return made[0]
+
+    async with robot(make) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        await ended(it.go_to_shelf(3))
+        await until(lambda: made[0].goal)
+        for said in ("", "nan", "inf", "-inf", "-5"):
+            executor = made[0].executor
+            assert executor is not None
+            executor.create_task(made[0].report)
+            await until(
+                lambda said=said: (  # type: ignore[misc]
+                    it.snapshot.goal
+                    and it.snapshot.goal.remaining == 9.0
+                    and it.snapshot.goal.unreadable == said
+                )
+            )
+            text = plain(goal_line(it.snapshot, clock.seconds(), "g"))
+            assert (f"? {said} m left" in text) == bool(said)

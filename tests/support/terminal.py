@@ -22,11 +22,17 @@ from tests.support.waiting import DEADLINE
 class Terminal:
     """A terminal that reads, or does not, or is gone."""
 
-    def __init__(self, *words: str, code: str = "", ignore_hangup: bool = False) -> None:
+    def __init__(
+        self,
+        *words: str,
+        code: str = "",
+        ignore_hangup: bool = False,
+        size: tuple[int, int] = (120, 36),
+    ) -> None:
         """`code` is Python to run before the command line is obeyed."""
         self.output = b""
         self._master, slave = pty.openpty()
-        fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 36, 120, 0, 0))
+        self.resize(*size)
         self._slave: int | None = slave
         self.before = termios.tcgetattr(slave)
         self.pid = os.fork()
@@ -50,6 +56,10 @@ class Terminal:
             program = f"import sys\n{code}\n{start}"
             # readline may have put COLUMNS where only execv sees it
             os.execve(sys.executable, [sys.executable, "-c", program], dict(os.environ))
+
+    def resize(self, width: int, height: int) -> None:
+        size = struct.pack("HHHH", height, width, 0, 0)
+        fcntl.ioctl(self._master, termios.TIOCSWINSZ, size)
 
     def read(self, seconds: float = 0.1) -> None:
         """Take what was drawn, if anything comes within that time."""

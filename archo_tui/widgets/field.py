@@ -1,0 +1,56 @@
+"""The one kind of field: what is typed acts in the order in which it was typed."""
+
+from __future__ import annotations
+
+from textual import events
+from textual.message import Message
+from textual.widgets import Input
+
+INTEGER = "-0123456789 "  # what a whole number, or several, can contain
+
+
+class Field(Input):
+    """An input whose editing keys act at once.
+
+    Textual's own inserts characters itself, but leaves backspace, enter and the like to bindings
+    that are looked up when the key has bubbled up to the app: typed fast, `1 2 backspace 3 enter`
+    submits 12.
+    """
+
+    class Refused(Message):
+        """Something was pasted that this field cannot contain."""
+
+        def __init__(self, reason: str) -> None:
+            super().__init__()
+            self.reason = reason
+
+    def __init__(
+        self, value: str = "", *, takes: str = "", placeholder: str = "", id: str | None = None
+    ) -> None:
+        """`takes` are the characters that it can contain, empty for all."""
+        super().__init__(value, placeholder=placeholder, id=id, compact=True)
+        self.cursor_blink = False  # a blinking cursor is traffic over SSH
+        self._takes = takes
+
+    def takes(self, character: str) -> bool:
+        """True when that character is text here, and not a command."""
+        return not self._takes or character in self._takes
+
+    def check_consume_key(self, key: str, character: str | None) -> bool:
+        return super().check_consume_key(key, character) and self.takes(character or "")
+
+    async def _on_key(self, event: events.Key) -> None:
+        for binding in self._bindings.key_to_bindings.get(event.key, ()):
+            event.stop()
+            event.prevent_default()
+            await self.run_action(binding.action)
+            return
+        if event.is_printable and event.character and not self.takes(event.character):
+            event.prevent_default()
+
+    def _on_paste(self, event: events.Paste) -> None:
+        odd = next((char for char in event.text.strip() if not self.takes(char)), "")
+        if odd:
+            event.stop()
+            event.prevent_default()
+            self.post_message(self.Refused(f"cannot paste this here: it contains {odd!r}"))

@@ -1,0 +1,135 @@
+"""What is typed into a field acts in its order, however fast it comes."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Awaitable, Callable
+
+import pytest
+from textual import events
+
+from archo_tui.robot.state import Motor
+from archo_tui.widgets.field import Field
+from tests.support.console import FAST, LONG, Console, console
+
+_EDITING = ("backspace", "delete", "left", "right", "home", "end", "ctrl+u", "ctrl+k", "ctrl+w")
+
+
+def line_after(keys: list[str]) -> str:
+    """A pure model of a line of text: what is in it after those keys."""
+    text, at = "", 0
+    for key in keys:
+        if key == "backspace":
+            text, at = text[: max(at - 1, 0)] + text[at:], max(at - 1, 0)
+        elif key == "delete":
+            text = text[:at] + text[at + 1 :]
+        elif key in ("left", "right"):
+            at = min(max(at + (1 if key == "right" else -1), 0), len(text))
+        elif key in ("home", "end"):
+            at = 0 if key == "home" else len(text)
+        elif key == "ctrl+u":
+            text, at = text[at:], 0
+        elif key == "ctrl+k":
+            text = text[:at]
+        elif key == "ctrl+w":
+            starts = [found.start() for found in re.finditer(r"(?<=\W)\w", text[:at])]
+            start = starts[-1] if starts else 0
+            text, at = text[:start] + text[at:], start
+        else:
+            character = " " if key == "space" else key
+            text, at = text[:at] + character + text[at:], at + 1
+    return text
+
+
+async def shelf(op: Console) -> None:
+    await op.press("g")
+
+
+async def filter_field(op: Console) -> None:
+    await op.press("4", "slash")
+
+
+async def search(op: Console) -> None:
+    await op.press("6", "slash")
+
+
+async def edit_dialog(op: Console) -> None:
+    await op.press("4", "home", "down", "enter")
+
+
+async def file_dialog(op: Console) -> None:
+    await op.press("4", "ctrl+s")
+
+
+@pytest.mark.parametrize("open_field", [shelf, filter_field, search, edit_dialog, file_dialog])
+async def test_random_edits_in_one_write_leave_what_a_line_would_hold(
+    open_field: Callable[[Console], Awaitable[None]],
+) -> None:
+    choose = random.Random(open_field.__name__)
+    async with console(*FAST) as op:
+        await open_field(op)
+        field = op.app.focused
+        assert isinstance(field, Field)
+        for _ in range(30):
+            keys = [choose.choice([*_EDITING, *"0123456789", "space"]) for _ in range(25)]
+            op.send("end", "ctrl+u", *keys)
+            await op.until(lambda: True)
+            assert field.value == line_after(keys), keys
+
+
+async def test_a_correction_in_one_write_sends_the_robot_to_the_corrected_shelf() -> None:
+    async with console(*FAST) as op:
+        op.send("g", "1", "2", "backspace", "3", "enter")
+        await op.until("Arrived at shelf 13")
+        assert [goal.shelf for goal in op.app.view.snapshot.history] == [13]
+
+
+async def test_what_is_typed_behind_enter_is_not_part_of_what_was_entered() -> None:
+    async with console(*LONG) as op:
+        op.send("g", "7", "enter", "9")
+        await op.until("MOVING to 7")
+
+
+async def test_a_value_and_its_correction_in_one_write_set_the_corrected_value() -> None:
+    async with console(*FAST) as op:
+        names = [p.name for p in op.app.view.snapshot.parameters]
+        row = names.index("low_battery_threshold")
+        op.send("4", "home", *["down"] * row, "enter", "2", "5", "backspace", "1", "enter")
+        await op.until("low_battery_threshold 21.0: low_battery_threshold is 21.0")
+
+
+async def test_a_paste_that_a_field_cannot_contain_is_refused_with_the_reason() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", "1")
+        op.app.post_message(events.Paste("2x\x183"))
+        await op.until("cannot paste this here: it contains 'x'")
+        assert op.app.query_one("#shelf", Field).value == "1"
+        op.app.post_message(events.Paste("23"))
+        await op.until(lambda: op.app.query_one("#shelf", Field).value == "123")
+
+
+async def test_keys_behind_a_command_that_asks_are_for_its_question() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        await op.press("4")
+        op.send("R", "enter")  # the safe answer, not the parameter under the cursor
+        await op.until(lambda: op.app.screen is op.app.main)
+        assert op.app.view.snapshot.motor.stopped
+        op.send("R", "tab", "enter")
+        await op.until("● IDLE")
+        motor: Motor = op.app.view.snapshot.motor
+        assert not motor.stopped
+
+
+async def test_only_the_left_button_acts() -> None:
+    async with console(*FAST) as op:
+        x, y = op.app.query_one("#stop").region.offset
+        for button in (3, 2, 1):
+            assert not [e for e in op.app.view.snapshot.events if e.level == "YOU"]
+            for kind in (events.MouseDown, events.MouseUp):
+                mouse = kind(None, x + 2, y, 0, 0, button, False, False, False)
+                op.app.post_message(mouse)
+            await op.until(lambda: True)
+        await op.until("✗ STOPPED")
