@@ -125,7 +125,7 @@ def test_a_terminal_that_stops_reading_costs_no_tick_and_catches_up(
 
     first, began = read(), time.monotonic()
     toggles = 0
-    while time.monotonic() < began + 4.0:  # not read, while the whole screen is drawn ever anew
+    while time.monotonic() < began + 2.0:  # not read, while the whole screen is drawn ever anew
         terminal.write("e")
         toggles += 1
         time.sleep(0.04)
@@ -149,7 +149,7 @@ def test_the_end_does_not_wait_for_a_terminal_that_does_not_read(
     terminals.append(terminal)
     terminal.until("wheel_radius")
     terminal.write("6el")
-    for _ in range(60):
+    for _ in range(30):
         terminal.write("e")
         time.sleep(0.04)
     terminal.kill(signal.SIGTERM)
@@ -256,21 +256,19 @@ def test_a_node_that_does_not_stop_is_named_and_the_exit_code_says_so(
     assert "/hanging did not stop: its callback does not return" in terminal.text
 
 
-@pytest.mark.parametrize("size", [(300, 80), (500, 200)])
-def test_a_large_terminal_is_drawn_and_stays_alive(
-    size: tuple[int, int], terminals: list[Terminal]
-) -> None:
-    terminal = Terminal(size=size)
+def test_a_large_terminal_is_drawn_and_stays_alive(terminals: list[Terminal]) -> None:
+    terminal = Terminal(size=(380, 100))
     terminals.append(terminal)
     terminal.until("wheel_radius")
     terminal.write("?")
     terminal.until("Acknowledge the alarm in the banner")
-    terminal.write("\x1b")
-    terminal.resize(120, 36)
-    terminal.until("1 Battery")
     terminal.output = b""
-    terminal.resize(*size)
+    terminal.write("q")
     terminal.until("wheel_radius")
+    for width, height in ((120, 36), (300, 80)):
+        terminal.output = b""
+        terminal.resize(width, height)
+        terminal.until("1 Battery")
     terminal.write("r")
     terminal.until("Encoder reset to zero")
     terminal.write("q")

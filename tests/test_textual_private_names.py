@@ -6,6 +6,8 @@ Textual is pinned to its minor version because of them. A new use of a private n
 from __future__ import annotations
 
 import inspect
+from functools import cache
+from pathlib import Path
 
 import pytest
 from textual import keys
@@ -52,6 +54,13 @@ ATTRIBUTES = [
 ]
 
 
+@cache
+def source_of(owner: type) -> str:
+    """Of a class and what it inherits from Textual."""
+    files = {inspect.getsourcefile(b) for b in owner.__mro__ if b.__module__.startswith("textual")}
+    return "".join(Path(file).read_text(encoding="utf-8") for file in files if file)
+
+
 @pytest.mark.parametrize(("used_by", "owner", "name"), METHODS)
 def test_a_private_method_is_there(used_by: str, owner: object, name: str) -> None:
     assert callable(getattr(owner, name, None)), f"{used_by} needs {owner}.{name}"
@@ -59,6 +68,4 @@ def test_a_private_method_is_there(used_by: str, owner: object, name: str) -> No
 
 @pytest.mark.parametrize(("used_by", "owner", "name"), ATTRIBUTES)
 def test_a_private_attribute_is_there(used_by: str, owner: type, name: str) -> None:
-    bases = (base for base in owner.__mro__ if base.__module__.startswith("textual"))
-    sources = "".join(inspect.getsource(base) for base in bases)
-    assert f"self.{name}" in sources, f"{used_by} needs {owner.__name__}.{name}"
+    assert f"self.{name}" in source_of(owner), f"{used_by} needs {owner.__name__}.{name}"

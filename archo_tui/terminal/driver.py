@@ -22,7 +22,8 @@ from typing import Any, Protocol, cast
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
 
-MAX_WAITING = 64 * 1024  # bytes; a full frame of 160 x 48 has about 20,000
+MAX_WAITING = 64 * 1024  # bytes, or two frames of a large terminal; one of 160 x 48 has 20,000
+_MARKS = 4096  # bytes of what stands around a frame
 _STOP_TIMEOUT = 0.5  # s that the end waits for a terminal that does not read
 
 
@@ -48,6 +49,7 @@ class Writer(threading.Thread):
         self._on_drained, self._on_dead = on_drained, on_dead
         self._waiting: deque[tuple[bytes, bool]] = deque()
         self._size = 0
+        self._largest = 0  # write so far: a frame of any size has room, and the marks around it
         self._changed = threading.Condition()
         self._dropping = self._writing = self._ending = self.dead = False
 
@@ -57,8 +59,8 @@ class Writer(threading.Thread):
         with self._changed:
             if self.dead or (self._dropping and not keep):
                 return
-            idle = not (self._waiting or self._writing)  # then one frame of any size is taken
-            if self._size + len(data) > MAX_WAITING and not keep and not idle:
+            self._largest = max(self._largest, len(data))
+            if self._size + len(data) > max(MAX_WAITING, 2 * self._largest + _MARKS) and not keep:
                 self._dropping = True
                 self._waiting = deque(item for item in self._waiting if item[1])
                 self._size = sum(len(kept) for kept, _ in self._waiting)

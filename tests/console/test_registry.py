@@ -12,6 +12,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.commands import COMMANDS
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, PANELS, Command
 from archo_tui.commands.keymap import shown
+from archo_tui.widgets.field import INTEGER
 from tests.console.states import STATES
 from tests.support.console import send
 from tests.support.quiet import Quiet
@@ -49,6 +50,9 @@ def works(command: Command, place: str, panel: int) -> bool:
     """What the table says."""
     if command.where == EVERYWHERE:
         return True
+    if place == "shelf field":  # a number: letters are commands
+        is_text = len(shown(command.key)) > 1 or shown(command.key) in INTEGER
+        return command.where == NOT_TYPING and not is_text
     main = place.startswith("panel") or place == "full screen"
     return main and (command.where == NOT_TYPING or command.panel == panel)
 

@@ -108,13 +108,15 @@ async def pictures(
         clock.passed = 0.0
         app.tick()
         for number, size in enumerate(sizes):
+            if number and dialog:  # opened again in each size
+                app.pop_screen()
+                await rest(app, quiet)
             if number:
                 await pilot.resize_terminal(*SIZES[size])
             await rest(app, quiet)
-            if not number:
-                for key in keys:
-                    send(app, key)
-                    await rest(app, quiet)
+            for key in keys if dialog or not number else ():
+                send(app, key)
+                await rest(app, quiet)
             assert len(app.screen_stack) == 1 + dialog
             found[size] = normalised(app.export_screenshot(simplify=True))
     return found
@@ -154,7 +156,7 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
     ("name", "state", "keys", "dialog"),
     [
         ("help", "normal", ["question_mark"], True),
-        ("edit", "normal", ["down", "down", "enter"], True),
+        ("edit", "normal", ["4", "home", "down", "down", "enter"], True),
         ("field", "normal", ["g", "1", "2"], False),
         ("question", "goal cancelling", ["q"], True),
         ("nodes hosted", "normal", ["5"], False),
@@ -163,7 +165,7 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
         ("filter finds nothing", "normal", ["4", "slash", *"warp", "enter"], False),
         ("search", "normal", ["6", "slash", *"shelf", "enter"], False),
         ("full screen", "normal", ["6", "e"], False),
-        ("event", "normal", ["6", "down", "enter"], True),
+        ("event", "normal", ["6", "home", "down", "enter"], True),
         ("save", "normal", ["4", "ctrl+s"], True),
     ],
 )

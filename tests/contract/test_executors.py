@@ -16,7 +16,7 @@ from rclpy.executors import (
 from rclpy.task import Future
 from std_msgs.msg import Int32
 
-from tests.support.clock import pass_time, seconds, stuck
+from tests.support.clock import pass_time, release, seconds, stuck
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
@@ -34,20 +34,20 @@ def test_a_timer_first_fires_after_one_period(ros: Ros) -> None:
 
 def test_a_slow_callback_skips_ticks(ros: Ros) -> None:
     node = ros.node()
-    release = threading.Event()
+    released = threading.Event()
     ticks: list[float] = []
 
     def tick() -> None:
         ticks.append(seconds())
         if len(ticks) == 1:
             with stuck():
-                release.wait(30)
+                released.wait(30)
 
     node.create_timer(0.05, tick)
     ros.spin(node)
     wait_until(lambda: ticks)
     pass_time(0.3)  # six periods
-    release.set()
+    release(released)
     freed = seconds()
     pass_time(0.12)
     # queued ticks would be six at once; at most one late one and those of the time since

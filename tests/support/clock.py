@@ -181,6 +181,13 @@ def stuck() -> Iterator[None]:
         yield
 
 
+def release(event: threading.Event) -> None:
+    """Let go of a callback that is `stuck()` on the event, and wait until it goes on."""
+    event.set()
+    while current is not None and current._stuck:
+        time.sleep(LOOK)
+
+
 def seconds() -> float:
     """The time (s) that the nodes of the test live by."""
     return time.monotonic() if current is None else current.monotonic()

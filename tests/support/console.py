@@ -75,6 +75,10 @@ class Console:
         """Press keys, all at once: as they come over a slow link."""
         send(self.app, *keys)
 
+    async def settle(self) -> None:
+        """Let everything be done that is to be done before time moves on."""
+        await self._quiet.settle()
+
     async def type(self, text: str) -> None:
         """Type text, character by character."""
         await self.press(*text)
