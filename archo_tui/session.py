@@ -92,10 +92,10 @@ class Session:
             for make in self._makers():
                 self.host.add(make)
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-            self._context.try_shutdown()
+            self._give_up()
             raise ArchoError(self._refused(str(error))) from None
         except NameValidationException as error:
-            self._context.try_shutdown()
+            self._give_up()
             raise ArchoError(f"{error.name_type} {error.name!r}: {error.error_msg}") from None
         self.station = Station(
             self.robot,
@@ -107,6 +107,10 @@ class Session:
             attached=options.attach,
             on_disconnect=options.on_disconnect,
         )
+
+    def _give_up(self) -> None:
+        self.journal.close()
+        self._context.try_shutdown()
 
     def _journal_failed(self, reason: str) -> None:
         line = f"cannot write the journal {reason}; continuing without it"
