@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
@@ -13,7 +14,12 @@ from archo_tui.screens.dialog import Dialog
 class Confirm(Dialog[str]):
     """Ends with the words of the answer; escape gives the safe one."""
 
-    BINDINGS = [("escape", "safe", "Safe answer")]
+    BINDINGS = [
+        ("escape,n", "safe", "Safe answer"),
+        ("y", "yes", "The answer that acts"),
+        ("left", "app.focus_previous", "The answer before"),
+        ("right", "app.focus_next", "The next answer"),
+    ]
 
     def __init__(self, title: str, question: str, *answers: str) -> None:
         super().__init__()
@@ -27,6 +33,7 @@ class Confirm(Dialog[str]):
     def compose(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
             box.border_title = self.title
+            box.border_subtitle = "← → or first letter, enter   esc no"
             with VerticalScroll(classes="question", can_focus=False):
                 yield Static(Content(self._question))
             with Horizontal(classes="answers"):
@@ -38,6 +45,19 @@ class Confirm(Dialog[str]):
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         self.end(str(event.button.label))
+
+    def on_key(self, event: events.Key) -> None:
+        """The first letter of an answer chooses it, when it is that answer's alone."""
+        letter = (event.character or "").casefold()
+        fitting = [n for n, answer in enumerate(self._answers) if answer.casefold()[0] == letter]
+        if len(fitting) == 1 and letter not in ("y", "n"):
+            event.stop()
+            self.end(self._answers[fitting[0]])
+
+    def action_yes(self) -> None:
+        """The answer that acts, when there is only one."""
+        if len(self._answers) == 2:
+            self.end(self._answers[1])
 
     def action_safe(self) -> None:
         """Change nothing."""

@@ -15,7 +15,7 @@ from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.styled import content
 
 
-class MotorPanel(Panel):
+class MotorPanel(Panel, can_focus=True):
     """Live ticks and speed, and the two buttons, far apart."""
 
     number, title_text = 2, "Motor"
@@ -38,6 +38,3 @@ class MotorPanel(Panel):
         hint = Content.from_markup(release if state == state_text.STOPPED else "")
         word.show(Content.assemble(content(state), hint))
         self.grey(view, reset=RESET, stop=STOP)
-
-    def take_focus(self) -> None:
-        self.screen.set_focus(self.query_one("#reset"))

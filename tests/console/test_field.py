@@ -103,7 +103,10 @@ async def test_keys_behind_a_command_that_asks_are_for_its_question() -> None:
         op.send("R", "enter")  # the safe answer, not the parameter under the cursor
         await op.until(lambda: op.app.screen is op.app.main)
         assert op.app.view.snapshot.motor.stopped
-        op.send("R", "tab", "enter")
+        op.send("R", "n")
+        await op.settle()
+        assert op.app.view.snapshot.motor.stopped
+        op.send("R", "y")
         await op.until("● IDLE")
         motor: Motor = op.app.view.snapshot.motor
         assert not motor.stopped

@@ -69,3 +69,19 @@ async def test_while_a_question_is_asked_no_other_is() -> None:
         await it.press("q")
         assert "Cancel it and quit" in await it.press("ctrl+z")
         assert len(it.app.screen_stack) == 2
+
+
+async def test_an_answer_is_chosen_by_arrows_or_by_its_first_letter() -> None:
+    for keys in (["right", "enter"], ["c"], ["right", "right", "left", "enter"]):
+        it = Asked(attached=True)
+        async with it.app.run_test(size=(120, 36)):
+            assert "first letter" in await it.press("q")
+            await it.press(*keys)
+            assert not it.app.is_running
+        assert it.cancelled, keys
+    it = Asked(attached=True)
+    async with it.app.run_test(size=(120, 36)):
+        await it.press("q", "y")  # which of the two that act?
+        assert len(it.app.screen_stack) == 2
+        await it.press("s")
+        assert it.app.screen is it.app.main
