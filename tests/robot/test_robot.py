@@ -461,6 +461,7 @@ class Stoppable(Node):
         self.goal_answer: Future[bool] = Future()
         self.goals_seen = 0
         self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=self.group)
+        self.create_timer(0.05, lambda: None)  # an awaited future is noticed when something wakes
         self.action = ActionServer(
             self,
             MoveToShelf,
