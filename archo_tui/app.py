@@ -100,7 +100,8 @@ class ArchoApp(TerminalApp):
 
     async def _tick_for_ever(self) -> None:
         while True:
-            await self.station.clock.sleep(TICK)
+            clock = self.station.clock
+            await clock.sleep(TICK - clock.now() % TICK)  # on the second: none is left out
             self.tick()
 
     def tick(self) -> None:
@@ -139,6 +140,9 @@ class ArchoApp(TerminalApp):
             return  # only the left button acts
         typed = isinstance(event, (events.Key, events.Paste)) and not event.is_forwarded
         if typed and (self._held or not self._takes_keys):
+            if isinstance(event, events.Key) and event.key == self._keys["stop"]:
+                self.action_command("stop")  # waits for nothing
+                return
             self._held.append(event)  # type: ignore[arg-type]
             self.call_later(self._release_keys)
             return
