@@ -49,5 +49,6 @@ class Form(Dialog[None]):
         raise NotImplementedError
 
     def say(self, text: str) -> None:
-        """What is wrong, or going on."""
-        self.query_one(".error", Static).update(Content(text))
+        """What is wrong, or going on; nothing when the dialog was left meanwhile."""
+        for line in self.query(".error").results(Static):
+            line.update(Content(text))

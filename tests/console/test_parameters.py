@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
+from typing import Any
 
+import pytest
 from textual.widgets import Input
 
+from archo_tui.errors import ArchoError
 from tests.support.console import FAST, Console, console
 
 
@@ -230,3 +234,24 @@ async def test_parameters_that_belong_together_are_loaded_together(tmp_path: Pat
         await op.press("tab", "enter")
         await op.until("5.0 *  double")
         await op.until("6.0 *  double")
+
+
+async def test_a_dialog_that_is_left_while_it_works_says_nothing_any_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    go_on = asyncio.Event()
+
+    async def slow(function: Any, *words: Any) -> Any:
+        await go_on.wait()
+        raise ArchoError("no such file")
+
+    async with console(*FAST) as op:
+        await op.press("4", "ctrl+o")
+        dialog: Any = op.app.screen
+        monkeypatch.setattr("asyncio.to_thread", slow)
+        await op.press("enter", "escape")
+        assert op.app.screen is op.app.main
+        go_on.set()
+        await op.settle()
+        dialog.say("too late")
+        assert op.app.is_running
