@@ -171,15 +171,33 @@ class Robot:
         )
 
     def _type(self, name: str) -> str:
-        return self._graph.services.get(self._names[name], "")
+        """The type that the servers of a service have, empty when they have none or several."""
+        full = self._names[name]
+        types = self._graph.services.get(full, [])
+        if len(types) > 1:  # clients are in that list too
+            types = self._graph.served_types(full)
+        return types[0] if len(types) == 1 else ""
+
+    def _fitting(self, name: str, fields: Mapping[str, Any]) -> tuple[Any, str]:
+        """The class of a service whose request has just those fields, or None and why not."""
+        full, kind = self._names[name], self._type(name)
+        if not kind:
+            return None, f"{full} has servers of different types: not called"
+        srv_type = interfaces.load(kind)
+        if srv_type is None:
+            return None, f"{full}: type {kind} is not installed here"
+        if interfaces.fields(srv_type.Request) != set(fields):
+            return None, f"{full} is {kind}, whose request is another: not called"
+        return srv_type, ""
 
     def _command(self, name: str, **fields: Any) -> str:
-        """The command line for a call, empty when the type of its server is not known here."""
-        kind = self._type(name)
-        srv_type = interfaces.load(kind) if kind else None
-        if srv_type is None:
+        """The command line for a call, empty when its type is not known, or another one."""
+        full = self._names[name]
+        types = self._graph.services.get(full, [])
+        srv_type = interfaces.load(types[0]) if len(types) == 1 else None
+        if srv_type is None or interfaces.fields(srv_type.Request) != set(fields):
             return ""
-        return ros2_command.service_call(self._names[name], kind, srv_type.Request(**fields))
+        return ros2_command.service_call(full, types[0], srv_type.Request(**fields))
 
     async def _found(self, name: str) -> None:
         """Wait up to DEADLINE for a server, at the start or after a restart of its node."""
@@ -189,17 +207,16 @@ class Robot:
             self._look()
 
     async def _call(self, name: str, **fields: Any) -> Outcome:
-        """Call a service with the type that its server has."""
-        full, kind = self._names[name], self._type(name)
+        """Call a service with the type that its server has, if its request is what is meant."""
         if name not in self._graph.offered:
-            return Outcome(False, f"{full} is not offered by any node")
-        srv_type = interfaces.load(kind) if kind else None
+            return Outcome(False, f"{self._names[name]} is not offered by any node")
+        srv_type, reason = self._fitting(name, fields)
         if srv_type is None:
-            return Outcome(False, f"{full}: type {kind} is not installed here")
+            return Outcome(False, reason)
         answer = await self._services.call(srv_type, name, srv_type.Request(**fields))
         if answer is None:
             return Outcome(False, f"no answer in {services.DEADLINE:g} s")
-        return Outcome(bool(answer.success), answer.message)
+        return interfaces.outcome(answer)
 
     async def _do(
         self, title: str, command: str, work: Callable[[], Coroutine[Any, Any, Outcome]]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+
+from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # rclpy has no public name for it
 from rclpy.node import Node
 
 from archo_tui.robot.state import (
@@ -28,13 +31,13 @@ class Graph:
         self._last: dict[str, float] = {}
         self._publisher: dict[str, str] = {}
         self.names: list[str] = []
-        self.services: dict[str, str] = {}  # name -> type
+        self.services: dict[str, list[str]] = {}  # types by name, of clients too
         self.offered: frozenset[str] = frozenset()
 
     def look(self) -> bool:
         """Ask what is on the graph now; True when something came or went."""
         names = sorted({_full(*pair) for pair in self._node.get_node_names_and_namespaces()})
-        services = {name: types[0] for name, types in self._node.get_service_names_and_types()}
+        services = dict(self._node.get_service_names_and_types())
         # a name alone may be that of a client, our own for one: servers are counted
         count = self._node.count_services
         offered = {name for name in (RESET, STOP, RELEASE, CHARGE) if count(name)}
@@ -50,6 +53,15 @@ class Graph:
         changed = names != self.names or offered != self.offered
         self.names, self.services, self.offered = names, services, frozenset(offered)
         return changed
+
+    def served_types(self, name: str) -> list[str]:
+        """The types of a service's servers, by asking every node for what it serves."""
+        found: set[str] = set()
+        for node, namespace in self._node.get_node_names_and_namespaces():
+            with contextlib.suppress(NodeNameNonExistentError):  # it has left meanwhile
+                served = self._node.get_service_names_and_types_by_node(node, namespace)
+                found.update(dict(served).get(name, ()))
+        return sorted(found)
 
     def heard_topic(self, topic: str, now: float) -> None:
         """A message came on one of the console's topics at `now` (s)."""

@@ -1,9 +1,13 @@
-"""The Python class of an interface that the graph names."""
+"""The Python class of an interface that the graph names, and what its messages hold."""
 
 from __future__ import annotations
 
 import importlib
 from typing import Any
+
+from archo_tui.robot.state import Outcome
+
+_EMPTY = "structure_needs_at_least_one_member"  # rosidl's filler of an empty message
 
 
 def load(type_name: str) -> Any:
@@ -13,3 +17,20 @@ def load(type_name: str) -> Any:
         return getattr(importlib.import_module(f"{package}.{kind}"), name)
     except (ImportError, AttributeError):
         return None
+
+
+def fields(message_class: Any) -> set[str]:
+    """The names of a message's fields."""
+    return set(message_class.get_fields_and_field_types()) - {_EMPTY}
+
+
+def outcome(answer: Any) -> Outcome:
+    """What a service's answer says: `success`, else its only bool; and `message`."""
+    kinds = answer.get_fields_and_field_types()
+    bools = [name for name, kind in kinds.items() if kind == "boolean"]
+    name = "success" if "success" in bools else bools[0] if len(bools) == 1 else ""
+    if not name:
+        return Outcome(False, "answered, not confirmed")
+    done = bool(getattr(answer, name))
+    said = getattr(answer, "message", "")
+    return Outcome(done, said if isinstance(said, str) and said else ("done" if done else "failed"))

@@ -20,6 +20,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.task import Future
 from std_msgs.msg import Float32
+from std_srvs.srv import Empty, SetBool
 
 from archo_tui.goal_text import goal_line
 from archo_tui.robot.client import Robot
@@ -655,3 +656,47 @@ async def test_feedback_that_is_no_distance_is_shown_as_received_and_moves_nothi
             )
             text = plain(goal_line(it.snapshot, clock.seconds(), "g"))
             assert (f"? {said} m left" in text) == bool(said)
+
+
+@pytest.mark.parametrize("kind", [SetBool, Empty])
+async def test_a_stop_of_another_type_is_not_called_and_that_is_said_at_once(kind: Any) -> None:
+    called: list[Any] = []
+
+    class Other(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("other", **options)
+            self.create_service(kind, "emergency_stop", self.stop)
+
+        def stop(self, request: Any, response: Any) -> Any:
+            called.append(request)
+            return response
+
+    async with robot(Other) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.offered)
+        outcome = await ended(it.emergency_stop())
+        assert not outcome.ok
+        assert it.snapshot.stop_asked is not None
+        if kind is SetBool:  # called with a default, it would release
+            assert called == []
+            assert outcome.text == (
+                "/emergency_stop is std_srvs/srv/SetBool, whose request is another: not called: "
+                "use the hardware stop"
+            )
+        else:
+            assert outcome.text == "answered, not confirmed: use the hardware stop"
+
+
+async def test_a_client_of_another_type_does_not_hide_the_server() -> None:
+    class Both(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("both", **options)
+            self.create_client(Empty, "emergency_stop")
+            self.create_service(EmergencyStop, "emergency_stop", self.stop)
+
+        def stop(self, request: Any, response: Any) -> Any:
+            response.success, response.message = True, "Stopped"
+            return response
+
+    async with robot(Both) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.offered)
+        assert (await ended(it.emergency_stop())).text == "Stopped"
