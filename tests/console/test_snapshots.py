@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import re
-import time
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -40,11 +39,8 @@ HOSTED = (
 
 
 @pytest.fixture(autouse=True)
-def _utc(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("TZ", "UTC")
-    monkeypatch.setenv("LC_ALL", "C.UTF-8")
+def _root(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir("/")  # a dialog names the folder
-    time.tzset()
 
 
 def normalised(svg: str) -> str:
