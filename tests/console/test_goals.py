@@ -78,6 +78,14 @@ async def test_a_second_goal_is_refused_and_the_first_goes_on() -> None:
 
 async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words() -> None:
     async with console(*FAST) as op:
+
+        def heard() -> bool:
+            events = op.app.view.snapshot.events
+            return any(event.source == "motor_controller" for event in events)
+
+        while not heard():  # on ROS 2 a node's log is found a moment after its services
+            await op.press("r")
+            await op.until("Encoder reset to zero")
         await op.press("g", "9", "9", "enter")
         await op.until("✗ REFUSED      shelf 99 is not in 1 .. 40")
         await op.until("before: ✗ 99 refused")

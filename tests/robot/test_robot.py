@@ -686,6 +686,9 @@ async def test_a_stop_of_another_type_is_not_called_and_that_is_said_at_once(kin
             assert outcome.text == "answered, not confirmed: use the hardware stop"
 
 
+@pytest.mark.skipif(
+    chosen.ENGINE != "embedded", reason="one process cannot have both in Fast DDS, only two can"
+)
 async def test_a_client_of_another_type_does_not_hide_the_server() -> None:
     class Both(Node):
         def __init__(self, **options: Any) -> None:
