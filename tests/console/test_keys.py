@@ -126,7 +126,8 @@ async def test_a_click_does_what_the_key_does() -> None:
 
 async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
     async with console(node_makers=[Nobody], wait=False) as op:
-        await op.until("move_to_shelf: not offered by any node")
+        await op.until("● nobody")
+        assert "move_to_shelf: not offered by any node" in op.text
         await op.press("g", "1", "2", "enter")
         await op.until("move_to_shelf is not offered by any node")
         assert op.app.query_one("#shelf", Input).value == "12"

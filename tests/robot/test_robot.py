@@ -95,6 +95,7 @@ def quiet(**options: Any) -> Node:
 
 async def test_what_nobody_offers_is_said() -> None:
     async with robot(quiet) as it:
+        assert it.snapshot.offered == frozenset()
         outcome = await ended(it.reset_encoder())
         assert (outcome.ok, outcome.text) == (False, "/reset_encoder is not offered by any node")
         outcome = await ended(it.cancel())
