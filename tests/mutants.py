@@ -64,8 +64,8 @@ FAULTS = [
     Fault("robot/state.py", "max(3 * self.period, 2.5)", "60.0", "tests/console/test_nodes.py tests/console/test_snapshots.py"),
     Fault("robot/state.py", "self.remaining * took / driven", "self.remaining * driven / took", CONSOLE),
     Fault("robot/graph.py", "if count(f\"{MOVE}/_action/send_goal\"):", "if True:", ROBOT + " " + CONSOLE + "/test_keys.py"),
-    Fault("robot/mailbox.py", "if self._waiting or self._loop is None:", "if self._loop is None:", ROBOT),
-    Fault("robot/mailbox.py", "            snapshot = self._latest\n", "            snapshot = Snapshot()\n", ROBOT),
+    Fault("robot/mailbox.py", "if self._waiting or self._loop is None:", "if self._loop is None:", ROBOT + "/test_mailbox.py"),
+    Fault("robot/mailbox.py", "            snapshot = self._latest\n", "            snapshot = Snapshot()\n", ROBOT + "/test_mailbox.py"),
     Fault("robot/events.py", "LIMIT = 1000", "LIMIT = 100_000", ROBOT),
     Fault("robot/events.py", '_UNSAFE.sub("\\N{REPLACEMENT CHARACTER}", ', "(", ROBOT),
     Fault("robot/goals.py", "SILENCE = 3.0", "SILENCE = 300.0", ROBOT),
@@ -110,7 +110,7 @@ def noticed(folder: Path, fault: Fault) -> bool:
     environ = os.environ | {"PYTHONPATH": f"{folder}:{folder / 'nodes'}"}
     try:
         done = subprocess.run(
-            words, cwd=folder, env=environ, capture_output=True, check=False, timeout=300
+            words, cwd=folder, env=environ, capture_output=True, check=False, timeout=120
         )
     except subprocess.TimeoutExpired:
         return True
