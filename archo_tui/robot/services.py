@@ -23,8 +23,8 @@ class Services:
         self._node, self._clock = node, clock
         self._clients: dict[tuple[str, Any], Any] = {}
         self._pending: deque[tuple[float, Any, Any]] = deque()  # the oldest deadline first
-        steady = RosClock(clock_type=ClockType.STEADY_TIME)
-        self._timer = node.create_timer(DEADLINE, self._sweep, clock=steady)
+        self._steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
+        self._timer = node.create_timer(DEADLINE, self._sweep, clock=self._steady)
         self._timer.cancel()
 
     @property
@@ -55,8 +55,9 @@ class Services:
     async def pause(self, seconds: float) -> None:
         """Let that many seconds pass."""
         passed: Future[bool] = Future(executor=self._node.executor)
-        steady = RosClock(clock_type=ClockType.STEADY_TIME)
-        timer = self._node.create_timer(seconds, lambda: passed.set_result(True), clock=steady)
+        timer = self._node.create_timer(
+            seconds, lambda: passed.set_result(True), clock=self._steady
+        )
         await passed
         self._node.destroy_timer(timer)
 

@@ -155,9 +155,8 @@ class MotorController(Node):
         self, request: EmergencyStop.Request, response: EmergencyStop.Response
     ) -> EmergencyStop.Response:
         self.emergency_stopped = True
-        if self.goal is not None:
-            left, shelf = self.drive.remaining, self.shelf
-            self.end(ABORTED, f"Emergency stop, {left:.1f} m before shelf {shelf}")
+        left = f"{self.drive.remaining:.1f} m before shelf {self.shelf}"
+        self.end(ABORTED, f"Emergency stop, {left}")
         self.publish_status()
         self.get_logger().warning("Emergency stop")
         response.success, response.message = True, "Stopped"
