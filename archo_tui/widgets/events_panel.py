@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-from functools import lru_cache
 
 from textual.app import ComposeResult
 
@@ -25,7 +24,6 @@ def is_shown(event: Event, level: str) -> bool:
     return event.level == "YOU" or LEVELS.index(event.level) >= LEVELS.index(level)
 
 
-@lru_cache(4096)
 def event_lines(event: Event, width: int) -> list[Text]:
     """`12:04:31  WARN   dashboard         Low battery: 18.0%`, wrapped where that is too wide."""
     count = f"  x {event.count}" if event.count > 1 else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from itertools import accumulate
 from typing import Generic, TypeVar
 
 from rich.cells import cell_len
@@ -50,7 +51,10 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self._action = action
         self._draw, self._key, self.empty, self._wraps = lines, key, empty, wraps
         self._items: Sequence[T] = ()
-        self._starts: list[int] = []  # first line of each item, when they wrap
+        # when they wrap: what was laid out, the lines of each, and its first line
+        self._laid: Sequence[T] = ()
+        self._lines: list[Sequence[Text]] = []
+        self._starts: list[int] = []
         self._seen: dict[int, tuple[Text, bool]] = {}  # what each line of the window shows
         self._width = 0  # that the lines were laid out for: the window's may be newer
         self.cursor = 0
@@ -87,15 +91,10 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self.refresh()
 
     def _lay_out(self) -> None:
-        width = self._width = self.size.width
-        if self._wraps:
-            self._starts, total = [], 0
-            for item in self._items:
-                self._starts.append(total)
-                total += len(self._draw(item, width))
-        else:
-            total = len(self._items)
-        size = Size(max(self._longest(width), 1), total)
+        width, before = self.size.width, self._width
+        self._width = width
+        total = self._wrap(width != before) if self._wraps else len(self._items)
+        size = Size(max(self._longest(), 1), total)
         if size != self.virtual_size:
             scrolled = self._scrolls
             self.virtual_size = size
@@ -106,13 +105,25 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         else:
             self.redraw()
 
+    def _wrap(self, anew: bool) -> int:
+        """Lay out the items that are new, or all of them; returns how many lines there are."""
+        known = {} if anew else dict(zip(map(id, self._laid), self._lines, strict=True))
+        self._lines = [known.get(id(item)) or self._draw(item, self._width) for item in self._items]
+        self._laid = self._items  # kept, so that no other object gets one of their ids
+        *self._starts, total = accumulate(map(len, self._lines), initial=0)
+        return total
+
+    def _lines_of(self, number: int) -> Sequence[Text]:
+        return self._lines[number] if self._wraps else self._draw(self._items[number], self._width)
+
     @property
     def _scrolls(self) -> bool:
         """True when not all lines have room."""
         return self.virtual_size.height > self.container_size.height
 
-    def _longest(self, width: int) -> int:
-        lines = (line for item in self._items[:_MEASURED] for line in self._draw(item, width))
+    def _longest(self) -> int:
+        measured = range(min(len(self._items), _MEASURED))
+        lines = (line for number in measured for line in self._lines_of(number))
         return max((cell_len(text) for text, _ in lines), default=0)
 
     def _line(self, row: int) -> tuple[Text, bool]:
@@ -123,8 +134,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
             part = row - self._starts[number]
         if number >= len(self._items):
             return (self.empty, "dim") if row == 0 else ("", ""), False
-        lines = self._draw(self._items[number], self._width)
-        return lines[part], self.has_focus and number == self.cursor
+        return self._lines_of(number)[part], self.has_focus and number == self.cursor
 
     def _number_at(self, row: int) -> int:
         return bisect_right(self._starts, row) - 1 if self._wraps else row
@@ -169,7 +179,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         if self.item is None:
             return
         first = self._starts[self.cursor] if self._wraps else self.cursor
-        height = len(self._draw(self._items[self.cursor], self._width))
+        height = len(self._lines_of(self.cursor))
         window, top = self.size.height, self.scroll_offset.y
         if first < top:
             self.scroll_to(y=first, animate=False)

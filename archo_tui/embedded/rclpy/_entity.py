@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 class Entity:
     """Something of a node with callbacks to run."""
 
+    # in a round of the executor: those of actions, timers, subscriptions, clients, services
+    _rank = 1
+
     def __init__(self, node: Node, callback_group: CallbackGroup) -> None:
         self._node = node
         self.callback_group = callback_group
@@ -39,8 +42,7 @@ class Entity:
 class QueueEntity(Entity):
     """An entity with a bounded queue; when it is full the oldest item is lost.
 
-    Its executor is told once for every item that is kept, so that a node handles what it is sent
-    in the order it came, whatever topic or service it came by.
+    Its executor takes one item a round, so that no full queue keeps another entity waiting.
     """
 
     def __init__(self, node: Node, callback_group: CallbackGroup, size: int | None) -> None:
@@ -52,9 +54,9 @@ class QueueEntity(Entity):
         if self._destroyed:
             return
         with self._queue_lock:
-            replaces = len(self._queue) == self._queue.maxlen
+            waited = bool(self._queue)
             self._queue.append(item)
-        if not replaces:
+        if not waited:
             self._notify()
 
     def _take(self) -> Callable[[], Any] | None:
@@ -68,4 +70,4 @@ class QueueEntity(Entity):
         raise NotImplementedError
 
     def _waiting(self) -> int:
-        return len(self._queue)
+        return 0 if self._destroyed else len(self._queue)

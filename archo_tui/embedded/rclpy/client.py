@@ -23,6 +23,8 @@ SrvResponseT = TypeVar("SrvResponseT")
 class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     """Calls a service. Made by `Node.create_client`."""
 
+    _rank = 3
+
     def __init__(
         self,
         node: Node,

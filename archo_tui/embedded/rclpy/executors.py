@@ -1,6 +1,9 @@
 """Executors: whoever spins one runs the callbacks of its nodes.
 
-Waiting costs nothing: a queue of what is ready, a heap of timers, one condition variable.
+As rclpy's wait set has it, work is done in rounds: the tasks first, then one piece of work of each
+entity that is ready, timers before subscriptions before clients before services. So a task, and a
+service's answer, never wait behind a queue full of messages.
+Waiting costs nothing: a heap of timers, one condition variable.
 """
 
 from __future__ import annotations
@@ -43,9 +46,11 @@ class Executor:
 
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = get_default_context() if context is None else context
-        self._nodes: list[Node] = []
+        self._nodes: dict[Node, int] = {}  # with its place among them
         self._condition = threading.Condition(threading.RLock())
-        self._ready: deque[Entity | Task[Any]] = deque()
+        self._tasks: deque[Task[Any]] = deque()
+        self._ready: dict[Entity, None] = {}  # in the order in which they became so
+        self._round: deque[Entity | Task[Any]] = deque()  # what is left of the one that goes on
         self._blocked: list[Entity] = []  # ready, but their callback group is taken
         self._timers: list[tuple[int, int, Timer]] = []
         self._order = itertools.count()
@@ -63,12 +68,12 @@ class Executor:
         with self._condition:
             if node in self._nodes:
                 return False
-            self._nodes.append(node)
+            self._nodes[node] = next(self._order)
             node.executor = self
             for entity in node._entities():
                 if isinstance(entity, Timer):
                     entity._schedule()
-                for _ in range(entity._waiting()):
+                if entity._waiting():
                     self._make_ready(entity)
             self._notify()
             return True
@@ -77,11 +82,11 @@ class Executor:
         """Stop running this node's callbacks."""
         with self._condition:
             if node in self._nodes:
-                self._nodes.remove(node)
+                del self._nodes[node]
                 node.executor = None
-                others = [e for e in self._ready if isinstance(e, Task) or e._node is not node]
-                self._ready.clear()
-                self._ready.extend(others)
+                others = [e for e in self._round if isinstance(e, Task) or e._node is not node]
+                self._round = deque(others)
+                self._ready = {e: None for e in self._ready if e._node is not node}
                 self._blocked = [e for e in self._blocked if e._node is not node]
 
     def get_nodes(self) -> list[Node]:
@@ -92,7 +97,7 @@ class Executor:
         """Run a function or coroutine on this executor, from any thread."""
         task: Task[Any] = Task(callback, args, kwargs, executor=self)
         with self._condition:
-            self._ready.append(task)
+            self._tasks.append(task)
             self._notify()
         return task
 
@@ -166,7 +171,7 @@ class Executor:
             work._release = lambda: entity.callback_group.ending_execution(entity)
         work()
         with self._condition:
-            self._ready.extendleft(reversed(self._blocked))
+            self._ready.update(dict.fromkeys(self._blocked))
             self._blocked.clear()
         error = work.exception()
         if error is not None:
@@ -178,15 +183,16 @@ class Executor:
         self._condition.notify_all()
 
     def _make_ready(self, entity: Entity) -> None:
-        """Queue one piece of work of an entity."""
+        """There is work of an entity."""
         with self._condition:
-            self._ready.append(entity)
-            self._notify()
+            if entity._node in self._nodes:  # it may have left meanwhile
+                self._ready[entity] = None
+                self._notify()
 
     def _resume(self, task: Task[Any]) -> None:
         """Queue a task whose awaited future is done, without waking anybody."""
         with self._condition:
-            self._ready.append(task)
+            self._tasks.append(task)
 
     def _add_timer(self, timer: Timer) -> None:
         with self._condition:
@@ -230,18 +236,43 @@ class Executor:
         return None
 
     def _pop_ready(self) -> tuple[Task[Any], Entity | None] | None:
-        for _ in range(len(self._ready)):
-            item = self._ready.popleft()
+        """The next piece of work of this round, else of the next one; None when there is none."""
+        if not self._round:
+            self._begin_round()
+        while self._round:
+            item = self._round.popleft()
             if isinstance(item, Task):
                 return item, None
-            if not item.callback_group.beginning_execution(item):
-                self._blocked.append(item)
-                continue
-            work = item._take()
-            if work is not None:
-                return Task(work, executor=self), item
-            item.callback_group.ending_execution(item)
+            found = self._take(item)
+            if found is not None:
+                return found, item
+            if not self._round:
+                self._begin_round()
         return None
+
+    def _begin_round(self) -> None:
+        entities = sorted(self._ready, key=self._place) if len(self._ready) > 1 else self._ready
+        self._round.extend(self._tasks)
+        self._round.extend(entities)
+        self._tasks.clear()
+        self._ready = {}
+
+    def _place(self, entity: Entity) -> tuple[int, int]:
+        """By node, then by kind; among those alike the one that was ready first."""
+        return self._nodes[entity._node], entity._rank
+
+    def _take(self, entity: Entity) -> Task[Any] | None:
+        """One piece of work of an entity, None when its callback group is taken or it has none."""
+        if not entity.callback_group.beginning_execution(entity):
+            self._blocked.append(entity)
+            return None
+        work = entity._take()
+        if entity._waiting():
+            self._ready[entity] = None
+        if work is None:
+            entity.callback_group.ending_execution(entity)
+            return None
+        return Task(work, executor=self)
 
 
 class SingleThreadedExecutor(Executor):

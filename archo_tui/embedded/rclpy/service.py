@@ -28,6 +28,8 @@ class RequestHeader(NamedTuple):
 class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     """Answers requests. Made by `Node.create_service`."""
 
+    _rank = 4
+
     def __init__(
         self,
         node: Node,

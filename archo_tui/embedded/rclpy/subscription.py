@@ -18,6 +18,8 @@ MsgT = TypeVar("MsgT")
 class Subscription(QueueEntity, Generic[MsgT]):
     """Receives messages of one type from one topic. Made by `Node.create_subscription`."""
 
+    _rank = 2
+
     def __init__(
         self,
         node: Node,

@@ -108,6 +108,9 @@ class ActionClient:
             )
         ]
 
+        for entity in (*self._clients, *self._subscriptions):
+            entity._rank = 0
+
     def send_goal_async(
         self,
         goal: Any,

@@ -141,7 +141,9 @@ class ActionServer:
 
         def serve(kind: Any, srv_type: Any, name: str, callback: Any) -> Service[Any, Any]:
             full = f"{action_name}/_action/{name}"
-            return node._add_service(kind, srv_type, full, callback, callback_group, qos)
+            service = node._add_service(kind, srv_type, full, callback, callback_group, qos)
+            service._rank = 0
+            return service
 
         self._services = [
             serve(Service, impl.SendGoalService, "send_goal", self._on_goal),
