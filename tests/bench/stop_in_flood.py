@@ -26,7 +26,7 @@ _PRESSES = 50
 _RATE, _BURSTS = 10_000, 100  # lines and bursts a second
 
 
-class Flood(Node):  # type: ignore[misc]
+class Flood(Node):
     """Logs far too much."""
 
     def __init__(self, **options: Any) -> None:

@@ -290,8 +290,7 @@ def test_a_round_has_tasks_then_timers_then_one_message_of_each_topic_then_servi
     node.create_timer(1.0, lambda: ran.append("timer"), callback_group=group)
     publishers = {name: other.create_publisher(Int32, name, 10) for name in ("x", "y")}
     client = other.create_client(Trigger, "call")
-    for publisher in publishers.values():
-        wait_until(lambda publisher=publisher: publisher.get_subscription_count() == 1)
+    wait_until(lambda: all(p.get_subscription_count() == 1 for p in publishers.values()))
     assert client.wait_for_service(10.0)
     executor = SingleThreadedExecutor(context=ros.context)
     executor.add_node(node)
