@@ -5,7 +5,7 @@ An alarm is gone only when it is over and acknowledged. Shelved, it is silent fo
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -64,7 +64,7 @@ TRANSITIONS: dict[tuple[State, Change], State] = {
 
 CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "battery empty"
 STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
-SILENT = "motor silent"
+SILENT, UNWRITTEN = "motor silent", "journal not written"
 _PRIORITIES = {
     UNCONFIRMED: Priority.HIGH,
     CONTACT_LOST: Priority.HIGH,
@@ -73,11 +73,14 @@ _PRIORITIES = {
     CRASHED: Priority.HIGH,
     STOPPED: Priority.MED,
     LOW: Priority.MED,
+    UNWRITTEN: Priority.LOW,
 }  # of each kind; the worst first
 _ORDER = list(_PRIORITIES)
 
 _HEARD = (EMPTY, STOPPED, LOW, SILENT)  # of what the robot says: nothing new while it is not heard
 _LAST_KNOWN = " (last known)"
+# what to do, where that is a command: its id, and the words around the way to give it
+_REMEDIES = {STOPPED: ("release", ", then {} to release"), LOW: ("charge", ", or {} to charge")}
 ON_DELAY = {LOW: 2.0, EMPTY: 2.0, UNCONFIRMED: 1.0}  # s that a condition must hold before it counts
 SHELF_TIME = 600.0  # s
 
@@ -92,6 +95,7 @@ class Alarm:
     state: State = State.UNACKNOWLEDGED
     until: float | None = None  # when its condition was over
     shelved_until: float | None = None
+    reason: str = ""  # why it was shelved
 
     @property
     def priority(self) -> Priority:
@@ -115,13 +119,26 @@ class Alarm:
         return shelved, self.acknowledged, self.is_over, _ORDER.index(_kind(self.name))
 
 
+def advice(alarm: Alarm, ways: Mapping[str, str]) -> str:
+    """What an alarm says, with what to do; `ways` of giving a command by its id: `press R`."""
+    command, words = _REMEDIES.get(alarm.name, ("", ""))
+    if command not in ways or alarm.is_over or alarm.text.endswith(_LAST_KNOWN):
+        return alarm.text
+    return alarm.text + words.format(ways[command])
+
+
 def _kind(name: str) -> str:
     """Without the node that it is about."""
     return name.partition(" /")[0]
 
 
-def conditions(snapshot: Snapshot, now: float, hosted: Iterable[Hosted] = ()) -> dict[str, str]:
-    """Which alarms' conditions hold at `now` (monotonic s), with the text for each."""
+def conditions(
+    snapshot: Snapshot, now: float, hosted: Iterable[Hosted] = (), unwritten: str = ""
+) -> dict[str, str]:
+    """Which alarms' conditions hold at `now` (monotonic s), with the text for each.
+
+    `unwritten` is why the journal is not written.
+    """
     battery, motor = snapshot.battery, snapshot.motor
     found: dict[str, str] = {}
     if snapshot.stop_asked is not None:
@@ -130,6 +147,8 @@ def conditions(snapshot: Snapshot, now: float, hosted: Iterable[Hosted] = ()) ->
             f"STOP SENT, no answer for {waited:.0f} s (not confirmed by the robot): "
             "use the hardware stop"
         )
+    if unwritten:
+        found[UNWRITTEN] = f"JOURNAL NOT WRITTEN: {unwritten}"
     for node in hosted:
         if node.life == Life.CRASHED:
             found[f"{CRASHED} {node.name}"] = (
@@ -156,7 +175,7 @@ def conditions(snapshot: Snapshot, now: float, hosted: Iterable[Hosted] = ()) ->
             "the robot may still be driving"
         )
     if motor.stopped:
-        found[STOPPED] = "STOPPED: look for the cause, then release the stop"
+        found[STOPPED] = "STOPPED: look for the cause"
     return found
 
 
@@ -203,9 +222,9 @@ class AlarmBoard:
         """Somebody has seen it."""
         return self._change(self._alarms.get(alarm.name, alarm), Change.ACKNOWLEDGE, now)
 
-    def shelve(self, alarm: Alarm, now: float) -> list[Alarm]:
+    def shelve(self, alarm: Alarm, now: float, reason: str = "") -> list[Alarm]:
         """Silence it for SHELF_TIME, or take it off the shelf."""
-        known = self._alarms.get(alarm.name, alarm)
+        known = replace(self._alarms.get(alarm.name, alarm), reason=reason)
         change = Change.UNSHELVE if known.state == State.SHELVED else Change.SHELVE
         return self._change(known, change, now)
 

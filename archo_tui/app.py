@@ -279,4 +279,4 @@ class ArchoApp(TerminalApp):
         outcome = await self.station.robot.go_to_shelf(shelf)
         if outcome.ok:
             self.main.goal.query_one(Input).clear()
-        self.main.goal.hint("" if outcome.ok else outcome.text)
+        self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)

@@ -9,6 +9,7 @@ from itertools import count
 from typing import Any
 
 import rclpy
+from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
@@ -35,9 +36,7 @@ class HostedNode:
         options = {"cli_args": ["--ros-args", "-r", f"__node:={rename}"]} if rename else {}
         self.node = make(context=context, **options)
         self.name: str = self.node.get_fully_qualified_name()
-        own = f"{self.name}/"  # those of its parameters: every node has them
-        serves = any(not service.service_name.startswith(own) for service in self.node.services)
-        self.state = Hosted(self.name, serves=serves)
+        self.state = Hosted(self.name, serves=_served(self.node))
         self._on_change = on_change
         self._stopping = False
         self._executor = SingleThreadedExecutor(context=context)
@@ -80,6 +79,15 @@ class HostedNode:
         if self.state.life != Life.CRASHED:
             self.state = replace(self.state, life=Life.STOPPED)
         return True
+
+
+def _served(node: Node) -> tuple[str, ...]:
+    """The services and actions of a node, but for those of its parameters: every node has them."""
+    own = f"{node.get_fully_qualified_name()}/"
+    names = {service.service_name for service in node.services}
+    services = {name for name in names if not name.startswith(own) and "/_action/" not in name}
+    actions = get_action_server_names_and_types_by_node(node, node.get_name(), node.get_namespace())
+    return tuple(sorted(services | {name for name, _ in actions}))
 
 
 class Host:

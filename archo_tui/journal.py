@@ -1,23 +1,26 @@
 """The operator's log: JSON lines in the state folder, appended and flushed one by one.
 
-Commands with their outcome, alarms, warnings and worse. A disk that is full or read-only is
-reported once, and tried again with every line.
+Commands with their outcome, how goals ended, alarms, warnings and worse. A disk that is full or
+read-only is an alarm while it lasts, and tried again with every line.
 """
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import getpass
 import json
 import os
 import queue
 import threading
-from collections.abc import Callable
+from collections.abc import Iterator
 from datetime import datetime, timezone
 from pathlib import Path
 
-from archo_tui.paths import state_file
+from archo_tui.paths import make_folder, state_file
 
 MAX_BYTES = 1_000_000  # then it is renamed to journal.jsonl.1, which replaces the older one
+VERSION = 1  # of a line's form: it grows when what a name means changes
 _WAITING = 1000  # lines that may wait for the disk
 _STOP_TIMEOUT = 2.0  # s
 
@@ -30,12 +33,11 @@ def path() -> Path:
 class Journal:
     """Takes entries from any thread without waiting; a thread of its own writes them."""
 
-    def __init__(self, file: Path, on_failure: Callable[[str], None]) -> None:
-        """`on_failure(reason)` is called once when nothing can be written, until something can."""
-        self._file, self._on_failure = file, on_failure
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        self.failure = ""  # why the last entry could not be written
         self._who = {"user": _user(), "from": os.environ.get("SSH_CLIENT", "").partition(" ")[0]}
         self._entries: queue.Queue[dict[str, object] | None] = queue.Queue(_WAITING)
-        self._failing = False
         self._lost = 0
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
         self._thread.start()
@@ -44,7 +46,7 @@ class Journal:
         """Add an entry; it is counted as lost when too many wait for the disk."""
         at = datetime.fromtimestamp(unix_time, timezone.utc).isoformat(timespec="milliseconds")
         try:
-            self._entries.put_nowait({"time": at, "kind": kind, **self._who, **what})
+            self._entries.put_nowait({"v": VERSION, "time": at, "kind": kind, **self._who, **what})
         except queue.Full:
             self._lost += 1
 
@@ -63,18 +65,44 @@ class Journal:
             try:
                 self._append(json.dumps(entry, ensure_ascii=False))
             except OSError as error:
-                if not self._failing:
-                    self._on_failure(f"{self._file}: {error.strerror}")
-                self._failing = True
+                self.failure = f"{error.strerror}: {self._file}"
             else:
-                self._failing = False
+                self.failure = ""
 
     def _append(self, line: str) -> None:
-        self._file.parent.mkdir(parents=True, exist_ok=True)
-        if self._file.exists() and self._file.stat().st_size > MAX_BYTES:
-            self._file.replace(self._file.with_name(f"{self._file.name}.1"))
-        with self._file.open("a", encoding="utf-8", errors="replace") as file:
-            file.write(f"{line}\n")
+        make_folder(self._file)
+        with _locked(self._file.parent):  # other consoles write here too, and rotate
+            if self._file.exists() and self._file.stat().st_size > MAX_BYTES:
+                self._file.replace(self._file.with_name(f"{self._file.name}.1"))
+            descriptor = os.open(self._file, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o600)
+            try:
+                _write_line(descriptor, line.encode("utf-8", "replace") + b"\n")
+            finally:
+                os.close(descriptor)
+
+
+def _write_line(descriptor: int, line: bytes) -> None:
+    """Append a line whole or not at all; one that something else left broken is ended first."""
+    size = os.fstat(descriptor).st_size
+    if size and os.pread(descriptor, 1, size - 1) != b"\n":
+        line = b"\n" + line
+    try:
+        while line:
+            line = line[os.write(descriptor, line) :]
+    except OSError:
+        with contextlib.suppress(OSError):  # a device has no end to go back to
+            os.ftruncate(descriptor, size)
+        raise
+
+
+@contextlib.contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def _user() -> str:

@@ -9,6 +9,12 @@ import platformdirs
 _NAME = "archo-tui"
 
 
+def make_folder(file: Path) -> None:
+    """Make the folder of one of these files, for nobody else to look into. Raises OSError."""
+    file.parent.parent.mkdir(parents=True, exist_ok=True)
+    file.parent.mkdir(mode=0o700, exist_ok=True)
+
+
 def config_file(name: str) -> Path:
     """What the operator chose: keymap, theme. On Linux below XDG_CONFIG_HOME or `~/.config`."""
     return platformdirs.user_config_path(_NAME, appauthor=False) / name

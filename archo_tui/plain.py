@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable, Coroutine
 from typing import TYPE_CHECKING, TextIO
 
 from archo_tui import goal_text, state_text
-from archo_tui.alarms import Alarm
+from archo_tui.alarms import Alarm, advice
 from archo_tui.clock import time_of_day
 from archo_tui.robot.parameter_values import parse, range_text, text_of
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase, Snapshot
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _SHOWN_LEVELS = ("YOU", "WARN", "ERROR", "FATAL")
 _STOP = ["stop"]
+_WAYS = {name: f"type {name}" for name in ("release", "charge")}
 _WAIT = 5.0  # s for the robot to be there before a command is tried
 
 HELP = """\
@@ -210,7 +211,7 @@ class Plain:
         self._out(f"encoder {plain(state_text.motor_line(snapshot, now)).strip()}")
         self._out(f"goal {plain(goal_text.goal_line(snapshot, now, 'go'))}")
         for alarm in self._station.view.alarms:
-            self._out(f"alarm {alarm.text}")
+            self._out(f"alarm {advice(alarm, _WAYS)}")
 
     # what happens
 
@@ -236,7 +237,7 @@ class Plain:
 
     def _tell_alarms(self, changed: list[Alarm]) -> None:
         for alarm in changed:
-            self._say(f"alarm {alarm.state.value}: {alarm.text}")
+            self._say(f"alarm {alarm.state.value}: {advice(alarm, _WAYS)}")
 
     def _say(self, text: str, at: float | None = None) -> None:
         self._out(f"{time_of_day(self._clock.now() if at is None else at)} {text}")

@@ -85,7 +85,7 @@ class Session:
             )
         except Exception as error:  # ROS has a dozen of them, all for bad arguments
             raise ArchoError((str(error).splitlines() or [repr(error)])[0]) from None
-        self.journal = Journal(journal.path(), self._journal_failed)
+        self.journal = Journal(journal.path())
         try:
             self.robot = Robot(self._context, self._clock, self._happened)
             self.host = Host(self._context, self.robot.note)
@@ -112,14 +112,10 @@ class Session:
         self.journal.close()
         self._context.try_shutdown()
 
-    def _journal_failed(self, reason: str) -> None:
-        line = f"cannot write the journal {reason}; continuing without it"
-        self.robot.note("WARN", "console", line)
-
     def _happened(self, event: Event) -> None:
         """An event came, or repeated, on the robot's thread."""
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
-            kind = "command" if event.level == "YOU" else "event"
+            kind = {"YOU": "command", "GOAL": "goal"}.get(event.level, "event")
             what = {"level": event.level, "source": event.source, "text": event.text}
             if event.command:
                 what["command"] = event.command

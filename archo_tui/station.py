@@ -79,7 +79,7 @@ class Station:
     def look(self) -> list[Alarm]:
         """Bring alarms and view up to the time it is now. Returns the alarms that changed."""
         now = self.clock.monotonic()
-        found = conditions(self._snapshot, now, self.host.states())
+        found = conditions(self._snapshot, now, self.host.states(), self._journal.failure)
         changed = self._board.update(found, now, self.clock.now())
         self._record(changed)
         self.view = self._view()
@@ -91,9 +91,9 @@ class Station:
             self._record(self._board.acknowledge(alarm, self.clock.now()))
         self.view = self._view()
 
-    def shelve(self, alarm: Alarm) -> None:
-        """Silence an alarm for a while, or take it off the shelf."""
-        self._record(self._board.shelve(alarm, self.clock.now()))
+    def shelve(self, alarm: Alarm, reason: str = "") -> None:
+        """Silence an alarm for a while and say why, or take it off the shelf."""
+        self._record(self._board.shelve(alarm, self.clock.now(), reason))
         self.view = self._view()
 
     async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
@@ -107,6 +107,8 @@ class Station:
     def _record(self, changed: Iterable[Alarm]) -> None:
         for alarm in changed:
             what = {"name": alarm.name, "state": alarm.state.value, "text": alarm.text}
+            if alarm.reason:
+                what["reason"] = alarm.reason
             now = self.clock.now()
             self._journal.write(now, "alarm", priority=alarm.priority.name, **what)
 

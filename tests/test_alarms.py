@@ -22,7 +22,8 @@ from archo_tui.alarms import (
     conditions,
 )
 from archo_tui.robot.state import Hosted, Life
-from archo_tui.widgets.bars import banner
+from archo_tui.station import View
+from archo_tui.widgets.bars import banner, header
 from tests.console.states import BATTERY, MOTOR, NORMAL, STATES
 from tests.support.clock import NOW
 
@@ -115,7 +116,8 @@ def test_the_board_keeps_to_the_machine(state: State) -> None:
 
 
 def shown(board: AlarmBoard) -> str:
-    return banner(board.all(), "a", 80).plain.strip()
+    view = View(NORMAL, NOW, NOW, 0.0, "embedded", "/", board.all(), keys={"acknowledge": "a"})
+    return banner(view, 80).plain.strip()
 
 
 def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
@@ -130,7 +132,7 @@ def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
     board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 3, 103)
     assert shown(board) == "▲ STOPPED: look (last known)   +1 more   (a acknowledge)"
     board.shelve(next(alarm for alarm in board.all() if alarm.name == STOPPED), 104)
-    assert shown(board) == "✗ CONTACT LOST: wait   1 shelved"
+    assert shown(board) == "✗ CONTACT LOST: wait   shelved: stopped"
 
 
 def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
@@ -202,3 +204,22 @@ def test_a_shelved_alarm_that_is_over_goes_after_its_time() -> None:
     board.update({}, 7, 107)
     board.update({}, 8, 100 + SHELF_TIME)
     assert board.all() == ()
+
+
+def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
+    board = AlarmBoard()
+    board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 0, 100)
+    board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 3, 103)
+    keys = {"acknowledge": "a", "charge": "c"}
+    view = View(NORMAL, NOW, NOW, 0.0, "embedded", "/", board.all(), keys=keys)
+    assert "dock the robot, or press c to charge" in banner(view, 120).plain
+    nobody_charges = replace(view, blocked=frozenset({"charge"}))
+    assert "press c" not in banner(nobody_charges, 120).plain
+
+
+def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
+    silent = replace(NORMAL, motor=replace(MOTOR, received=NOW - 4))
+    view = View(silent, NOW, NOW, 0.0, "embedded", "/")
+    assert "▲ motor_status silent, 4 s" in header(view, 80).plain
+    assert "online" not in header(view, 80).plain
+    assert "● online" in header(replace(view, snapshot=NORMAL), 80).plain

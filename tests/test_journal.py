@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 import json
+import os
+import resource
+import subprocess
+import sys
 import threading
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from archo_tui import journal
 from archo_tui.journal import MAX_BYTES, Journal
 from tests.support.console import FAST, console
+from tests.support.quiet import ended
 from tests.support.waiting import wait_until
 
 
@@ -19,47 +26,48 @@ def entries(file: Path) -> list[dict[str, Any]]:
 
 def test_an_entry_is_one_line_that_says_when_who_and_what(tmp_path: Path) -> None:
     file = tmp_path / "new" / "journal.jsonl"
-    kept = Journal(file, lambda reason: None)
+    kept = Journal(file)
     kept.write(1_700_000_000.5, "command", text="two\nlines \x1b[2J ü", level="YOU")
     wait_until(lambda: len(entries(file)) == 1)  # before it is closed
     (entry,) = entries(file)
     assert entry["time"] == "2023-11-14T22:13:20.500+00:00"
     assert (entry["kind"], entry["text"]) == ("command", "two\nlines \x1b[2J ü")
     assert entry["user"]
+    assert entry["v"] == 1
     kept.close()
 
 
 def test_it_is_rotated_at_its_bound(tmp_path: Path) -> None:
     file = tmp_path / "journal.jsonl"
-    kept = Journal(file, lambda reason: None)
+    kept = Journal(file)
     for _ in range(3):
         for _ in range(800):
             kept.write(0, "event", text="x" * 1000)
         kept.close()
-        kept = Journal(file, lambda reason: None)
+        kept = Journal(file)
     kept.close()
     sizes = sorted(path.stat().st_size for path in tmp_path.iterdir())
     assert len(sizes) == 2
     assert sum(sizes) < 2 * MAX_BYTES + 5000
 
 
-def test_a_disk_that_takes_nothing_is_told_once_and_tried_again(tmp_path: Path) -> None:
+def test_a_disk_that_takes_nothing_is_tried_again(tmp_path: Path) -> None:
     file = tmp_path / "journal.jsonl"
     file.mkdir()
-    told: list[str] = []
-    kept = Journal(file, told.append)
+    kept = Journal(file)
     kept.write(0, "event", text="lost")
     kept.write(0, "event", text="lost too")
-    wait_until(lambda: kept._entries.empty() and told)
+    wait_until(lambda: kept._entries.empty() and kept.failure)
+    assert kept.failure == f"Is a directory: {file}"
     file.rmdir()
     kept.write(0, "event", text="kept")
     kept.close()
-    assert told == [f"{file}: Is a directory"]
+    assert kept.failure == ""
     assert [entry["text"] for entry in entries(file)] == ["kept"]
 
 
 def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:
-    kept = Journal(tmp_path / "journal.jsonl", lambda reason: None)
+    kept = Journal(tmp_path / "journal.jsonl")
     go_on = threading.Event()
     append = kept._append
 
@@ -103,14 +111,17 @@ async def test_a_journal_that_cannot_be_written_is_said_on_the_screen() -> None:
     journal.path().mkdir(parents=True)
     async with console(*FAST) as op:
         await op.press("r")
-        await op.until("cannot write the journal ")
+        await op.until("● JOURNAL NOT WRITTEN: Is a directory: /")
         await op.press("g", "7", "enter")
         await op.until("Arrived at shelf 7")
+        journal.path().rmdir()
+        await op.press("r")
+        await op.until("was: JOURNAL NOT WRITTEN, since ")
 
 
 def test_lost_entries_are_counted_once(tmp_path: Path) -> None:
     file = tmp_path / "journal.jsonl"
-    kept = Journal(file, lambda reason: None)
+    kept = Journal(file)
     kept._lost = 7  # as many did not find room
     for number in range(3):
         kept.write(0, "event", number=number)
@@ -125,3 +136,72 @@ async def test_of_what_repeats_only_the_first_and_round_numbers_are_written() ->
         await op.until("x 25")
     found = [e["count"] for e in entries(journal.path()) if e.get("text") == "again"]
     assert found == [1, 10]
+
+
+def test_nobody_else_may_read_it(tmp_path: Path) -> None:
+    file = tmp_path / "archo-tui" / "journal.jsonl"
+    kept = Journal(file)
+    kept.write(0, "event", text="x")
+    kept.close()
+    assert (file.stat().st_mode & 0o777, file.parent.stat().st_mode & 0o777) == (0o600, 0o700)
+
+
+def test_a_line_that_was_left_broken_is_ended_first(tmp_path: Path) -> None:
+    file = tmp_path / "journal.jsonl"
+    file.write_text('{"v": 1, "ki')
+    kept = Journal(file)
+    kept.write(0, "event", text="whole")
+    kept.close()
+    assert json.loads(file.read_text().splitlines()[1])["text"] == "whole"
+
+
+def test_a_full_disk_leaves_no_half_line(tmp_path: Path) -> None:
+    file = tmp_path / "journal.jsonl"
+    file.write_text("{}\n")
+    descriptor = os.open(file, os.O_RDWR | os.O_APPEND)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
+    try:
+        with pytest.raises(OSError):
+            journal._write_line(descriptor, b"x" * 500 + b"\n")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        os.close(descriptor)
+    assert file.read_text() == "{}\n"
+
+
+_WRITER = """
+import sys
+from pathlib import Path
+from archo_tui import journal
+journal.MAX_BYTES = 2000
+kept = journal.Journal(Path(sys.argv[1]))
+for number in range(300):
+    kept._append('{"writer": "%s", "number": %d}' % (sys.argv[2], number))
+kept.close()
+"""
+
+
+def test_two_consoles_that_rotate_at_once_lose_nothing_of_the_last_two_files(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "journal.jsonl"
+    writers = [
+        subprocess.Popen([sys.executable, "-c", _WRITER, str(file), name]) for name in ("a", "b")
+    ]
+    assert [writer.wait(60) for writer in writers] == [0, 0]
+    old = file.with_name("journal.jsonl.1")
+    assert old.stat().st_size > 2000  # a full one, never one that was just begun
+    lines = [json.loads(line) for path in (old, file) for line in path.read_text().splitlines()]
+    for name in ("a", "b"):
+        numbers = [line["number"] for line in lines if line["writer"] == name]
+        assert numbers == list(range(300))[300 - len(numbers) :]
+
+
+async def test_a_change_says_what_the_parameter_was() -> None:
+    async with console(*FAST) as op:
+        robot = op.app.station.robot
+        outcome = await ended(robot.set_parameters("/motor_controller", {"max_speed": 0.5}))
+        assert outcome.ok
+    said = [e["text"] for e in entries(journal.path()) if e["kind"] == "command"]
+    assert said == ["set motor_controller max_speed 0.5: max_speed is 0.5, was 0.8"]

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
-from archo_tui.robot.state import Hosted, Life, Outcome
+from archo_tui.robot.state import MOVE, STOP, Hosted, Life, Outcome
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.text import ShowText
 from archo_tui.widgets.nodes_panel import NodeRow
@@ -37,6 +37,11 @@ class _InNodes(Command):
         console.tell(outcome)
 
 
+def _short(hosted: Hosted) -> list[str]:
+    """What a node serves, without the namespace."""
+    return [name.rpartition("/")[2] for name in hosted.serves]
+
+
 class StartStop(_InNodes):
     id, key = "start_stop", "s"
     help = "Start or stop the selected node"
@@ -46,11 +51,12 @@ class StartStop(_InNodes):
         host, goal = console.station.host, console.view.snapshot.goal
         if hosted.life != Life.UP:
             return self._do(console, "start", host.start_node, hosted)
-        if not (hosted.serves and goal is not None and goal.is_running):
+        needed = " and ".join(name for name in _short(hosted) if name in (MOVE, STOP))
+        if not needed or goal is None or not goal.is_running:
             return self._do(console, "stop", host.stop_node, hosted)
         question = (
-            f"The robot is on its way to shelf {goal.shelf}, and {row.name} may be the node that "
-            "drives it and answers STOP. Stop the node?"
+            f"The robot is on its way to shelf {goal.shelf}, and {row.name} serves {needed}. "
+            "Stop the node?"
         )
 
         def then(answer: str) -> Work | None:
@@ -70,9 +76,11 @@ class Copy(_InNodes):
         copy = console.station.host.copy_node
         if not hosted.serves:
             return self._do(console, "copy", copy, hosted)
+        names = ", ".join(_short(hosted))
+        stop = " STOP may not stop the robot." if STOP in _short(hosted) else ""
         question = (
-            f"{row.name} answers services. Any call, including STOP, may reach only one of the "
-            "two. Run another copy?"
+            f"{row.name} serves {names}: a call may reach only one of the two.{stop} "
+            "Run another copy?"
         )
 
         def then(answer: str) -> Work | None:

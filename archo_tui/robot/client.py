@@ -16,7 +16,7 @@ from rclpy.node import Node
 
 from archo_tui.clock import Clock
 from archo_tui.robot import interfaces, ros2_command, services
-from archo_tui.robot.events import EventLog, harmless
+from archo_tui.robot.events import EventLog
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.mailbox import Mailbox, Receiver
@@ -35,6 +35,7 @@ from archo_tui.robot.state import (
     Snapshot,
 )
 from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
 
 NODE_NAME = "archo_console"
@@ -61,7 +62,7 @@ class Robot:
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
         self._services = Services(node, clock)
         self._telemetry = Telemetry(node, clock, self._on_telemetry, self._warn)
-        self._goals = Goals(node, clock, self._services, self._goal_changed, self._warn)
+        self._goals = Goals(node, clock, self._services, self._goal_changed, self._say)
         self._parameters = Parameters(node, self._services, self._mark)
         self._graph = Graph(node)
         node.create_subscription(Log, "/rosout", self._on_log, 1000)
@@ -274,16 +275,17 @@ class Robot:
         if message.msg.startswith(_REFUSAL):
             self._goals.refused(message.msg.removeprefix(_REFUSAL))
         self._graph.heard_log(message.name, self._clock.monotonic())
-        stamp = message.stamp.sec + message.stamp.nanosec / 1e9
-        self._add_event(Event(stamp, level, message.name, message.msg))
+        # by this clock and not the stamp: the robot's may be another, and the list is in order
+        self._add_event(Event(self._clock.now(), level, message.name, message.msg))
 
     def _warn(self, text: str) -> None:
-        self._add_event(Event(self._clock.now(), "WARN", "console", text))
+        self._say("WARN", text)
 
     def _on_error(self, error: Exception) -> None:
-        self._add_event(
-            Event(self._clock.now(), "ERROR", "console", f"{type(error).__name__}: {error}")
-        )
+        self._say("ERROR", f"{type(error).__name__}: {error}")
+
+    def _say(self, level: str, text: str) -> None:
+        self._add_event(Event(self._clock.now(), level, "console", text))
 
     def _add_event(self, event: Event) -> None:
         self._happened(self._log.add(event))

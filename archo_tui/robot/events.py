@@ -3,65 +3,57 @@
 from __future__ import annotations
 
 import re
+from collections import OrderedDict
 from dataclasses import replace
 
 from archo_tui.robot.state import Event
+from archo_tui.robot.text import harmless
 
 LIMIT = 1000  # events kept
-_OPERATORS = 200  # of them the operator's own, which a flood of others does not push out
-_IN_PLACE = 30  # a repeat of one of that many newest events does not move it
+_OWN = 200  # of them the console's own, which a flood of others does not push out
 
 _NUMBER = re.compile(r"\d+(\.\d+)?")
-# C0 and C1 controls, and the marks that turn the direction of text around
-_UNSAFE = re.compile("[\x00-\x1f\x7f-\x9f\u200b-\u200f\u202a-\u202e\u2060-\u2069\ufeff]")
-_LONGEST = 500  # characters of a line that are kept
-
-
-def harmless(text: str) -> str:
-    """Text from outside without anything that a terminal could act on, and of bounded length."""
-    text = _UNSAFE.sub("\N{REPLACEMENT CHARACTER}", text[: _LONGEST + 1])
-    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
 
 
 class EventLog:
     """Collects events; one that repeats another but for its numbers replaces it."""
 
     def __init__(self) -> None:
-        self._events: dict[object, Event] = {}  # in their order; the key is what repeats have
-        self._added: dict[object, int] = {}  # when each came to its place
         self._count = 0
+        # by what repeats have in common; each with its place among all of them
+        self._own: OrderedDict[object, tuple[int, Event]] = OrderedDict()
+        self._others: OrderedDict[object, tuple[int, Event]] = OrderedDict()
 
     def add(self, event: Event) -> Event:
-        """Append an event, or count it on the one it repeats. The operator's are never merged.
+        """Append an event, or count it on the one it repeats. The console's own are never merged.
 
         Returns it as it stands in the log.
         """
-        event = replace(event, text=harmless(event.text), source=harmless(event.source))
-        key: object = (event.level, event.source, _NUMBER.sub("#", event.text))
-        if event.level == "YOU":
-            key = ("YOU", self._count)
-        known = self._events.get(key)
-        if known is not None:
-            event = replace(event, count=known.count + 1)
-            if self._count - self._added[key] >= _IN_PLACE:  # out of sight: it is news again
-                del self._events[key]
-                known = None
-        if known is None:
-            self._count += 1
-            self._added[key] = self._count
-        self._events[key] = event
-        if len(self._events) > LIMIT:
-            self._drop_oldest()
-        return event
+        self._count += 1
+        event = replace(
+            event,
+            text=harmless(event.text),
+            source=harmless(event.source),
+            first=event.time,
+            number=self._count,
+        )
+        if event.level in ("YOU", "GOAL"):
+            return self._keep(self._own, _OWN, self._count, event)
+        key = (event.level, event.source, _NUMBER.sub("#", event.text))
+        return self._keep(self._others, LIMIT - _OWN, key, event)
 
-    def _drop_oldest(self) -> None:
-        own = [key for key, event in self._events.items() if event.level == "YOU"]
-        if len(own) > _OPERATORS:
-            oldest: object = own[0]
-        else:
-            oldest = next(key for key, event in self._events.items() if event.level != "YOU")
-        del self._events[oldest], self._added[oldest]
+    def _keep(
+        self, kept: OrderedDict[object, tuple[int, Event]], limit: int, key: object, event: Event
+    ) -> Event:
+        if key in kept:
+            _, known = kept.pop(key)
+            event = replace(event, count=known.count + 1, first=known.first, number=known.number)
+        kept[key] = self._count, event
+        if len(kept) > limit:
+            kept.popitem(last=False)
+        return event
 
     def all(self) -> tuple[Event, ...]:
         """Oldest first."""
-        return tuple(self._events.values())
+        places = (*self._own.values(), *self._others.values())
+        return tuple(event for _, event in sorted(places, key=lambda kept: kept[0]))

@@ -22,9 +22,9 @@ from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
 from archo_tui.robot import services
-from archo_tui.robot.events import harmless
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase
+from archo_tui.robot.text import harmless
 
 _FARTHEST = 1e6  # m; a way left beyond that is no reading
 SILENCE = 3.0  # s without feedback or motor status until a moving goal counts as lost
@@ -49,13 +49,13 @@ class Goals:
         clock: Clock,
         pending: Services,
         changed: Callable[[], None],
-        note: Callable[[str], None],
+        say: Callable[[str, str], None],
     ) -> None:
-        """`note(text)` is called with what happens after the verb it belongs to has ended."""
+        """`say(level, text)` is called with what happens after the verb it belongs to has ended."""
         self._node, self._clock = node, clock
         self._services = pending
         self._changed = changed
-        self._note = note
+        self._say = say
         self._client = ActionClient(node, MoveToShelf, MOVE)
         self._handle: Any = None
         self._result: Any = None  # the future of the last question for the result
@@ -116,7 +116,7 @@ class Goals:
 
         def on_answer(done: Any) -> None:
             if in_time.cancelled() and not len(done.result().goals_canceling):
-                self._note("the robot rejected the cancel (its answer came late)")
+                self._say("WARN", "the robot rejected the cancel (its answer came late)")
             in_time.set_result(True)
             self._wake()
 
@@ -197,7 +197,6 @@ class Goals:
             said = "succeeded" if phase == Phase.ARRIVED else phase.value.lower()
             but = "says not" if not succeeded else "says success"
             disagreement = f"the action says {said}, its result {but}"
-            self._note(f"goal to shelf {self.goal.shelf if self.goal else '?'}: {disagreement}")
             self._end(Phase.DISPUTED, disagreement)
             return
         if phase == Phase.ARRIVED and self.goal is not None:
@@ -238,6 +237,8 @@ class Goals:
                 self.goal, phase=phase, message=message, ended=now, time=self._clock.now()
             )
             self.history.appendleft(ended)
+            if phase != Phase.REFUSED or self.goal.phase != Phase.SENT:  # else the verb says it
+                self._say("GOAL", f"shelf {ended.shelf} {phase.value.lower()}: {message}")
             self._set(ended)
 
     def _update(self, **changes: Any) -> None:

@@ -16,10 +16,10 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from archo_tui.robot import services
-from archo_tui.robot.events import harmless
 from archo_tui.robot.parameter_values import TYPES, as_python, text_of
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Outcome, Parameter
+from archo_tui.robot.text import harmless
 
 _DEPTH = 1000  # parameter events kept while the thread is busy
 
@@ -110,6 +110,7 @@ class Parameters:
 
         The outcome says what the node answers when it is asked for them afterwards.
         """
+        before = {name: text_of(self._value(node, name)) for name in values}
         request = srv.SetParametersAtomically.Request(
             parameters=[RosParameter(n, value=v).to_parameter_msg() for n, v in values.items()]
         )
@@ -126,7 +127,9 @@ class Parameters:
         )
         for name, value in zip(names, got.values if got is not None else (), strict=False):
             self._take(node, name, as_python(value))
-        said = ", ".join(f"{name} is {text_of(self._value(node, name))}" for name in names)
+        said = ", ".join(
+            f"{name} is {text_of(self._value(node, name))}, was {before[name]}" for name in names
+        )
         return Outcome(True, said)
 
     def _value(self, node: str, name: str) -> Any:

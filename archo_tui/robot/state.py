@@ -161,19 +161,21 @@ class Hosted:
     life: Life = Life.UP
     error: str = ""  # what a callback raised
     traceback: str = ""
-    serves: bool = False  # a second one of its kind would answer its services as well
+    serves: tuple[str, ...] = ()  # services and actions: a second one of its kind would as well
 
 
 @dataclass(frozen=True)
 class Event:
-    """One line of the log: from a node, or the operator's own."""
+    """One line of the log: from a node, or the console's own. Times are when it was heard."""
 
     time: float
-    level: str  # DEBUG INFO WARN ERROR FATAL, or YOU for the operator
+    level: str  # DEBUG INFO WARN ERROR FATAL, YOU for the operator, GOAL for how one ended
     source: str
     text: str
     command: str = ""  # the ros2 command line that does the same
     count: int = 1  # how many alike it stands for
+    first: float = 0.0  # when the first of them was
+    number: int = 0  # of the first of them: tells events apart
 
 
 @dataclass(frozen=True)

@@ -5,22 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from textual.app import ComposeResult
+from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.alarms import SHELF_TIME, Alarm, State
+from archo_tui.alarms import SHELF_TIME, Alarm, Priority, State
 from archo_tui.clock import time_of_day
 from archo_tui.screens.dialog import Dialog
+from archo_tui.screens.shelve import ShelveReason
 from archo_tui.station import View
-from archo_tui.widgets.rows import Rows, Text
+from archo_tui.widgets.rows import Columns, Rows, Text
 
 
-def alarm_lines(alarm: Alarm, _width: int) -> list[Text]:
+def alarm_lines(alarm: Alarm, _width: int, _columns: Columns) -> list[Text]:
     """Two lines: `✗ HIGH  unacknowledged  since 12:04:31`, and what to do below."""
     times = f"since {time_of_day(alarm.since)}"
     if alarm.until is not None:
         times += f", over at {time_of_day(alarm.until)}"
     if alarm.shelved_until is not None:
         times += f", until {time_of_day(alarm.shelved_until)}"
+    if alarm.reason:
+        times += f": {alarm.reason}"
     style = {State.UNACKNOWLEDGED: "bold", State.SHELVED: "dim"}.get(alarm.state, "")
     head = f"{alarm.priority.value:<7} {alarm.state.value:<21} {times}"
     return [(head, style), (f"        {alarm.text}", style)]
@@ -29,18 +33,18 @@ def alarm_lines(alarm: Alarm, _width: int) -> list[Text]:
 class AlarmList(Dialog[None]):
     """Acknowledge one or all, shelve one for a while; escape closes it."""
 
-    BINDINGS = [
-        ("a", "acknowledge", "Acknowledge"),
-        ("A", "acknowledge_all", "Acknowledge all"),
-        ("s", "shelve", "Shelve"),
-        ("escape,q", "close", "Close"),
+    BINDINGS = [  # with priority: what is typed behind `s` is the reason
+        Binding("a", "acknowledge", "Acknowledge", priority=True),
+        Binding("A", "acknowledge_all", "Acknowledge all", priority=True),
+        Binding("s", "shelve", "Shelve", priority=True),
+        Binding("escape,q", "close", "Close"),
     ]
 
     def __init__(
         self,
         view: View,
         acknowledge: Callable[[Iterable[Alarm]], None],
-        shelve: Callable[[Alarm], None],
+        shelve: Callable[[Alarm, str], None],
         changed: Callable[[], None],
     ) -> None:
         """`changed()` is called after something was acknowledged or shelved."""
@@ -84,7 +88,16 @@ class AlarmList(Dialog[None]):
         self._changed()
 
     def action_shelve(self) -> None:
-        """Silence the selected one for a while, or no longer."""
-        if self._rows.item is not None:
-            self._shelve(self._rows.item)
+        """Silence the selected one for a while, or no longer; of a grave one it asks why."""
+        alarm = self._rows.item
+        if alarm is None:
+            return
+
+        def shelve(reason: str) -> None:
+            self._shelve(alarm, reason)
             self._changed()
+
+        if alarm.priority == Priority.HIGH and alarm.state != State.SHELVED:
+            self.app.push_screen(ShelveReason(alarm, shelve))
+        else:
+            shelve("")

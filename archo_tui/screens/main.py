@@ -114,8 +114,7 @@ class MainScreen(Screen[None]):
         width = self.size.width
         self.query_one("#header", Line).show(bars.header(view, width - 9))
         self.query_one("#clock", Line).show(bars.clock(view))
-        banner = bars.banner(view.alarms, view.key("acknowledge"), width)
-        self.query_one("#banner", Line).show(banner)
+        self.query_one("#banner", Line).show(bars.banner(view, width))
         self.query_one("#footer", Line).show(bars.footer(commands, width, view.key("palette")))
         for panel in self.query(Panel):
             panel.show(view)

@@ -13,6 +13,7 @@ from textual.color import Color
 from textual.driver import Driver
 from textual.filter import LineFilter
 
+from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import Shutdown
 from archo_tui.station import Station
 from archo_tui.terminal.ascii import ascii_only, in_ascii
@@ -25,6 +26,16 @@ class AsciiFilter(LineFilter):
     def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
         return [
             segment if segment.control else Segment(in_ascii(segment.text), segment.style)
+            for segment in segments
+        ]
+
+
+class SafeFilter(LineFilter):
+    """Takes out of whatever is drawn what a terminal could act on."""
+
+    def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
+        return [
+            segment if segment.control else Segment(safe_in_place(segment.text), segment.style)
             for segment in segments
         ]
 
@@ -42,7 +53,7 @@ class TerminalApp(App[None]):
             station.on_disconnect,
             lambda code: self.exit(return_code=code),
         )
-        self._ascii = [AsciiFilter()] if ascii_only() else []
+        self._of_text = [SafeFilter(), AsciiFilter()] if ascii_only() else [SafeFilter()]
         for own in THEMES:
             self.register_theme(own)
         if theme or self.console.color_system == "standard":  # 16 colours: none in between
@@ -57,7 +68,7 @@ class TerminalApp(App[None]):
         return SteadyDriver
 
     def get_line_filters(self) -> Sequence[LineFilter]:
-        return [*super().get_line_filters(), *self._ascii]
+        return [*super().get_line_filters(), *self._of_text]
 
     def on_mount(self) -> None:
         if not self.is_headless:

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from archo_tui.paths import state_file
+from archo_tui.paths import make_folder, state_file
 
 
 def log_file() -> Path:
@@ -26,7 +26,7 @@ def guarded_stderr(path: Path) -> Iterator[None]:
     Without a writable file it leads nowhere: a clean screen matters more.
     """
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path)
         target = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
     except OSError:
         target = os.open(os.devnull, os.O_WRONLY)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from textual.theme import BUILTIN_THEMES, Theme
 
-from archo_tui.paths import config_file
+from archo_tui.paths import config_file, make_folder
 
 HIGH_CONTRAST = Theme(
     name="high-contrast",
@@ -43,7 +43,7 @@ def remembered() -> str:
 
 def remember(name: str) -> None:
     """Choose it the next time. Raises OSError."""
-    _file().parent.mkdir(parents=True, exist_ok=True)
+    make_folder(_file())
     _file().write_text(f"{name}\n", encoding="utf-8")
 
 

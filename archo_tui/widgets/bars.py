@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from textual.content import Content
 
-from archo_tui.alarms import Alarm, Priority, State
+from archo_tui.alarms import Priority, State, advice
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state import BATTERY, MOTOR, Phase
 from archo_tui.station import View
 
 
@@ -23,19 +23,24 @@ def clock(view: View) -> Content:
     return Content.styled(f"{time_of_day(view.time)} ", "bold")
 
 
-def banner(alarms: tuple[Alarm, ...], key: str, width: int) -> Content:
-    """The alarm that matters most, and how many more there are; shelved ones are only counted."""
-    shown = [alarm for alarm in alarms if alarm.state != State.SHELVED]
-    shelved = f"   {len(alarms) - len(shown)} shelved" if len(shown) < len(alarms) else ""
+def banner(view: View, width: int) -> Content:
+    """The alarm that matters most, how many more there are, and which are shelved."""
+    shown = [alarm for alarm in view.alarms if alarm.state != State.SHELVED]
+    names = [alarm.name for alarm in view.alarms if alarm.state == State.SHELVED]
+    shelved = f"shelved: {', '.join(names)}" if names else ""
     if not shown:
-        return Content.styled(shelved.replace("   ", " ", 1), "dim")
-    alarm = shown[0]
+        return Content.styled(f" {shelved}", "dim")
+    alarm, key = shown[0], view.key("acknowledge")
     more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
-    text = alarm.text
+    ways = {name: f"press {key}" for name, key in view.keys.items() if name not in view.blocked}
+    text = advice(alarm, ways)
     if alarm.until is not None:
         text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
         text += f", over at {time_of_day(alarm.until)}"
-    line = f" {alarm.priority.glyph} {text}{more}{shelved}"
+    line = f" {alarm.priority.glyph} {text}{more}"
+    if shelved:
+        whole = f"{line}   {shelved}"
+        line = whole if len(whole) <= width else f"{line}   {len(names)} shelved"
     if alarm.acknowledged:
         return Content(line)
     style = "$text-error" if alarm.priority == Priority.HIGH else "$text-warning"
@@ -64,13 +69,18 @@ def footer(commands: list[tuple[str, str, str, bool]], width: int, palette_key: 
 
 def _contact(view: View) -> str:
     battery, motor = view.snapshot.battery, view.snapshot.motor
-    heard = [time for time in (battery.received, motor.received) if time is not None]
+    heard = {
+        name: view.now - reading.received
+        for name, reading in ((BATTERY, battery), (MOTOR, motor))
+        if reading.received is not None
+    }
     if not heard:
         return "? waiting for data"
-    fresh = (battery.received is not None and not battery.is_old(view.now)) or (
-        motor.received is not None and not motor.is_old(view.now)
-    )
-    return "● online" if fresh else f"✗ no contact, {view.now - max(heard):.0f} s"
+    old = {BATTERY: battery.is_old(view.now), MOTOR: motor.is_old(view.now)}
+    silent = [name for name in heard if old[name]]
+    if len(silent) == len(heard):
+        return f"✗ no contact, {min(heard.values()):.0f} s"
+    return f"▲ {silent[0]} silent, {heard[silent[0]]:.0f} s" if silent else "● online"
 
 
 def _doing(view: View) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 
 from textual.app import ComposeResult
 
@@ -10,36 +11,47 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Event
 from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Rows, Text
+from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
+_SOURCE = 16, 28  # least and most columns of a source
 _ONE_LINE = 70  # columns from which an event stands on one line
 _STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": "dim"}
 
 
 def is_shown(event: Event, level: str) -> bool:
-    """True for the operator's own, and from `level` up."""
-    return event.level == "YOU" or LEVELS.index(event.level) >= LEVELS.index(level)
+    """True for the console's own, and from `level` up."""
+    return event.level in ("YOU", "GOAL") or LEVELS.index(event.level) >= LEVELS.index(level)
 
 
-def event_lines(event: Event, width: int) -> list[Text]:
+def event_columns(events: Sequence[Event], _width: int) -> Columns:
+    """As wide as the sources."""
+    return (column({event.source for event in events}, *_SOURCE),)
+
+
+def event_lines(event: Event, width: int, columns: Columns) -> list[Text]:
     """`12:04:31  WARN   dashboard         Low battery: 18.0%`, wrapped where that is too wide."""
-    count = f"  x {event.count}" if event.count > 1 else ""
+    count = f"   {repeats(event)}" if event.count > 1 else ""
     command = f"   $ {event.command}" if event.command else ""
     text, style = f"{event.text}{count}{command}", _STYLES.get(event.level, "")
     if width >= _ONE_LINE:
         at = time_of_day(event.time)
-        return [(f"{at}  {event.level:<5}  {event.source:<16}  {text}", style)]
+        return [(f"{at}  {event.level:<5}  {pad(event.source, *columns)}  {text}", style)]
     head = f"{time_of_day(event.time)} {event.level:<5} {event.source}"
     wrapped = textwrap.wrap(text, max(width - 2, 10), subsequent_indent="  ")
     return [(head, style), *((f"  {line}", style) for line in wrapped)]
 
 
+def repeats(event: Event) -> str:
+    """`x 12 since 12:03:20`."""
+    return f"x {event.count} since {time_of_day(event.first)}"
+
+
 def details(event: Event) -> str:
     """The whole event, for reading."""
-    count = f", repeated {event.count} times" if event.count > 1 else ""
+    count = f"  {repeats(event)}" if event.count > 1 else ""
     lines = [f"{time_of_day(event.time)}  {event.level}  {event.source}{count}", "", event.text]
     return "\n".join([*lines, "", f"$ {event.command}"] if event.command else lines)
 
@@ -61,11 +73,12 @@ class EventsPanel(Panel):
         self._seen: tuple[Event, ...] = ()
         self._rows: Rows[Event] = Rows(
             event_lines,
-            lambda event: (event.time, event.source, event.text),
+            lambda event: event.number,
             id="event-list",
             empty="Nothing to report.",
             action="app.command('whole_event')",
             wraps=True,
+            columns=event_columns,
         )
         self.search = Search(self._rows)
 

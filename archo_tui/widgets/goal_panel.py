@@ -8,7 +8,7 @@ from textual.message import Message
 from textual.widgets import Button, Label
 
 from archo_tui import goal_text, state_text
-from archo_tui.robot.state import MOVE
+from archo_tui.robot.state import MOVE, Phase, Snapshot
 from archo_tui.station import View
 from archo_tui.widgets.field import INTEGER, Field
 from archo_tui.widgets.line import Line
@@ -21,6 +21,7 @@ class GoalPanel(Panel):
 
     number, title_text = 3, "Go to shelf"
     keys = (("cancel", "cancel"),)
+    _about: object = None  # what the robot's answer that is shown was about
 
     class Send(Message):
         """The operator wants the robot to go there."""
@@ -50,6 +51,8 @@ class GoalPanel(Panel):
         before = goal_text.goal_history(snapshot.history, bar.size.width)
         self.query_one("#goal-history", Line).show(content(before))
         self.grey(view, go=MOVE, cancel=MOVE)
+        if self._about not in (None, _situation(snapshot)):
+            self.hint("")
 
     def take_focus(self) -> None:
         self.screen.set_focus(self.query_one("#shelf"))
@@ -69,7 +72,13 @@ class GoalPanel(Panel):
 
     def hint(self, text: str) -> None:
         """Say why what was typed cannot be sent."""
+        self._about = None
         self.query_one("#goal-hint", Line).show(content(((text, state_text.BAD),)))
+
+    def answer(self, text: str, snapshot: Snapshot) -> None:
+        """Say why the robot does not go there, while that is so."""
+        self.hint(text)
+        self._about = _situation(snapshot)
 
     def submit(self, typed: str) -> None:
         """Ask for the shelf that was typed, or say what is wrong with it."""
@@ -80,3 +89,12 @@ class GoalPanel(Panel):
             return
         self.hint("")
         self.post_message(self.Send(shelf))
+
+
+def _situation(snapshot: Snapshot) -> object:
+    """What a refusal may be about: another goal, one without news, nobody there to ask."""
+    goal = snapshot.goal
+    if goal is None:
+        return MOVE in snapshot.offered
+    doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
+    return MOVE in snapshot.offered, goal.sent, goal.is_running, doubtful

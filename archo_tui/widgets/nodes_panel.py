@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from textual.app import ComposeResult
@@ -11,9 +12,9 @@ from archo_tui.robot.state import Hosted, Life, NodeState, Snapshot
 from archo_tui.state_text import age
 from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Rows, Text, pad
+from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
 
-_WITH_RATE = 33  # columns that a line with its rate needs
+_MARK, _AGE, _RATE = 2, 6, 9  # columns
 _CLIENT = "/archo_console"  # the console's own node
 
 
@@ -70,10 +71,17 @@ def node_rows(view: View) -> tuple[NodeRow, ...]:
     )
 
 
-def node_lines(row: NodeRow, width: int) -> list[Text]:
+def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
+    """Of the names, and of the rates where names leave room for them."""
+    room = width - _MARK - _AGE
+    names = column((row.name.lstrip("/") for row in rows), 16, room)
+    return names, _RATE if names + _RATE <= room else 0
+
+
+def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     """`● battery_monitor    0.4 s  1.0 Hz`, or in words what is wrong with it."""
     glyph, word, style = row.word()
-    name = f"{glyph} {pad(row.name.lstrip('/'), 16)} "
+    name = f"{glyph} {pad(row.name.lstrip('/'), columns[0])} "
     if word and len(name + word) > width:
         more = textwrap.wrap(word, max(width - 2, 10))
         return [(name, style), *((f"  {line}", style) for line in more)]
@@ -81,7 +89,7 @@ def node_lines(row: NodeRow, width: int) -> list[Text]:
         return [(name + word, style)]
     heard, rate = row.state.heard, row.state.rate
     ago = "" if heard is None else age(row.second - heard)
-    often = f" {rate:5.1f} Hz" if rate is not None and width >= _WITH_RATE else ""
+    often = f" {rate:5.1f} Hz" if rate is not None and columns[1] else ""
     return [(f"{name}{ago:>5}{often}", style)]
 
 
@@ -100,6 +108,7 @@ class NodesPanel(Panel):
             empty="? no nodes on the graph",
             action="app.command('details')",
             wraps=True,
+            columns=node_columns,
         )
         self._drawn: object = None
 

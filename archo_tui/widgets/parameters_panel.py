@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from textual.app import ComposeResult
 from textual.content import Content
 
-from archo_tui.robot.events import harmless
 from archo_tui.robot.parameter_values import range_text, text_of
 from archo_tui.robot.state import Parameter
+from archo_tui.robot.text import harmless
 from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Rows, Text, pad
+from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
 
-_NODE, _NAME, _VALUE, _TYPE = 16, 21, 8, 8  # columns
-_LONGEST = 60  # characters of a value in the table
+_NODE, _NAME, _VALUE = (16, 28), (21, 40), (8, 20)  # least and most columns
+_TYPE = 8
 
 
 class ParametersPanel(Panel):
@@ -33,6 +35,7 @@ class ParametersPanel(Panel):
             id="parameters",
             empty="? waiting for the nodes to report their parameters",
             action="app.command('edit')",
+            columns=parameter_columns,
         )
         self.search = Search(self._rows)
 
@@ -42,8 +45,7 @@ class ParametersPanel(Panel):
         yield self.search
 
     def on_mount(self) -> None:
-        titles = _line("node", "name", "value", "", "type", "allowed")
-        self.query_one("#parameter-titles", Line).show(Content.styled(titles, "bold"))
+        self._fill()
 
     def take_focus(self) -> None:
         self.screen.set_focus(self._rows)
@@ -63,28 +65,41 @@ class ParametersPanel(Panel):
         self._fill()
 
     def _fill(self) -> None:
-        if not self.search.value.strip():
-            self._rows.show(self._shown)
-            return
-        matches = self.search.matches
-        self._rows.show(tuple(p for p in self._shown if matches(p.node, p.name, text_of(p.value))))
+        shown = self._shown
+        if self.search.value.strip():
+            matches = self.search.matches
+            shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
+        self._rows.show(shown)
+        columns = parameter_columns(shown, 0)
+        titles = _line("node", "name", "value", "", "type", "allowed", columns)
+        self.query_one("#parameter-titles", Line).show(Content.styled(titles, "bold"))
 
 
-def parameter_lines(parameter: Parameter, _width: int) -> list[Text]:
+def parameter_columns(parameters: Sequence[Parameter], _width: int) -> Columns:
+    """Of nodes, names and values. A value that is longer than its column is not cut."""
+    return (
+        column({p.node.lstrip("/") for p in parameters}, *_NODE),
+        column((p.name for p in parameters), *_NAME),
+        column((text_of(p.value) for p in parameters), *_VALUE),
+    )
+
+
+def parameter_lines(parameter: Parameter, _width: int, columns: Columns) -> list[Text]:
     """`motor_controller  max_speed   0.5 *  double    0.05 .. 2`."""
-    text = harmless(text_of(parameter.value))
-    text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
     line = _line(
         parameter.node.lstrip("/"),
         harmless(parameter.name),
-        text,
+        harmless(text_of(parameter.value)),
         "*" if parameter.is_changed else "",
         parameter.type,
         range_text(parameter),
+        columns,
     )
     return [(line, "bold" if parameter.is_changed else "")]
 
 
-def _line(node: str, name: str, value: str, mark: str, kind: str, allowed: str) -> str:
-    left = f"{pad(node, _NODE)}  {pad(name, _NAME)} {value:>{_VALUE}}"
+def _line(
+    node: str, name: str, value: str, mark: str, kind: str, allowed: str, columns: Columns
+) -> str:
+    left = f"{pad(node, columns[0])}  {pad(name, columns[1])} {value:>{columns[2]}}"
     return f"{left} {mark:1}  {kind:<{_TYPE}} {allowed}".rstrip()

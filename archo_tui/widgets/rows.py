@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import accumulate
 from typing import Generic, TypeVar
 
-from rich.cells import cell_len
+from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
 from rich.style import Style
 from textual import events
@@ -17,13 +17,25 @@ from textual.strip import Strip
 
 T = TypeVar("T")
 Text = tuple[str, str]  # a line and its Rich style
+Columns = tuple[int, ...]  # their widths in cells
 
 _MEASURED = 100  # first lines whose length decides how far the list scrolls sideways
 
 
 def pad(text: str, width: int) -> str:
-    """Text with blanks behind it, by the cells that it takes on a terminal."""
+    """Text in `width` cells of a terminal, with blanks behind it, or `…` in its middle."""
+    if cell_len(text) > width:
+        head = set_cell_size(text, max(width - 1, 0) // 2)
+        tail = text[len(head) :]
+        while cell_len(head) + 1 + cell_len(tail) > max(width, 1):
+            tail = tail[1:]
+        text = f"{head}…{tail}"
     return text + " " * (width - cell_len(text))
+
+
+def column(texts: Iterable[str], least: int, most: int) -> int:
+    """The width of a column that is as wide as its texts, within bounds."""
+    return max(least, min(most, max(map(cell_len, texts), default=0)))
 
 
 class Rows(ScrollView, Generic[T], can_focus=True):
@@ -35,16 +47,18 @@ class Rows(ScrollView, Generic[T], can_focus=True):
 
     def __init__(
         self,
-        lines: Callable[[T, int], Sequence[Text]],
+        lines: Callable[[T, int, Columns], Sequence[Text]],
         key: Callable[[T], object],
         *,
         id: str,
         empty: str,
         action: str = "",
         wraps: bool = False,
+        columns: Callable[[Sequence[T], int], Columns] = lambda *_: (),
     ) -> None:
-        """`lines(item, width)` draws an item: one line unless `wraps`; `key` tells items apart.
+        """`lines(item, width, columns)` draws an item: one line unless `wraps`.
 
+        `key` tells items apart; `columns(items, width)` says how wide what is shown needs them.
         A click on the item that has the cursor runs `action`.
         """
         super().__init__(id=id)
@@ -56,6 +70,8 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self._lines: list[Sequence[Text]] = []
         self._starts: list[int] = []
         self._seen: dict[int, tuple[Text, bool]] = {}  # what each line of the window shows
+        self._measure = columns
+        self._columns: Columns = ()
         self._width = 0  # that the lines were laid out for: the window's may be newer
         self.cursor = 0
 
@@ -91,9 +107,11 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self.refresh()
 
     def _lay_out(self) -> None:
-        width, before = self.size.width, self._width
-        self._width = width
-        total = self._wrap(width != before) if self._wraps else len(self._items)
+        before = self._width, self._columns
+        self._width = self.size.width
+        self._columns = self._measure(self._items, self._width)
+        anew = (self._width, self._columns) != before
+        total = self._wrap(anew) if self._wraps else len(self._items)
         size = Size(max(self._longest(), 1), total)
         if size != self.virtual_size:
             scrolled = self._scrolls
@@ -108,13 +126,16 @@ class Rows(ScrollView, Generic[T], can_focus=True):
     def _wrap(self, anew: bool) -> int:
         """Lay out the items that are new, or all of them; returns how many lines there are."""
         known = {} if anew else dict(zip(map(id, self._laid), self._lines, strict=True))
-        self._lines = [known.get(id(item)) or self._draw(item, self._width) for item in self._items]
+        self._lines = [known.get(id(item)) or self._drawn(item) for item in self._items]
         self._laid = self._items  # kept, so that no other object gets one of their ids
         *self._starts, total = accumulate(map(len, self._lines), initial=0)
         return total
 
     def _lines_of(self, number: int) -> Sequence[Text]:
-        return self._lines[number] if self._wraps else self._draw(self._items[number], self._width)
+        return self._lines[number] if self._wraps else self._drawn(self._items[number])
+
+    def _drawn(self, item: T) -> Sequence[Text]:
+        return self._draw(item, self._width, self._columns)
 
     @property
     def _scrolls(self) -> bool:

@@ -12,16 +12,20 @@ _ENOUGH = 3.0  # s of samples without which there is no estimate
 
 
 def sparkline(samples: Samples, width: int) -> str:
-    """One bar for every 5 s, the newest at the right end, as many as there is room for."""
+    """One bar for every 5 s, the newest at the right end, and between what they lie.
+
+    `▇▇▆▅▅▄ 18 .. 24 %`, with as many bars as there is room for.
+    """
     cells: dict[int, float] = {}
     for at, percentage in samples:
         cells[int(at // _CELL)] = percentage
-    shown = [cells[cell] for cell in sorted(cells)][-width:]
+    shown = [cells[cell] for cell in sorted(cells)][-(width - len(" 100 .. 100 %")) :]
     if not shown:
         return ""
-    low = min(shown)
-    span = max(max(shown) - low, _LEAST_SPAN)
-    return "".join(_BARS[int((value - low) / span * (len(_BARS) - 1))] for value in shown)
+    low, high = min(shown), max(shown)
+    span = max(high - low, _LEAST_SPAN)
+    bars = "".join(_BARS[int((value - low) / span * (len(_BARS) - 1))] for value in shown)
+    return f"{bars} {low:.0f} .. {high:.0f} %"
 
 
 def end_text(samples: Samples, *, charging: bool) -> str:

@@ -68,7 +68,7 @@ EVENTS = (
         "go to shelf 12: accepted",
         "ros2 action send_goal /move_to_shelf archo_interfaces/action/MoveToShelf",
     ),
-    Event(TIME - 1, "WARN", "dashboard", "Low battery: 18.0%", count=12),
+    Event(TIME - 1, "WARN", "dashboard", "Low battery: 18.0%", count=12, first=TIME - 60),
 )
 CHARGE = tuple((NOW - 170 + second, 87.5 + (170 - second) / 10) for second in range(171))
 NORMAL = Snapshot(

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import json
+from typing import Any
+
+from rclpy.node import Node
+
+from archo_tui import journal
 from tests.support.console import FAST, console
 
 
@@ -34,7 +40,7 @@ async def test_the_list_acknowledges_one_or_all_and_shelves() -> None:
         await op.until(lambda: "unacknowledged" not in op.text)
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
-        await op.until("1 shelved")
+        await op.until("shelved: low battery")
         assert "(a acknowledge)" not in op.text
 
 
@@ -50,3 +56,30 @@ async def test_stop_is_never_greyed_by_a_dead_motor_and_says_that_it_is_not_conf
         )
         await op.until("STOP SENT, no answer for")
         await op.until("STOP: no answer in 2 s")
+
+
+async def test_a_grave_alarm_is_shelved_with_a_reason_that_the_journal_keeps() -> None:
+    class Crashes(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("crashes", **options)
+            self.create_timer(0.1, self.crash)
+
+        def crash(self) -> None:
+            raise RuntimeError("boom")
+
+    async with console(node_makers=[Crashes], wait=False) as op:
+        await op.until("NODE CRASHED /crashes")
+        op.send("A", "s", *"a test", "enter")  # as it comes over a slow link
+        await op.until("✗ HIGH  shelved ")
+        assert ": a test" in op.text
+        await op.press("s")
+        await op.until("✗ HIGH  unacknowledged")
+        await op.press("s", "enter")
+        await op.until("type a reason")
+        await op.press("escape")
+        await op.until("✗ HIGH  unacknowledged")
+        await op.press("s", *"again", "enter", "escape")
+        await op.until("shelved: node crashed /crashes")
+    kept = [json.loads(line) for line in journal.path().read_text().splitlines()]
+    reasons = [e["reason"] for e in kept if e["kind"] == "alarm" and "reason" in e]
+    assert reasons == ["a test", "again"]

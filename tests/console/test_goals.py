@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 from textual.widgets import Input
 
+from archo_tui import journal
 from tests.support.console import FAST, LONG, console
 
 
@@ -145,3 +147,25 @@ def _key(name: str):  # type: ignore[no-untyped-def]
     from textual.events import Key
 
     return Key(name, name if len(name) == 1 else None)
+
+
+async def test_a_red_hint_leaves_with_its_cause() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("m left of")
+        await op.press("7", "enter")
+        await op.until("a goal is already running: cancel it first")
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED")
+        await op.until(lambda: "a goal is already running" not in op.line("Shelf"))
+        assert op.line("Shelf 7")
+
+
+async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("GOAL   console           shelf 12 arrived: Arrived at shelf 12")
+    kept = [json.loads(line) for line in journal.path().read_text().splitlines()]
+    assert [e["text"] for e in kept if e["kind"] == "goal"] == [
+        "shelf 12 arrived: Arrived at shelf 12"
+    ]

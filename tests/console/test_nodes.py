@@ -65,7 +65,7 @@ async def test_one_more_node_that_serves_is_asked_about_first() -> None:
     async with console(*FAST) as op:
         await select(op, "/motor_controller")
         await op.press("plus")
-        await op.until("Any call, including STOP")
+        await op.until("STOP may not stop")
         await op.press("enter")  # the safe answer
         await op.until(lambda: op.app.screen is op.app.main)
         await op.press("plus")
@@ -81,7 +81,7 @@ async def test_stopping_what_drives_is_asked_about_and_the_goal_is_not_called_en
         await op.press("escape")
         await select(op, "/motor_controller")
         await op.press("s")
-        await op.until("node that drives it")
+        await op.until("serves")
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
         assert "stopped by you" not in op.text
@@ -141,3 +141,19 @@ async def test_keys_that_come_in_one_packet_act_on_the_row_that_they_lead_to() -
         second = op.app.view.snapshot.parameters[1]
         op.send("4", "home", "down", "enter")
         await op.until(f" {second.node.lstrip('/')} {second.name} ")
+
+
+async def test_a_copy_of_a_node_without_stop_does_not_warn_of_stop() -> None:
+    async with console(*FAST) as op:
+        await op.press("5", "home", "plus")
+        await op.until("/battery_monitor serves set_charging: a call may")
+        assert "STOP may" not in op.text
+        await op.press("escape")
+
+
+async def test_stopping_a_node_that_does_not_drive_is_not_asked_about() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("m left of")
+        await op.press("escape", "5", "home", "s")
+        await op.until("○ battery_monitor  stopped by you")

@@ -70,7 +70,7 @@ async def test_stop_acts_everywhere_and_is_released_apart(where: str) -> None:
             await op.press("escape")
         await op.until("✗ ABORTED      Emergency stop, ")
         await op.until("✗ STOPPED (R releases)")
-        await op.until("STOPPED: look for the cause, then release the stop")
+        await op.until("STOPPED: look for the cause, then press R to release")
         if where == "field":
             await op.press("escape")
         await op.press("R")

@@ -89,9 +89,11 @@ async def test_a_low_battery_is_a_word_a_banner_and_one_event_and_clears_above()
         await op.until("● GOOD      87.5 %")
         await edit(op, "low_battery_threshold", "90")
         await op.until("▲ LOW       87.5 %")
-        await op.until("▲ LOW BATTERY 87.5 %: dock the robot   (a acknowledge)")
+        await op.until(
+            "▲ LOW BATTERY 87.5 %: dock the robot, or press c to charge   (a acknowledge)"
+        )
         await op.until("low 90 ")
-        await op.until(lambda: "Low battery: 87.5%  x " in op.line("Low battery"))
+        await op.until(lambda: "Low battery: 87.5%   x " in op.line("Low battery"))
         assert op.text.count("Low battery") == 1
         await op.press("a")
         await op.until(lambda: "acknowledge)" not in op.text)

@@ -34,7 +34,7 @@ HOSTED = (
     ),
     Hosted("/dashboard"),
     Hosted("/dashboard_2", Life.STOPPED),
-    Hosted("/motor_controller", Life.STUCK, serves=True),
+    Hosted("/motor_controller", Life.STUCK, serves=("/emergency_stop",)),
 )
 
 

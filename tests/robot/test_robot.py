@@ -242,7 +242,7 @@ async def test_parameters_of_a_node_that_comes_and_goes_come_and_go() -> None:
     async with robot(make) as it:
         await until(lambda: it.snapshot.parameter("number"))
         outcome = await it.set_parameters("/guest", {"number": 2})
-        assert (outcome.ok, outcome.text) == (True, "number is 2")
+        assert (outcome.ok, outcome.text) == (True, "number is 2, was 1")
         parameter = it.snapshot.parameter("number")
         assert parameter is not None
         assert (parameter.value, parameter.initial, parameter.is_changed) == (2, 1, True)
@@ -597,7 +597,7 @@ async def test_a_status_and_a_result_that_disagree_are_not_called_an_arrival(
         await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
         goal: Any = it.snapshot.goal
         assert (goal.phase, goal.message) == (Phase.DISPUTED, said)
-        await until(lambda: any(said in e.text for e in it.snapshot.events if e.level == "WARN"))
+        await until(lambda: any(said in e.text for e in it.snapshot.events if e.level == "GOAL"))
 
 
 async def test_an_end_without_words_says_that_there_are_none() -> None:

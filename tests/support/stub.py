@@ -67,7 +67,7 @@ def stub_station(
 ) -> Station:
     """A station over a stand-in for the robot; its journal forgets everything."""
     host: Any = SimpleNamespace(states=lambda: hosted)
-    journal: Any = SimpleNamespace(write=lambda *_, **__: None)
+    journal: Any = SimpleNamespace(write=lambda *_, **__: None, failure="")
     return Station(
         robot,
         host,

@@ -1,0 +1,40 @@
+"""Text from outside: the one place that knows what a terminal could act on.
+
+Everything that leaves the process goes through `safe`: each line of the screen
+(terminal/app.py), of `--plain`, and of standard error.
+"""
+
+from __future__ import annotations
+
+import re
+
+from rich.cells import cell_len
+
+_LONGEST = 500  # characters of a line that are kept
+_MARKS = 4  # combining marks on one letter: more would reach into the lines around
+_SHOWN = "\N{REPLACEMENT CHARACTER}"
+# C0 and C1 controls; marks that turn the direction of text around, join or hide; other line ends;
+# lone surrogates, which no encoding of a terminal can hold; tags, which carry unseen text
+_UNSAFE = re.compile(
+    "[\x00-\x1f\x7f-\x9f\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
+    "\ufeff\ufff9-\ufffb\ud800-\udfff\U000e0000-\U000e007f]"
+)
+_COMBINING = "[\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]"
+_HEAPED = re.compile(f"({_COMBINING}{{{_MARKS}}}){_COMBINING}+")
+
+
+def safe(text: str) -> str:
+    """One line of text without anything that a terminal could act on."""
+    return _HEAPED.sub(r"\1", _UNSAFE.sub(_SHOWN, text))
+
+
+def safe_in_place(text: str) -> str:
+    """The same in as many cells, for a line that was laid out already."""
+    text = _UNSAFE.sub(lambda found: _SHOWN * cell_len(found[0]), text)
+    return _HEAPED.sub(r"\1", text)
+
+
+def harmless(text: str) -> str:
+    """One line of text that is safe and of bounded length, for whatever is kept of it."""
+    text = safe(text[: _LONGEST + 1])
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."

@@ -1,0 +1,46 @@
+"""Asks why a grave alarm is silenced: the reason goes into the journal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.widgets import Button, Static
+
+from archo_tui.alarms import SHELF_TIME, Alarm
+from archo_tui.screens.dialog import Form
+from archo_tui.widgets.field import Field
+
+
+class ShelveReason(Form):
+    """`shelve(reason)` is called with what was typed; escape leaves the alarm as it is."""
+
+    submits = "shelve"
+
+    def __init__(self, alarm: Alarm, shelve: Callable[[str], None]) -> None:
+        super().__init__()
+        self._alarm, self._shelve = alarm, shelve
+
+    def compose(self) -> ComposeResult:
+        with Vertical(classes="dialog") as box:
+            box.border_title = "Shelve"
+            box.border_subtitle = "enter shelve   esc cancel"
+            minutes = f"{SHELF_TIME / 60:.0f} min"
+            yield Static(Content(f"{self._alarm.text}\n\nWhy is it silenced for {minutes}?"))
+            yield Field(id="reason")
+            yield Static("", classes="error")
+            with Horizontal(classes="answers"):
+                yield Button("Cancel", id="leave", compact=True)
+                yield Button("Shelve", id="shelve", compact=True)
+
+    def on_mount(self) -> None:
+        self.query_one("#reason").focus()
+
+    def submit(self, typed: str) -> None:
+        if typed.strip():
+            self._shelve(typed.strip())
+            self.end()
+        else:
+            self.say("type a reason: it goes into the journal")
