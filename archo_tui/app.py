@@ -14,7 +14,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from archo_tui.commands import COMMANDS
-from archo_tui.commands.base import EVERYWHERE, Answered, Command
+from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
 from archo_tui.commands.keymap import shown_keys
 from archo_tui.robot.state import Outcome, Snapshot
 from archo_tui.screens.alarms import AlarmList
@@ -29,6 +29,7 @@ from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.rows import Rows
 
 TICK = 1.0  # s between two looks at ages and the time of day
+HELD = 0.7  # s within which the same key again means that it is held: X11 waits 0.66 s at first
 
 
 class ArchoApp(TerminalApp):
@@ -60,7 +61,10 @@ class ArchoApp(TerminalApp):
         self._keys = {command.id: command.key for command in COMMANDS} | dict(keys or {})
         self._shown_keys = shown_keys(self._keys)
         self._bind_commands()
-        self._held: list[events.Key | events.Paste] = []  # typed before the screen could take it
+        self._early: list[tuple[events.Event, bool]] = []  # typed before the screen could take it
+        self._last_key, self._last_typed = "", 0.0
+        self.repeated = False
+        self._sent: dict[str, float] = {}  # when each command that is not answered yet was given
         self.view = self._view()
 
     def _bind_commands(self) -> None:
@@ -139,14 +143,28 @@ class ArchoApp(TerminalApp):
         if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
             return  # only the left button acts
         typed = isinstance(event, (events.Key, events.Paste)) and not event.is_forwarded
-        if typed and (self._held or not self._takes_keys):
+        repeated = (typed or isinstance(event, events.MouseDown)) and self._repeats(event)
+        if typed and (self._early or not self._takes_keys):
             if isinstance(event, events.Key) and event.key == self._keys["stop"]:
+                self.repeated = repeated
                 self.action_command("stop")  # waits for nothing
                 return
-            self._held.append(event)  # type: ignore[arg-type]
+            self._early.append((event, repeated))
             self.call_later(self._release_keys)
             return
-        await super().on_event(event)
+        await self._handle(event, repeated)
+
+    def _repeats(self, event: events.Event) -> bool:
+        """True for a key that is held down: the same again, and soon."""
+        key = event.key if isinstance(event, events.Key) else ""
+        before, since = self._last_key, self._last_typed
+        self._last_key, self._last_typed = key, self.station.clock.monotonic()
+        return key != "" and key == before and self._last_typed - since < HELD
+
+    async def _handle(self, event: events.Event, repeated: bool) -> None:
+        self.repeated = repeated
+        if not (repeated and isinstance(event, events.Key) and event.key == "enter"):
+            await super().on_event(event)
 
     @property
     def _takes_keys(self) -> bool:
@@ -155,9 +173,9 @@ class ArchoApp(TerminalApp):
 
     async def _release_keys(self) -> None:
         """Hand on what was typed meanwhile, in its order; what it opens is waited for as well."""
-        while self._held and self._takes_keys:
-            await super().on_event(self._held.pop(0))
-        if self._held:
+        while self._early and self._takes_keys:
+            await self._handle(*self._early.pop(0))
+        if self._early:
             await asyncio.sleep(0)
             self.call_later(self._release_keys)
 
@@ -188,6 +206,10 @@ class ArchoApp(TerminalApp):
     def action_command(self, name: str) -> None:
         """Run a command of the registry, or say why it cannot run."""
         command = self._command(name)
+        if command.once and (self.repeated or self._waits(name)):
+            return
+        if name in self._sent and self.station.clock.monotonic() - self._sent[name] < command.every:
+            return
         reason = self.blocked(command)
         if reason:
             if not command.insists:
@@ -196,7 +218,21 @@ class ArchoApp(TerminalApp):
                 return
         work = command.run(self)  # at once: the next key may be for what this one focused
         if work is not None:
-            self.run_worker(work, group=name)
+            self.run_worker(self._answered(name, work), group=name)
+
+    def _waits(self, name: str) -> bool:
+        """True, and said, when the robot has not answered a command yet."""
+        if name in self._sent and not self.repeated:
+            self.notify("still waiting for the robot's answer", severity="warning", markup=False)
+        return name in self._sent
+
+    async def _answered(self, name: str, work: Work) -> None:
+        sent = self._sent[name] = self.station.clock.monotonic()
+        try:
+            await work
+        finally:
+            if self._sent.get(name) == sent:
+                del self._sent[name]
 
     def action_move(self, key: str) -> None:
         """Move the cursor of the list that has the focus."""
@@ -273,7 +309,8 @@ class ArchoApp(TerminalApp):
     # what the panels ask for
 
     def on_goal_panel_send(self, message: GoalPanel.Send) -> None:
-        self.run_worker(self._send(message.shelf), group="send")
+        if not self._waits("send"):
+            self.run_worker(self._answered("send", self._send(message.shelf)), group="send")
 
     async def _send(self, shelf: int) -> None:
         outcome = await self.station.robot.go_to_shelf(shelf)

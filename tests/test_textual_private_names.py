@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from textual import keys
+from textual import _ansi_sequences, keys
 from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.binding import BindingsMap
@@ -41,6 +41,7 @@ ATTRIBUTES = [
     ("terminal/app.py", App, "_exit"),
     ("terminal/app.py", App, "_return_code"),
     ("app.py", BindingsMap, "key_to_bindings"),
+    ("commands/keymap.py", _ansi_sequences, "ANSI_SEQUENCES_KEYS"),
     ("terminal/driver.py", LinuxDriver, "_writer_thread"),
     ("terminal/driver.py", LinuxDriver, "_auto_restart"),
     ("terminal/driver.py", LinuxDriver, "exit_event"),

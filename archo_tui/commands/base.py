@@ -25,6 +25,7 @@ class Console(Protocol):
     station: Station
     view: View  # what is shown now
     main: MainScreen
+    repeated: bool  # the key of the command is being held down
 
     @property
     def registry(self) -> Sequence[Command]:
@@ -81,6 +82,8 @@ class Command:
     service: ClassVar[str] = ""  # what somebody must offer
     runs_blocked: ClassVar[bool] = False  # says why, and does its harmless part all the same
     insists: ClassVar[bool] = False  # tried in any case: what is in the way may be over
+    once: ClassVar[bool] = False  # while its key is held, and before the robot has answered
+    every: ClassVar[float] = 0.0  # s from one to the next while the robot does not answer
 
     @property
     def place(self) -> str:

@@ -7,13 +7,28 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import yaml
-from textual.keys import Keys, _character_to_key, format_key
+from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
+from textual.keys import _character_to_key, format_key
 
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, Command
 from archo_tui.errors import ArchoError
 
-_RESERVED = ("tab", "shift+tab", "escape", "up", "down", "left", "right", "enter")
-_NAMES = {key.value for key in Keys}
+_OTHER = "choose another"
+_RESERVED = (
+    *("tab", "shift+tab", "escape", "up", "down", "left", "right", "enter"),
+    *("backspace", "delete", "home", "end"),
+)
+# what terminals send, by the names that Textual gives it
+_SENT = {
+    key.value for keys in ANSI_SEQUENCES_KEYS.values() if isinstance(keys, tuple) for key in keys
+}
+_SENT_AS = {
+    "ctrl+i": "tab",
+    "ctrl+m": "enter",
+    "ctrl+h": "backspace",
+    "ctrl+[": "escape",
+    "ctrl+left_square_bracket": "escape",
+}
 
 
 def load(path: Path, commands: Iterable[Command]) -> dict[str, str]:
@@ -70,10 +85,12 @@ def _entries(path: Path) -> Iterable[tuple[int, str, str]]:
 def _checked(path: Path, line: int, command: Command, key: str) -> str:
     name = _character_to_key(key) if len(key) == 1 else key.lower()
     types = _types_text(name)
-    if not types and name not in _NAMES:
+    if name in _SENT_AS:
+        raise ArchoError(f"{path}:{line}: a terminal sends {key} as {_SENT_AS[name]}: {_OTHER}")
+    if not types and name not in _SENT:
         raise ArchoError(f"{path}:{line}: no key {key!r}: like x, ctrl+x, f5, question_mark")
     if name in _RESERVED and command.key != name:
-        raise ArchoError(f"{path}:{line}: {key} is needed in fields and dialogs: choose another")
+        raise ArchoError(f"{path}:{line}: {key} is needed in fields and dialogs: {_OTHER}")
     if types and command.where == EVERYWHERE:
         raise ArchoError(
             f"{path}:{line}: {command.id} must work while typing too: "
@@ -83,7 +100,7 @@ def _checked(path: Path, line: int, command: Command, key: str) -> str:
 
 
 def _types_text(name: str) -> bool:
-    return name == "space" or (len(format_key(name)) == 1 and name not in _NAMES)
+    return name == "space" or (len(format_key(name)) == 1 and name not in _SENT)
 
 
 def _meet(one: Command, other: Command) -> bool:

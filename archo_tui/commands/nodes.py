@@ -45,6 +45,7 @@ def _short(hosted: Hosted) -> list[str]:
 class StartStop(_InNodes):
     id, key = "start_stop", "s"
     help = "Start or stop the selected node"
+    once = True
 
     def run(self, console: Console) -> Work | None:
         row, hosted = self._selected(console)
@@ -70,6 +71,7 @@ class StartStop(_InNodes):
 class Copy(_InNodes):
     id, key = "copy_node", "plus"
     help = "Run another copy of the selected node"
+    once = True
 
     def run(self, console: Console) -> Work | None:
         row, hosted = self._selected(console)

@@ -45,6 +45,7 @@ class Filter(_InParameters):
 class Undo(_InParameters):
     id, key = "undo", "u"
     help = "Undo your last change of a parameter"
+    once = True
 
     def blocked(self, console: Console) -> str:
         edit = console.station.edits.last

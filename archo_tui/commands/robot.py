@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from archo_tui.commands.base import EVERYWHERE, Command, Console, Work
-from archo_tui.robot.state import CHARGE, MOVE, RELEASE, RESET, STOP
+from archo_tui.robot.state import CHARGE, MOVE, RELEASE, RESET, RUNNING, STOP, Phase
 from archo_tui.screens.confirm import Confirm
+
+# a cancel was asked for, or there is nothing to cancel any more
+_CANCELLED = {Phase.CANCELLING} | (set(Phase) - set(RUNNING))
 
 
 class Go(Command):
@@ -21,8 +24,15 @@ class Cancel(Command):
     id, key, footer = "cancel", "ctrl+c", "Cancel"
     help = "Cancel the running goal; if none is running, copy the selection"
     where = EVERYWHERE
+    every = 0.5
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> Work | None:
+        goal = console.view.snapshot.goal
+        if console.repeated and (goal is None or goal.phase in _CANCELLED):
+            return None
+        return self._run(console)
+
+    async def _run(self, console: Console) -> None:
         goal = console.view.snapshot.goal
         if goal is not None and goal.is_running:
             console.tell(await console.station.robot.cancel())
@@ -37,8 +47,14 @@ class Stop(Command):
     where = EVERYWHERE
     service = STOP
     insists = True  # never dropped: the robot may only just have been found
+    every = 0.5
 
-    async def run(self, console: Console) -> None:
+    def run(self, console: Console) -> Work | None:
+        if console.repeated and console.view.snapshot.motor.stopped:
+            return None  # the key is held, and the robot has stopped
+        return self._run(console)
+
+    async def _run(self, console: Console) -> None:
         console.tell(await console.station.robot.emergency_stop())
 
 
@@ -46,6 +62,7 @@ class Release(Command):
     id, key = "release", "R"
     help = "Release the stop (asks first); nothing resumes by itself"
     service = RELEASE
+    once = True
 
     def blocked(self, console: Console) -> str:
         stopped = console.view.snapshot.motor.stopped
@@ -67,6 +84,7 @@ class Reset(Command):
     id, key, footer = "reset", "r", "Reset"
     help = "Reset the encoder to zero; asks first while a goal runs"
     service = RESET
+    once = True
 
     def run(self, console: Console) -> Work | None:
         async def reset() -> None:
@@ -87,6 +105,7 @@ class Charge(Command):
     id, key = "charge", "c"
     help = "Charge the battery, or stop charging"
     service = CHARGE
+    once = True
 
     async def run(self, console: Console) -> None:
         charging = console.view.snapshot.battery.charging

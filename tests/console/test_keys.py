@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
 from textual.widgets import Input
 
 from archo_tui.paths import config_file
 from archo_tui.terminal import themes
-from tests.support.console import FAST, console
+from tests.support.clock import seconds
+from tests.support.console import FAST, Console, console
 
 
 class Nobody(Node):
@@ -141,7 +145,7 @@ async def test_keys_that_are_pressed_twice_end_a_dialog_once() -> None:
             (["A"], "q"),
             (["4", "enter"], "escape"),
             (["4", "ctrl+s"], "escape"),
-            (["5", "enter"], "enter"),
+            (["5", "enter"], "q"),
         ):
             await op.press(*opening)
             await op.until(lambda: op.app.screen is not op.app.main)
@@ -157,3 +161,59 @@ async def test_keys_that_are_pressed_twice_end_a_dialog_once() -> None:
         op.send("enter", "enter", "enter")
         await op.until(lambda: op.app.screen is op.app.main)
         assert "✗ STOPPED" in op.text
+
+
+def _said(op: Console) -> list[str]:
+    return [event.text for event in op.app.view.snapshot.events if event.level == "YOU"]
+
+
+@pytest.mark.parametrize("key", ["r", "c", "ctrl+x"])
+async def test_a_held_key_sends_a_command_once_and_a_new_press_sends_it_again(key: str) -> None:
+    async with console(*FAST) as op:
+        begin = seconds()
+        await op.press(key)
+        for after in (0.5, *(0.53 + 0.03 * n for n in range(20))):  # as a keyboard repeats
+            await op.at(begin + after)
+            op.send(key)
+        await op.settle()
+        await op.until(lambda: _said(op))
+        assert len(_said(op)) == 1
+        await op.press("1", key)
+        await op.until(lambda: len(_said(op)) == 2)
+
+
+async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused() -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        await op.type("99")
+        op.send(*["enter"] * 10)
+        await op.until("✗ REFUSED")
+        await op.settle()
+        assert len(_said(op)) == 1
+
+
+async def test_an_unanswered_stop_is_sent_again_every_half_second_while_the_key_is_held() -> None:
+    class Deaf(Node):
+        """Offers STOP and never answers."""
+
+        def __init__(self, **options: Any) -> None:
+            super().__init__("deaf", **options)
+            self.calls: list[float] = []
+            self.create_service(Trigger, "emergency_stop", self.stop)
+
+        async def stop(self, _: Any, response: Any) -> Any:
+            self.calls.append(seconds())
+            await Future()
+            return response
+
+    async with console(node_makers=[Deaf], wait=False) as op:
+        await op.until(lambda: "emergency_stop" in op.app.view.snapshot.offered)
+        begin = seconds()
+        for number in range(40):
+            await op.at(begin + 0.03 * number)
+            op.send("ctrl+x")
+        await op.settle()
+        (deaf,) = (hosted.node for hosted in op.session.host.nodes)
+        assert isinstance(deaf, Deaf)
+        assert len(deaf.calls) <= 3
+        await op.until("use the hardware stop")

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from textual.widgets import Input
 
-from archo_tui.app import ArchoApp
+from archo_tui.app import HELD, ArchoApp
 from archo_tui.commands import COMMANDS
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, PANELS, Command
 from archo_tui.commands.keymap import shown
@@ -16,7 +16,7 @@ from archo_tui.widgets.field import INTEGER
 from tests.console.states import STATES
 from tests.support.console import send
 from tests.support.quiet import Quiet
-from tests.support.stub import stub_app
+from tests.support.stub import StandingClock, stub_app
 
 README = Path(__file__).parent.parent.parent / "README.md"
 PLACES = [f"panel {number}" for number in range(1, 7)] + [
@@ -65,7 +65,8 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 async def test_every_key_works_where_the_table_says_and_nowhere_else() -> None:
     ran: list[str] = []
-    app = stub_app(STATES["battery low and moving"])
+    clock = StandingClock()
+    app = stub_app(STATES["battery low and moving"], clock)
     async with app.run_test(size=(120, 36)):
         quiet = Quiet(app)
         run = app.action_command
@@ -85,10 +86,12 @@ async def test_every_key_works_where_the_table_says_and_nowhere_else() -> None:
                     while isinstance(app.focused, Input):
                         send(app, "escape")
                         await quiet.settle()
+                    clock.passed += HELD
                     panel = await go_to(app, quiet, place)
                     there = (app.screen, app.focused)
                     app.action_command = record  # type: ignore[method-assign]
                 ran.clear()
+                clock.passed += HELD  # another press of the same key
                 send(app, command.key)
                 await quiet.settle()
                 assert (command.id in ran) == works(command, place, panel), (place, command, ran)

@@ -13,7 +13,7 @@ from textual.app import App
 from textual.keys import REPLACED_KEYS, _get_unicode_name_from_key
 from textual.pilot import Pilot
 
-from archo_tui.app import ArchoApp
+from archo_tui.app import HELD, ArchoApp
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
 from tests.support import chosen, clock
@@ -48,6 +48,7 @@ class Console:
     def __init__(self, app: ArchoApp, pilot: Pilot[None], session: Session) -> None:
         self.app, self.pilot, self.session = app, pilot, session
         self._quiet = Quiet(app)
+        self._last, self._pressed = "", 0.0
 
     @property
     def text(self) -> str:
@@ -66,14 +67,22 @@ class Console:
         return next((node.number for node in ancestors if isinstance(node, Panel)), 0)
 
     async def press(self, *keys: str) -> None:
-        """Press keys one after the other."""
+        """Press keys one after the other; the same again only when it was let go."""
         for key in keys:
+            released = self._pressed + HELD if key == self._last else 0.0
+            await self.at(released)
             send(self.app, key)
+            self._last, self._pressed = key, clock.seconds()
             await self._quiet.settle()
+
+    async def at(self, when: float) -> None:
+        """Wait until that time (s) of the robot's."""
+        await self._quiet.until(lambda: clock.seconds() >= when, str)
 
     def send(self, *keys: str) -> None:
         """Press keys, all at once: as they come over a slow link."""
         send(self.app, *keys)
+        self._last, self._pressed = keys[-1], clock.seconds()
 
     async def settle(self) -> None:
         """Let everything be done that is to be done before time moves on."""
@@ -81,7 +90,10 @@ class Console:
 
     async def type(self, text: str) -> None:
         """Type text, character by character."""
-        await self.press(*text)
+        for character in text:
+            send(self.app, character)
+            await self._quiet.settle()
+            self._last = character
 
     async def until(
         self, condition: str | Callable[[], object], deadline: float = DEADLINE
