@@ -41,7 +41,6 @@ ATTRIBUTES = [
     ("terminal/app.py", App, "_exit"),
     ("terminal/app.py", App, "_return_code"),
     ("app.py", BindingsMap, "key_to_bindings"),
-    ("commands/keymap.py", _ansi_sequences, "ANSI_SEQUENCES_KEYS"),
     ("terminal/driver.py", LinuxDriver, "_writer_thread"),
     ("terminal/driver.py", LinuxDriver, "_auto_restart"),
     ("terminal/driver.py", LinuxDriver, "exit_event"),
@@ -70,3 +69,8 @@ def test_a_private_method_is_there(used_by: str, owner: object, name: str) -> No
 @pytest.mark.parametrize(("used_by", "owner", "name"), ATTRIBUTES)
 def test_a_private_attribute_is_there(used_by: str, owner: type, name: str) -> None:
     assert f"self.{name}" in source_of(owner), f"{used_by} needs {owner.__name__}.{name}"
+
+
+def test_the_table_of_what_terminals_send_is_there() -> None:
+    table = _ansi_sequences.ANSI_SEQUENCES_KEYS  # commands/keymap.py
+    assert [key.value for key in table["\x18"]] == ["ctrl+x"]
