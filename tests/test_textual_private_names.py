@@ -15,6 +15,7 @@ from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.binding import BindingsMap
 from textual.drivers.linux_driver import LinuxDriver
+from textual.keys import Keys
 from textual.screen import Screen
 from textual.widget import Widget
 
@@ -73,4 +74,4 @@ def test_a_private_attribute_is_there(used_by: str, owner: type, name: str) -> N
 
 def test_the_table_of_what_terminals_send_is_there() -> None:
     table = _ansi_sequences.ANSI_SEQUENCES_KEYS  # commands/keymap.py
-    assert [key.value for key in table["\x18"]] == ["ctrl+x"]
+    assert table["\x18"] == (Keys.ControlX,)
