@@ -144,6 +144,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
         print(journal.path())
         return 0
     from archo_tui.session import Options, Session
+    from archo_tui.shutdown import ignore_signals
 
     session = Session(
         Options(
@@ -160,6 +161,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     try:
         code = _plain(session) if options.plain else _console(session)
     finally:
+        ignore_signals()
         stuck = session.close()
     for name in stuck:
         print(f"archo-tui: {name} did not stop: its callback does not return", file=sys.stderr)
@@ -168,30 +170,40 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
 
 def _plain(session: Session) -> int:
     from archo_tui import plain
+    from archo_tui.shutdown import heed_signals
 
+    heed_signals()
     session.start()
     return plain.run(session.station)
 
 
 def _console(session: Session) -> int:
     _need_terminal()
+    import asyncio
+
     from archo_tui.app import ArchoApp
     from archo_tui.commands import COMMANDS, keymap
+    from archo_tui.shutdown import heed_signals, let_go
     from archo_tui.terminal import themes
 
+    station, clock = session.station, session.station.clock
     keys = keymap.load(config_file("keymap.yaml"), COMMANDS)
+    heed_signals()
     session.start()
     failed, failures = "", 0
     while True:
-        app = ArchoApp(session.station, keys=keys, theme=themes.remembered(), failed=failed)
+        app = ArchoApp(station, keys=keys, theme=themes.remembered(), failed=failed)
         with guarded_stderr(log_file()):
             app.run()
         if not app.failure:
             return app.return_code or 0
         failed, failures = app.failure, failures + 1
         last = failed.strip().splitlines()[-1]
-        session.robot.note("ERROR", "console", f"the screen crashed: {last}")
+        station.robot.note("ERROR", "console", f"the screen crashed: {last}")
+        session.journal.write(clock.now(), "screen failure", text=last, traceback=failed)
         if failures == _MOST_FAILURES:
+            why = "the screen keeps crashing"
+            asyncio.run(let_go(station.robot, clock, station.on_disconnect, why))
             print(f"archo-tui: the screen keeps crashing: {last}", file=sys.stderr)
             return FAILED
 
@@ -199,8 +211,10 @@ def _console(session: Session) -> int:
 def _need_terminal() -> None:
     if os.environ.get("TEXTUAL_DRIVER"):  # another driver than a terminal's
         return
-    for stream in (sys.stdin, sys.stdout):
-        if not stream.isatty():
-            raise ArchoError(
-                f"{stream.name.strip('<>')} is not a terminal: run archo-tui in one, or use --plain"
-            )
+    term = os.environ.get("TERM", "")
+    if term in ("", "dumb", "unknown"):
+        said = f"TERM is {term}" if term else "TERM is not set"
+        raise ArchoError(f"{said}: this terminal cannot show a screen, use --plain")
+    for name, stream in (("stdin", sys.stdin), ("stdout", sys.stdout)):
+        if stream is None or not stream.isatty():  # None: it is closed
+            raise ArchoError(f"{name} is not a terminal: run archo-tui in one, or use --plain")

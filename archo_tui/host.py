@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count
@@ -18,7 +19,8 @@ import archo_tui
 from archo_tui.robot.state import Hosted, Life, Outcome
 from archo_tui.tracebacks import own_frames
 
-JOIN_TIMEOUT = 3.0  # s a node's callback may still take at the end
+JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
+END_TIMEOUT = 1.5  # s for all of them when the console ends
 
 
 class HostedNode:
@@ -65,12 +67,17 @@ class HostedNode:
             self.state = replace(self.state, life=Life.CRASHED, error=said, traceback=report)
             self._on_change(self)
 
-    def stop(self) -> bool:
-        """End the thread and destroy the node; False when a callback does not return in time."""
+    def begin_to_stop(self) -> None:
+        """Have the thread end when the callback returns that it runs."""
         self._stopping = True
         if self._thread.is_alive():
             self._executor.create_task(lambda: None)
-            self._thread.join(JOIN_TIMEOUT)
+
+    def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
+        """End the thread and destroy the node; False when a callback takes longer than that (s)."""
+        self.begin_to_stop()
+        if self._thread.is_alive():
+            self._thread.join(timeout)
             if self._thread.is_alive():
                 self.state = replace(self.state, life=Life.STUCK)
                 return False
@@ -160,9 +167,12 @@ class Host:
         return next(hosted for hosted in self.nodes if hosted.name == name)
 
     def stop(self) -> list[str]:
-        """Stop every node; returns the names of those that did not end."""
+        """Stop every node; returns the names of those that did not end within END_TIMEOUT."""
         with self._changing:
-            return [hosted.name for hosted in self.nodes if not hosted.stop()]
+            for hosted in self.nodes:
+                hosted.begin_to_stop()
+            end = time.monotonic() + END_TIMEOUT
+            return [n.name for n in self.nodes if not n.stop(max(end - time.monotonic(), 0.0))]
 
     def _crashed(self, hosted: HostedNode) -> None:
         self._on_event("ERROR", hosted.name.lstrip("/"), f"crashed: {hosted.state.error}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import signal
 from collections.abc import Callable
 from typing import TYPE_CHECKING
@@ -13,7 +14,8 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 CANCEL, LEAVE = "cancel", "leave"
-WAIT = 2.0  # s for the robot's answer; the process ends then in any case
+WAIT = 1.0  # s for the robot's answer; the process ends then in any case
+_NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 _LOOK = 0.02  # s between two looks at a goal that is being cancelled
 
 
@@ -50,10 +52,14 @@ class Shutdown:
         self._task: asyncio.Task[None] | None = None
 
     def on_signals(self) -> None:
-        """Begin on SIGINT, SIGTERM, SIGHUP and SIGQUIT."""
+        """Begin on a signal, also on one that came since `heed_signals`."""
         loop = asyncio.get_running_loop()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
-            loop.add_signal_handler(number, self.begin, 128 + number)
+
+        def begin(number: int) -> None:
+            with contextlib.suppress(RuntimeError):  # the loop is closed: it ends already
+                loop.call_soon_threadsafe(self.begin, 128 + number)
+
+        _heeded.listen(begin)
 
     @property
     def has_begun(self) -> bool:
@@ -69,3 +75,41 @@ class Shutdown:
         why = f"ended by {signal.Signals(code - 128).name}" if code > 128 else "ended"
         await let_go(self._robot, self._clock, self._on_disconnect, why)
         self._end(code)
+
+
+class _Heeded:
+    """The first signal that asks for the end, from before the terminal is taken to after it.
+
+    asyncio's own handlers come and go with its loop; what came in between would kill the process
+    and leave the terminal raw.
+    """
+
+    def __init__(self) -> None:
+        self.first = 0
+        self._listener: Callable[[int], None] | None = None
+
+    def on_signal(self, number: int, _frame: object) -> None:
+        self.first = self.first or number
+        if self._listener is not None:
+            self._listener(number)
+
+    def listen(self, listener: Callable[[int], None]) -> None:
+        self._listener = listener
+        if self.first:
+            listener(self.first)
+
+
+_heeded = _Heeded()
+
+
+def heed_signals() -> None:
+    """From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT end the console in order."""
+    for number in _NUMBERS:
+        signal.signal(number, _heeded.on_signal)
+
+
+def ignore_signals() -> None:
+    """The console ends already, and its exit code is known: to Python's own end a signal kills."""
+    for number in _NUMBERS:
+        if signal.getsignal(number) == _heeded.on_signal:
+            signal.signal(number, signal.SIG_IGN)

@@ -49,7 +49,7 @@ async def test_a_robot_that_does_not_answer_is_not_waited_for_long() -> None:
     it = robot(answers=False)
     before = clock.seconds()
     await ended(let_go(it, clock.current or Clock(), CANCEL, "ended"))
-    assert it.said[-1] == "ERROR no answer in 2 s: the goal may be running"
+    assert it.said[-1] == "ERROR no answer in 1 s: the goal may be running"
     assert clock.seconds() == pytest.approx(before + WAIT, abs=0.5)
 
 

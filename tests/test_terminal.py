@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import json
 import re
 import signal
@@ -237,8 +238,6 @@ import threading
 from archo_tui import session
 makers = session._robots_nodes
 def with_hanging(use_sim):
-    from archo_tui import host
-    host.JOIN_TIMEOUT = 0.2
     from rclpy.node import Node
     class Hanging(Node):
         def __init__(self, **options):
@@ -292,3 +291,114 @@ def test_keys_from_the_first_moment_on_are_obeyed(terminals: list[Terminal]) -> 
 
 def entries_so_far() -> list[dict[str, Any]]:
     return journaled() if journal.path().exists() else []
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.01, 0.03, 0.1, 0.3])
+def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(
+    delay: float, terminals: list[Terminal]
+) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("\x1b[?1049h")  # the terminal is taken
+    time.sleep(delay)
+    terminal.kill(signal.SIGTERM)
+    assert terminal.exit_code() == 128 + signal.SIGTERM
+    assert terminal.is_as_before()
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.02, 0.05, 0.1, 0.3])
+def test_ctrl_c_behind_ctrl_q_changes_nothing(delay: float, terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("\x11")
+    time.sleep(delay)
+    with contextlib.suppress(ProcessLookupError):
+        terminal.kill(signal.SIGINT)
+    assert terminal.exit_code() in (0, 128 + signal.SIGINT)
+    assert "Traceback" not in terminal.text
+    assert terminal.is_as_before()
+
+
+@pytest.mark.parametrize("piece", [1, 2, 3, 4, 5])
+def test_a_paste_whose_marks_come_in_two_pieces_is_text(
+    piece: int, terminals: list[Terminal]
+) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("4/")
+    terminal.until("ype to search")
+    begin, end = "\x1b[200~", "\x1b[201~"
+    if piece > 1:  # escape alone is a key
+        terminal.write(begin[:piece])
+        time.sleep(0.15)
+        terminal.write(f"{begin[piece:]}wheel\x18{end[:piece]}")
+        time.sleep(0.15)
+        terminal.write(end[piece:])
+    else:
+        terminal.write(f"{begin}wheel\x18{end}")
+    terminal.output = b""
+    terminal.write("_r")
+    terminal.until("wheel")
+    terminal.write("\x18")  # a key again
+    wait_until(lambda: "STOP: Stopped" in {e["text"] for e in entries_so_far()})
+    terminal.write("\x1b\x11")
+    assert terminal.exit_code() == 0
+    assert [e["text"] for e in journaled() if e["kind"] == "command"] == ["STOP: Stopped"]
+
+
+def test_a_paste_whose_end_is_lost_does_not_swallow_stop(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("\x1b[200~12")
+    time.sleep(2.5)
+    terminal.write("\x18")
+    wait_until(lambda: "STOP: Stopped" in {e["text"] for e in entries_so_far()})
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+
+
+@pytest.mark.parametrize("term", ["dumb", "unknown", ""])
+def test_a_terminal_that_cannot_show_a_screen_is_refused(
+    term: str, terminals: list[Terminal]
+) -> None:
+    terminal = Terminal(term=term)
+    terminals.append(terminal)
+    assert terminal.exit_code() == 2
+    said = f"TERM is {term}" if term else "TERM is not set"
+    assert f"archo-tui: {said}: this terminal cannot show a screen, use --plain" in terminal.text
+    assert b"\x1b[?1049h" not in terminal.output
+
+
+def test_a_terminal_with_a_new_name_is_let_in(terminals: list[Terminal]) -> None:
+    terminal = Terminal(term="xterm-of-next-year")
+    terminals.append(terminal)
+    terminal.until("online")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+
+
+def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Terminal]) -> None:
+    terminal = Terminal(*SLOW, code=FAILS_IN_A_MOVE)
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("g12\r")
+    assert terminal.exit_code() == 1
+    said = [entry.get("text", "") for entry in journaled()]
+    assert any("keeps crashing: cancelling the goal to shelf 12" in text for text in said), said
+    assert "cancel: cancelling" in said
+    assert [e["kind"] for e in journaled()].count("screen failure") == 3
+
+
+FAILS_IN_A_MOVE = """
+from archo_tui.widgets.goal_panel import GoalPanel
+show = GoalPanel.show
+def fail(self, view):
+    goal = view.snapshot.goal
+    if goal is not None and goal.remaining is not None:
+        raise RuntimeError("cannot draw")
+    show(self, view)
+GoalPanel.show = fail
+"""

@@ -15,6 +15,7 @@ import os
 import selectors
 import termios
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Protocol, cast
@@ -25,6 +26,9 @@ from textual.drivers.linux_driver import LinuxDriver
 MAX_WAITING = 64 * 1024  # bytes, or two frames of a large terminal; one of 160 x 48 has 20,000
 _MARKS = 4096  # bytes of what stands around a frame
 _STOP_TIMEOUT = 0.5  # s that the end waits for a terminal that does not read
+_MARKER_WAIT = 0.5  # s that the rest of a paste's marker is waited for, over a slow link
+_PASTE_WAIT = 2.0  # s without input after which a paste is over whose end was lost
+_PASTE_BEGIN, _PASTE_END = "\x1b[200~", "\x1b[201~"
 
 
 class SteadyApp(Protocol):
@@ -117,6 +121,38 @@ class Writer(threading.Thread):
         self.join(_STOP_TIMEOUT)
 
 
+class Markers:
+    """Keeps the marks around a paste whole; without its begin a paste would be keys, STOP too."""
+
+    def __init__(self) -> None:
+        self._begun = ""  # what may be the first part of a mark
+        self._pasting = False
+        self._heard = 0.0  # monotonic s
+
+    def take(self, text: str, now: float) -> str:
+        """What was read: all but what may be a part of a mark."""
+        self._heard = now
+        text = self._begun + text
+        lengths = range(len(_PASTE_BEGIN) - 1, 1, -1)  # escape alone is a key
+        endings = (text[-length:] for length in lengths)
+        marks = (_PASTE_BEGIN, _PASTE_END)
+        self._begun = next((e for e in endings if any(m.startswith(e) for m in marks)), "")
+        text = text[: len(text) - len(self._begun)]
+        if _PASTE_BEGIN in text or _PASTE_END in text:
+            self._pasting = text.rfind(_PASTE_BEGIN) > text.rfind(_PASTE_END)
+        return text
+
+    def late(self, now: float) -> str:
+        """What to read while nothing comes: a part of a mark that was none, the lost end."""
+        if self._begun and now - self._heard > _MARKER_WAIT:
+            text, self._begun = self._begun, ""
+            return text
+        if self._pasting and now - self._heard > _PASTE_WAIT:
+            self._pasting = False
+            return _PASTE_END
+        return ""
+
+
 class SteadyDriver(LinuxDriver):
     """Never blocks the loop, and knows when the terminal is gone."""
 
@@ -165,7 +201,7 @@ class SteadyDriver(LinuxDriver):
 
     def run_input_thread(self) -> None:
         """Read keys until told to end, or until there is nothing to read from any more."""
-        parser = XTermParser(self._debug)
+        parser, marked = XTermParser(self._debug), Markers()
         decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
@@ -175,8 +211,11 @@ class SteadyDriver(LinuxDriver):
                     if not data:
                         self._dead()
                         return
-                    for message in parser.feed(decode(data)):
-                        self.process_message(message)
+                    text = marked.take(decode(data), time.monotonic())
+                else:
+                    text = marked.late(time.monotonic())
+                for message in parser.feed(text) if text else ():  # nothing would mean the end
+                    self.process_message(message)
                 for message in parser.tick():
                     self.process_message(message)
 

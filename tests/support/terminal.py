@@ -28,6 +28,7 @@ class Terminal:
         code: str = "",
         ignore_hangup: bool = False,
         size: tuple[int, int] = (120, 36),
+        term: str = "xterm-256color",
     ) -> None:
         """`code` is Python to run before the command line is obeyed."""
         self.output = b""
@@ -43,7 +44,7 @@ class Terminal:
                 os.dup2(slave, fd)
             os.closerange(3, 100)
             os.environ |= {
-                "TERM": "xterm-256color",
+                "TERM": term,
                 "ROS_DOMAIN_ID": str(chosen.next_domain()),
                 "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
             }
