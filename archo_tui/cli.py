@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import os
 import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -91,13 +93,32 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run; returns the exit code: 0, 1 when the console failed, 2 for a user's mistake."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # not where it is closed
+            stream.reconfigure(errors="backslashreplace")
     words, ros_args = split_ros_args(sys.argv[1:] if argv is None else argv)
-    options = parser().parse_args(words)
     try:
-        return _run(options, ros_args)
+        code = _run(parser().parse_args(words), ros_args)
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except ArchoError as error:
-        print(f"archo-tui: {error}", file=sys.stderr)
+        _complain(str(error))
         return MISUSED
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EPIPE, errno.EIO) or sys.stdout is None:
+            raise
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes once more
+        _complain(f"cannot write to standard output: {error.strerror}")
+        return FAILED
+    return code
+
+
+def _complain(said: str) -> None:
+    """One line on standard error, where that is open."""
+    from archo_tui.robot.text import safe
+
+    if sys.stderr is not None:
+        print(f"archo-tui: {safe(said)}", file=sys.stderr)
 
 
 def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -146,6 +167,8 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
 
+    if options.plain and sys.stdout is None:
+        raise ArchoError("--plain needs a standard output, and it is closed")
     session = Session(
         Options(
             engine=options.engine,
@@ -164,7 +187,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
         ignore_signals()
         stuck = session.close()
     for name in stuck:
-        print(f"archo-tui: {name} did not stop: its callback does not return", file=sys.stderr)
+        _complain(f"{name} did not stop: its callback does not return")
     return code or (FAILED if stuck else 0)
 
 
@@ -204,7 +227,7 @@ def _console(session: Session) -> int:
         if failures == _MOST_FAILURES:
             why = "the screen keeps crashing"
             asyncio.run(let_go(station.robot, clock, station.on_disconnect, why))
-            print(f"archo-tui: the screen keeps crashing: {last}", file=sys.stderr)
+            _complain(f"the screen keeps crashing: {last}")
             return FAILED
 
 

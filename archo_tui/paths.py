@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from pathlib import Path
 
 import platformdirs
@@ -17,9 +19,17 @@ def make_folder(file: Path) -> None:
 
 def config_file(name: str) -> Path:
     """What the operator chose: keymap, theme. On Linux below XDG_CONFIG_HOME or `~/.config`."""
-    return platformdirs.user_config_path(_NAME, appauthor=False) / name
+    return _folder(platformdirs.user_config_path) / name
 
 
 def state_file(name: str) -> Path:
     """What the console wrote: journal, logs. Below XDG_STATE_HOME or `~/.local/state`."""
-    return platformdirs.user_state_path(_NAME, appauthor=False) / name
+    return _folder(platformdirs.user_state_path) / name
+
+
+def _folder(find: Callable[..., Path]) -> Path:
+    """The folder; where the user has no home, one in which nothing can be."""
+    try:
+        return find(_NAME, appauthor=False)
+    except RuntimeError:
+        return Path(os.devnull)

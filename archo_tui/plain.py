@@ -8,13 +8,14 @@ import os
 import sys
 import threading
 from collections.abc import Awaitable, Callable, Coroutine
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING
 
 from archo_tui import goal_text, state_text
 from archo_tui.alarms import Alarm, advice
 from archo_tui.clock import time_of_day
 from archo_tui.robot.parameter_values import parse, range_text, text_of
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase, Snapshot
+from archo_tui.robot.text import safe
 from archo_tui.shutdown import Shutdown
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 _SHOWN_LEVELS = ("YOU", "WARN", "ERROR", "FATAL")
 _STOP = ["stop"]
 _WAYS = {name: f"type {name}" for name in ("release", "charge")}
+_LONGEST = 64 * 1024  # bytes of a line that is read
 _WAIT = 5.0  # s for the robot to be there before a command is tried
 
 HELP = """\
@@ -39,11 +41,38 @@ status                    show the state of the robot
 quit                      end, once the running goal has ended"""
 
 
+TOO_LONG = "\n"  # in place of a line that is; no line can be that
+
+
+class Lines:
+    """Cuts what is read into lines, at a cost that is linear whatever comes."""
+
+    def __init__(self) -> None:
+        self._rest = bytearray()
+        self._skips = False  # the rest of a line that is too long
+
+    def take(self, chunk: bytes) -> list[str]:
+        """The lines that this piece ends."""
+        first, *others = chunk.split(b"\n")
+        found: list[str] = []
+        self._keep(first)
+        for part in others:
+            text = TOO_LONG if self._skips else self._rest.decode(errors="replace")
+            found.append(text)
+            self._rest, self._skips = bytearray(), False
+            self._keep(part)
+        return found
+
+    def _keep(self, part: bytes) -> None:
+        self._skips = self._skips or len(self._rest) + len(part) > _LONGEST
+        self._rest = bytearray() if self._skips else self._rest + part
+
+
 class Plain:
     """Reads commands, prints what happens, one line each."""
 
-    def __init__(self, station: Station, read: int, write: TextIO) -> None:
-        """Reads from a file descriptor."""
+    def __init__(self, station: Station, read: int | None, write: int) -> None:
+        """Reads from and writes to file descriptors; `read` is None where there is no input."""
         self._station, self._robot, self._clock = station, station.robot, station.clock
         self._read, self._write = read, write
         self._ascii = ascii_only()
@@ -85,14 +114,19 @@ class Plain:
 
     def _listen(self, loop: asyncio.AbstractEventLoop) -> None:
         """On its own thread; no buffered reader, which would delay the end of the process."""
-        rest = b""
-        with contextlib.suppress(RuntimeError, OSError):  # the loop is closed: nobody listens
-            while chunk := os.read(self._read, 4096):
-                *lines, rest = (rest + chunk).split(b"\n")
-                for line in lines:
-                    loop.call_soon_threadsafe(self._heard, line.decode(errors="replace"))
-            for last in (rest.decode(errors="replace"), None):
+        lines = Lines()
+        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody listens
+            while chunk := self._chunk():
+                for line in lines.take(chunk):
+                    loop.call_soon_threadsafe(self._heard, line)
+            for last in (*lines.take(b"\n"), None):
                 loop.call_soon_threadsafe(self._heard, last)
+
+    def _chunk(self) -> bytes:
+        try:
+            return b"" if self._read is None else os.read(self._read, 4096)
+        except OSError:
+            return b""
 
     def _heard(self, line: str | None) -> None:
         self._typed.put_nowait(line)
@@ -101,8 +135,8 @@ class Plain:
 
     async def _serve(self) -> None:
         while (line := await self._typed.get()) is not None and line.split() != ["quit"]:
-            if line.strip() and line.split() != _STOP:
-                await self._run(line.split())
+            if line == TOO_LONG or (line.strip() and line.split() != _STOP):
+                await self._run([line] if line == TOO_LONG else line.split())
         await self._until(lambda: not self._stopping)
         await self._until(lambda: self._goal is None or not self._goal.is_running)
         arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
@@ -120,13 +154,19 @@ class Plain:
             self._end.set_result(code)
 
     def _out(self, text: str) -> None:
+        lines = [safe(line) for line in text.splitlines()]
+        data = "".join(f"{in_ascii(line) if self._ascii else line}\n" for line in lines).encode()
         try:
-            self._write.write(f"{in_ascii(text) if self._ascii else text}\n")
-            self._write.flush()
-        except OSError:  # nobody reads any more
+            while data:
+                data = data[os.write(self._write, data) :]
+        except OSError:  # nobody reads any more, or there is no room
             self._shutdown.begin(1)
 
     async def _run(self, typed: list[str]) -> None:
+        if typed == [TOO_LONG]:
+            self._say(f"failed: a line of more than {_LONGEST} bytes")
+            self._failed = True
+            return
         verb, *rest = typed
         self._stopping += typed == _STOP
         outcome = await self._do(verb, rest)
@@ -259,8 +299,11 @@ def _said_of(goal: Goal) -> tuple[Phase, float | None]:
 
 def run(station: Station) -> int:
     """Operate through standard input and output; returns the exit code."""
+    # None where they are closed: their descriptors may have become other files'
+    read = None if sys.stdin is None else sys.stdin.fileno()
+    write = sys.stdout.fileno()
 
     async def operate() -> int:
-        return await Plain(station, sys.stdin.fileno(), sys.stdout).run()
+        return await Plain(station, read, write).run()
 
     return asyncio.run(operate())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import io
 import os
 import re
 import signal
@@ -14,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.plain import Plain
+from archo_tui.plain import TOO_LONG, Lines, Plain
 from archo_tui.robot.state import Outcome
 from tests.console.states import NORMAL
 from tests.support import chosen
@@ -172,7 +171,7 @@ async def test_the_end_waits_for_the_answer_to_a_stop() -> None:
     answer = asyncio.get_running_loop().create_future()
     robot.emergency_stop = lambda: answer
     read, write = os.pipe()
-    out = io.StringIO()
+    heard, out = os.pipe()
     os.write(write, b"stop\n")
     os.close(write)
     running = asyncio.ensure_future(Plain(stub_station(robot), read, out).run())
@@ -182,5 +181,70 @@ async def test_the_end_waits_for_the_answer_to_a_stop() -> None:
     assert not running.done()
     answer.set_result(Outcome(False, "no answer in 2 s"))
     assert await ended(running) == 1
-    assert "failed: stop: no answer in 2 s" in out.getvalue()
-    os.close(read)
+    assert b"failed: stop: no answer in 2 s" in os.read(heard, 65536)
+    for descriptor in (read, heard, out):
+        os.close(descriptor)
+
+
+def shell(command: str, **environ: str) -> subprocess.CompletedProcess[bytes]:
+    """Run a line of shell with `archo` in it."""
+    archo = f"{sys.executable} -m archo_tui --engine {chosen.ENGINE}"
+    given = {"ROS_DOMAIN_ID": str(chosen.next_domain()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
+    return subprocess.run(
+        ["sh", "-c", command.replace("archo", archo)],
+        capture_output=True,
+        check=False,
+        timeout=120,
+        env=os.environ | given | environ,
+    )
+
+
+@pytest.mark.parametrize(
+    ("command", "code", "said"),
+    [
+        ("archo --plain <&-", 0, ""),
+        ("archo --plain >&- </dev/null", 2, "--plain needs a standard output, and it is closed"),
+        ("echo status | archo --plain >/dev/full", 1, ""),
+        ("archo --version >/dev/full", 1, "cannot write to standard output: No space left"),
+        ("archo --keys >/dev/full", 1, "cannot write to standard output: No space left"),
+        ("archo --keys >&-", 0, ""),
+        ("archo --help >&-", 0, ""),
+        ("echo nonsense | archo --plain 2>&- | cat", 0, ""),
+        ("echo nonsense | archo --plain 2>&-", 1, ""),
+        ("yes x | tr -d '\\n' | head -c 10000000 | archo --plain", 1, ""),
+        ("printf 'go \\355\\240\\200\\n' | archo --plain", 1, ""),
+    ],
+)
+def test_no_input_or_output_whatever_is_a_traceback(command: str, code: int, said: str) -> None:
+    done = shell(command)
+    assert b"Traceback" not in done.stderr + done.stdout
+    assert b"Exception" not in done.stderr
+    assert (done.returncode, said in done.stderr.decode()) == (code, True), done
+
+
+def test_an_ascii_output_gets_ascii() -> None:
+    done = shell("echo status | archo --plain", LC_ALL="C", PYTHONIOENCODING="ascii")
+    assert done.returncode == 0, done
+    assert done.stdout.isascii()
+    assert b"battery * GOOD" in done.stdout
+
+
+@pytest.mark.parametrize("option", ["--help", "--keys", "--journal"])
+def test_a_user_without_a_home_is_no_traceback(option: str) -> None:
+    code = (
+        "import os, sys; os.environ.pop('HOME', None); os.environ.pop('XDG_STATE_HOME', None); "
+        "os.environ.pop('XDG_CONFIG_HOME', None); import pwd; "
+        "pwd.getpwuid = lambda uid: (_ for _ in ()).throw(KeyError(uid)); "
+        f"from archo_tui.cli import main; sys.exit(main([{option!r}]))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_lines_are_cut_at_any_place_and_a_long_one_is_counted_out() -> None:
+    text = b"one\n\ntwo \xc3\xbc\n" + b"x" * 100_000 + b"\nafter\n"
+    for size in (1, 7, 4096, len(text)):
+        lines, found = Lines(), []
+        for start in range(0, len(text), size):
+            found += lines.take(text[start : start + size])
+        assert found == ["one", "", "two ü", TOO_LONG, "after"]

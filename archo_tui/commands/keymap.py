@@ -11,6 +11,7 @@ from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
 from textual.keys import _character_to_key, format_key
 
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, Command
+from archo_tui.embedded import bounded_yaml
 from archo_tui.errors import ArchoError
 
 _OTHER = "choose another"
@@ -59,18 +60,13 @@ def shown(key: str) -> str:
 
 def _entries(path: Path) -> Iterable[tuple[int, str, str]]:
     try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except FileNotFoundError:
+        root = bounded_yaml.compose(bounded_yaml.read(path), path)
+    except (FileNotFoundError, NotADirectoryError):
         return
     except OSError as error:
         raise ArchoError(f"{path}: cannot read the keymap: {error.strerror}") from None
-    try:
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = mark.line + 1 if mark else 1
-        problem = getattr(error, "problem", None) or "control characters"
-        raise ArchoError(f"{path}:{line}: not YAML: {problem}") from None
+    except bounded_yaml.YamlError as error:
+        raise ArchoError(str(error)) from None
     if root is None:
         return
     if not isinstance(root, yaml.MappingNode):

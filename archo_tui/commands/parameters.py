@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os.path
 from pathlib import Path
 
 from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Work
@@ -84,13 +85,13 @@ class Save(_InParameters):
         warned: set[Path] = set()  # existing files that the operator was warned about
 
         async def save(path: Path) -> str:
-            if path not in warned and await asyncio.to_thread(path.exists):
+            if path not in warned and await asyncio.to_thread(os.path.exists, path):
                 warned.add(path)
                 return f"{path} already exists: press enter again to overwrite"
             try:
                 await asyncio.to_thread(save_load.write, path, text)
-            except OSError as error:
-                return f"{path}: cannot write the file: {error.strerror}"
+            except ArchoError as error:
+                return str(error)
             note = console.station.robot.note
             note("YOU", "console", f"save parameters: saved to {path}")
             for line in left_out:

@@ -14,6 +14,9 @@ from typing import Any
 
 import yaml
 
+from archo_tui.embedded import bounded_yaml
+from archo_tui.embedded.bounded_yaml import YamlError
+
 _BOOLS = {word: True for word in ("y", "yes", "true", "on")} | {
     word: False for word in ("n", "no", "false", "off")
 }
@@ -22,7 +25,10 @@ _DOUBLE = re.compile(r"[-+]?((\d+\.\d*|\.\d+)([eE][-+]?\d+)?|\d+[eE][-+]?\d+|\.i
 _NAN = (".nan", ".NaN", ".NAN")
 
 
-class ParameterFileError(ValueError):
+_DIGITS = 40  # of an integer; ROS's have 64 bits
+
+
+class ParameterFileError(YamlError):
     """A parameter file that ROS would refuse; the message starts with `file:line:`."""
 
 
@@ -37,16 +43,8 @@ class Override:
 
 
 def read(path: Path) -> list[Override]:
-    """All overrides of a file, in order. Raises ParameterFileError, and OSError as `open` does."""
-    text = path.read_text(encoding="utf-8", errors="replace")
-    try:
-        root = yaml.compose(text, Loader=yaml.SafeLoader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else 1
-        raise ParameterFileError(f"{path}:{line}: not YAML: {error.problem}") from None
-    except yaml.YAMLError as error:
-        raise ParameterFileError(f"{path}:1: not YAML: {str(error).splitlines()[0]}") from None
+    """All overrides of a file, in order. Raises YamlError, and OSError as `open` does."""
+    root = bounded_yaml.compose(bounded_yaml.read(path), path)
     if root is None:
         return []
     if not isinstance(root, yaml.MappingNode):
@@ -70,8 +68,8 @@ def scalar(text: str) -> Any:
 def value_of(text: str) -> Any:
     """The value of `-p name:=text`: a scalar or a flow sequence. Raises ValueError."""
     try:
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
-    except yaml.YAMLError as error:
+        node = bounded_yaml.compose(text, Path("-p"))
+    except YamlError as error:
         raise ValueError(f"not a value: {text!r}") from error
     return "" if node is None else _value(Path("-p"), node)
 
@@ -118,6 +116,8 @@ def _parameters(
 
 def _value(path: Path, node: yaml.Node) -> Any:
     if isinstance(node, yaml.ScalarNode):
+        if _INTEGER.fullmatch(node.value) and len(node.value) > _DIGITS:
+            raise ParameterFileError(f"{_where(path, node)}: a number of {len(node.value)} digits")
         return node.value if node.style in ("'", '"', "|", ">") else scalar(node.value)
     if isinstance(node, yaml.SequenceNode):
         items = [_value(path, item) for item in node.value]

@@ -6,7 +6,8 @@ import difflib
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from archo_tui.embedded.parameter_files import Override, ParameterFileError, matches, read
+from archo_tui.embedded.bounded_yaml import YamlError
+from archo_tui.embedded.parameter_files import Override, matches, read
 from archo_tui.errors import ArchoError
 
 _PACKAGE = Path(__file__).parent.parent
@@ -27,7 +28,7 @@ def load(files: Sequence[Path]) -> list[Override]:
     for path in files:
         try:
             overrides += read(path)
-        except ParameterFileError as error:
+        except YamlError as error:
             raise ArchoError(str(error)) from None
         except OSError as error:
             raise ArchoError(f"{path}: cannot read the parameter file: {error.strerror}") from None

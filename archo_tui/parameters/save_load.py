@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-import shutil
+import secrets
+import stat
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any
 import yaml
 
 from archo_tui.embedded.parameter_files import matches
+from archo_tui.errors import ArchoError
 from archo_tui.parameters import files
 from archo_tui.robot.parameter_values import fit
 from archo_tui.robot.state import Parameter
@@ -64,16 +66,37 @@ def _key(name: str) -> str:
 
 
 def write(path: Path, text: str) -> None:
-    """Write a file whole or not at all. Raises OSError."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    """Write a file whole or not at all, one that a link leads to in its own place.
+
+    It keeps its mode and owner. Raises ArchoError with one line that says why not.
+    """
     try:
-        with temporary.open("w", encoding="utf-8") as file:
+        _write(path, text)
+    except OSError as error:
+        raise ArchoError(f"{path}: cannot write the file: {error.strerror}") from None
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        before = os.stat(path)
+    except FileNotFoundError:
+        if path.is_symlink():
+            raise ArchoError(f"{path}: a link to a file that does not exist") from None
+        before = None
+    if before is not None and not stat.S_ISREG(before.st_mode):
+        raise ArchoError(f"{path}: not a regular file")
+    target = Path(os.path.realpath(path))
+    temporary = target.with_name(f".{secrets.token_hex(16)}")  # nobody can have put it there
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
+    try:
+        with open(os.open(temporary, flags, 0o666), "w", encoding="utf-8") as file:
+            if before is not None:
+                os.fchown(file.fileno(), before.st_uid, before.st_gid)
+                os.fchmod(file.fileno(), stat.S_IMODE(before.st_mode))
             file.write(text)
             file.flush()
             os.fsync(file.fileno())
-        if path.exists():
-            shutil.copymode(path, temporary)
-        temporary.replace(path)
+        temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)
 

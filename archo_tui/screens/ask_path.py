@@ -44,9 +44,15 @@ class AskPath(Form):
         typed = typed.strip()
         if not typed or "\0" in typed:
             self.say("type the name of a file")
-        elif not self._working:
+            return
+        try:
+            path = Path(typed).expanduser()
+        except RuntimeError:
+            self.say(f"no home folder is known for {typed.partition('/')[0]}")
+            return
+        if not self._working:
             self._working = True
-            self.run_worker(self._try(Path(typed).expanduser()))
+            self.run_worker(self._try(path))
 
     async def _try(self, path: Path) -> None:
         said = await self._work(path)

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from textual.widgets import Input
+from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
+from tests.parameters import hostile
 from tests.support.console import FAST, Console, console
 
 
@@ -257,3 +258,28 @@ async def test_a_dialog_that_is_left_while_it_works_says_nothing_any_more(
         await op.settle()
         dialog.say("too late")
         assert op.app.is_running
+
+
+def shown(op: Console, said: str) -> bool:
+    """True when the dialog's line ends so, wherever it is wrapped."""
+    (line,) = op.app.screen.query(".error").results(Static)
+    return str(line.content).endswith(said)
+
+
+@pytest.mark.parametrize("key", ["ctrl+s", "ctrl+o"])
+async def test_a_strange_place_for_a_file_is_one_line_and_the_dialog_stays(
+    key: str, tmp_path: Path
+) -> None:
+    async with console(*FAST) as op:
+        await op.press("4", key)
+        field = op.app.screen.query_one("#path", Input)
+        places = hostile.places(tmp_path) | {
+            "~nosuchuser/x": "no home folder is known for ~nosuchuser"
+        }
+        for typed, said in places.items():
+            field.value = typed
+            for _ in range(2):  # what exists is asked about first
+                await op.press("enter")
+            await op.until(lambda: shown(op, said))  # noqa: B023
+            assert op.app.screen.query("#path")
+        await op.press("escape")

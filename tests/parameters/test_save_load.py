@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.state import Parameter
 from tests.console.states import PARAMETERS
+from tests.parameters import hostile
 
 
 def one(kind: str, value: Any, **options: Any) -> Parameter:
@@ -140,6 +142,49 @@ def test_nothing_but_the_file_is_left_behind(tmp_path: Path) -> None:
     save_load.write(tmp_path / "f.yaml", "a: 1\n")
     assert [path.name for path in tmp_path.iterdir()] == ["f.yaml"]
     (tmp_path / "folder").mkdir()
-    with pytest.raises(OSError):
+    with pytest.raises(ArchoError):
         save_load.write(tmp_path / "folder", "a: 1\n")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["f.yaml", "folder"]
+
+
+def test_a_place_that_is_no_file_is_one_line(tmp_path: Path) -> None:
+    for typed, said in hostile.places(tmp_path).items():
+        for work in (
+            lambda path: save_load.write(path, "x"),
+            lambda path: save_load.plan(path, PARAMETERS),
+        ):
+            with pytest.raises(ArchoError) as caught:
+                work(Path(typed))
+            assert said in str(caught.value).replace("cannot read the parameter file: ", "")
+            assert "\n" not in str(caught.value)
+    with pytest.raises(ArchoError, match="a link to a file that does not exist"):
+        save_load.write(tmp_path / "dangling", "x")
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_a_file_that_would_hang_or_exhaust_is_one_line(tmp_path: Path) -> None:
+    for path, said in hostile.readable(tmp_path).items():
+        with pytest.raises(ArchoError) as caught:
+            save_load.plan(Path(path), PARAMETERS)
+        assert str(caught.value).startswith(f"{path}{said}")
+
+
+def test_a_link_stays_and_its_file_is_written(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    file, link = tmp_path / "there" / "real.yaml", tmp_path / "link.yaml"
+    file.write_text("old")
+    file.chmod(0o640)
+    link.symlink_to(file)
+    save_load.write(link, "new")
+    assert link.is_symlink()
+    assert (file.read_text(), file.stat().st_mode & 0o777) == ("new", 0o640)
+    assert [path.name for path in (tmp_path / "there").iterdir()] == ["real.yaml"]
+
+
+def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path: Path) -> None:
+    before = os.umask(0o027)
+    try:
+        save_load.write(tmp_path / "new.yaml", "x")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "new.yaml").stat().st_mode & 0o777 == 0o640

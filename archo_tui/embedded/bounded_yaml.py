@@ -1,0 +1,58 @@
+"""Reads YAML that a person wrote, and nothing that would hang or exhaust the process.
+
+Of a regular file, at most 1 MB, nested at most 20 deep, without aliases.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+
+import yaml
+
+MAX_BYTES = 1_000_000
+MAX_DEPTH = 20
+
+
+class YamlError(ValueError):
+    """Why a file is not read; the message starts with `file:line:`, or with `file:`."""
+
+
+def read(path: Path) -> str:
+    """The text of a file. Raises YamlError, and OSError as `open` does."""
+    if not stat.S_ISREG(os.stat(path).st_mode):  # a pipe that nobody fills would block
+        raise YamlError(f"{path}: not a regular file")
+    with path.open("rb") as file:
+        data = file.read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise YamlError(f"{path}: larger than {MAX_BYTES // 1_000_000} MB")
+    return data.decode("utf-8", "replace")
+
+
+def compose(text: str, path: Path) -> yaml.Node | None:
+    """The node tree of a text, None when it is empty. Raises YamlError."""
+    try:
+        _check(text, path)
+        return yaml.compose(text, Loader=yaml.SafeLoader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line = mark.line + 1 if mark else 1
+        raise YamlError(f"{path}:{line}: not YAML: {error.problem}") from None
+    except yaml.YAMLError as error:
+        raise YamlError(f"{path}:1: not YAML: {str(error).splitlines()[0]}") from None
+
+
+def _check(text: str, path: Path) -> None:
+    """Look at the events, which costs no more than the text is long."""
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        line = event.start_mark.line + 1 if event.start_mark else 1
+        if isinstance(event, yaml.AliasEvent):
+            raise YamlError(f"{path}:{line}: aliases (*{event.anchor}) are not read: write it out")
+        if isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
+            depth += 1
+        elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
+            depth -= 1
+        if depth > MAX_DEPTH:
+            raise YamlError(f"{path}:{line}: nested more than {MAX_DEPTH} deep")
