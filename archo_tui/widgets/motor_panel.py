@@ -26,6 +26,7 @@ class MotorPanel(Panel, can_focus=True):
         yield Line(id="motor-word")
         with Horizontal(classes="buttons"):
             yield Button("Reset encoder", id="reset", compact=True, action="app.command('reset')")
+            yield Line(classes="gap")
             yield Button("STOP", id="stop", compact=True, action="app.command('stop')")
 
     def show(self, view: View) -> None:

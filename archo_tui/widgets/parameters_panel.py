@@ -16,8 +16,9 @@ from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
 
-_NODE, _NAME, _VALUE = (16, 28), (21, 40), (8, 20)  # least and most columns
+_NODE, _NAME, _VALUE = (16, 28), 21, (8, 20)  # columns: least and most, or least
 _TYPE = 8
+_BETWEEN = 7  # blanks between the columns, and the mark of a change
 
 
 class ParametersPanel(Panel):
@@ -70,18 +71,27 @@ class ParametersPanel(Panel):
             matches = self.search.matches
             shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
         self._rows.show(shown)
-        columns = parameter_columns(shown, 0)
+        self._show_titles()
+
+    def on_resize(self) -> None:
+        self.call_after_refresh(self._show_titles)
+
+    def _show_titles(self) -> None:
+        columns = self._rows.columns or parameter_columns((), self._rows.size.width)
         titles = _line("node", "name", "value", "", "type", "allowed", columns)
         self.query_one("#parameter-titles", Line).show(Content.styled(titles, "bold"))
 
 
-def parameter_columns(parameters: Sequence[Parameter], _width: int) -> Columns:
-    """Of nodes, names and values. A value that is longer than its column is not cut."""
-    return (
-        column({p.node.lstrip("/") for p in parameters}, *_NODE),
-        column((p.name for p in parameters), *_NAME),
-        column((text_of(p.value) for p in parameters), *_VALUE),
-    )
+def parameter_columns(parameters: Sequence[Parameter], width: int) -> Columns:
+    """Of nodes, names and values, so that value and type are seen.
+
+    A long name is cut in its middle, a value never: one that is longer moves its type.
+    """
+    value = column((text_of(p.value) for p in parameters), *_VALUE)
+    room = width - value - _BETWEEN - _TYPE
+    least, most = _NODE
+    node = column({p.node.lstrip("/") for p in parameters}, least, min(most, room - _NAME))
+    return node, column((p.name for p in parameters), _NAME, room - node), value
 
 
 def parameter_lines(parameter: Parameter, _width: int, columns: Columns) -> list[Text]:

@@ -71,7 +71,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self._starts: list[int] = []
         self._seen: dict[int, tuple[Text, bool]] = {}  # what each line of the window shows
         self._measure = columns
-        self._columns: Columns = ()
+        self.columns: Columns = ()
         self._width = 0  # that the lines were laid out for: the window's may be newer
         self.cursor = 0
 
@@ -107,10 +107,10 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self.refresh()
 
     def _lay_out(self) -> None:
-        before = self._width, self._columns
+        before = self._width, self.columns
         self._width = self.size.width
-        self._columns = self._measure(self._items, self._width)
-        anew = (self._width, self._columns) != before
+        self.columns = self._measure(self._items, self._width)
+        anew = (self._width, self.columns) != before
         total = self._wrap(anew) if self._wraps else len(self._items)
         size = Size(max(self._longest(), 1), total)
         if size != self.virtual_size:
@@ -135,7 +135,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         return self._lines[number] if self._wraps else self._drawn(self._items[number])
 
     def _drawn(self, item: T) -> Sequence[Text]:
-        return self._draw(item, self._width, self._columns)
+        return self._draw(item, self._width, self.columns)
 
     @property
     def _scrolls(self) -> bool:

@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from typing import Any
+
+from rclpy.node import Node
+
+from archo_tui.session import _robots_nodes
+from tests.support.clock import seconds
 from tests.support.console import FAST, console
 
 
@@ -82,3 +89,45 @@ async def test_the_cursor_stays_with_its_event_while_others_come() -> None:
         await op.press("c")
         await op.until("stop charging: Not charging")
         assert op.app.main.events.selected == before
+
+
+async def test_a_long_name_keeps_the_columns_in_line() -> None:
+    class Talker(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("a_node_with_a_long_name", **options)
+            self.declare_parameter("a_parameter_with_a_rather_long_name", "x" * 30)
+            self.create_timer(0.5, lambda: self.get_logger().warning("said"))
+
+    makers = [Talker, *_robots_nodes(use_sim=True)]
+    async with console(*FAST, node_makers=makers, size=(160, 48)) as op:
+        await op.until("WARN  a_node_with_a_long_name")
+        await op.until("fake_battery_drain")
+        assert "x" * 30 in op.text  # a value is never cut
+        assert "a_paramete…_long_name" in op.text
+        types = [line.index(" double ") for line in op.text.splitlines() if " double " in line]
+        assert len(types) > 3
+        assert len(set(types)) == 1
+        ages = {re.search(r"\d\.\d s", line[:36]).start() for line in nodes_of(op.text)}  # type: ignore[union-attr]
+        assert len(ages) == 1
+
+
+def nodes_of(text: str) -> list[str]:
+    """The lines of the nodes' panel that have an age."""
+    return [line for line in text.splitlines() if re.match(r"│ ● .*\d\.\d s", line[:36])]
+
+
+async def test_a_warning_that_repeats_is_the_newest_with_its_count_and_first_time() -> None:
+    async with console(*FAST) as op:
+        note = op.app.station.robot.note
+        note("WARN", "a", "first kind 1")
+        await op.until("first kind 1")
+        first = op.line("first kind")[2:10]
+        await op.at(seconds() + 5)
+        note("WARN", "b", "second kind")
+        await op.until("second kind")
+        await op.at(seconds() + 5)
+        note("WARN", "a", "first kind 2")
+        await op.until(f"first kind 2   x 2 since {first}")
+        lines = [line for line in op.text.splitlines() if " kind" in line]
+        assert ["first" in line for line in lines] == [True, False]  # the newest on top
+        assert lines[0][2:10] > lines[1][2:10] > first

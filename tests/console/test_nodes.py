@@ -157,3 +157,28 @@ async def test_stopping_a_node_that_does_not_drive_is_not_asked_about() -> None:
         await op.until("m left of")
         await op.press("escape", "5", "home", "s")
         await op.until("○ battery_monitor  stopped by you")
+
+
+HOSTILE = "\x1b]0;owned\x07\x1b[2J\u202e\u2028\u061c\U000e0041\ud800" + "a" + "\u0301" * 40
+
+
+async def test_what_a_crashed_node_says_is_harmless_wherever_it_is_shown() -> None:
+    class Crashes(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("crashes", **options)
+            self.create_timer(0.1, self.crash)
+
+        def crash(self) -> None:
+            raise RuntimeError(HOSTILE)
+
+    async with console(node_makers=[Crashes], wait=False) as op:
+        await op.until("NODE CRASHED /crashes")
+        assert_harmless(op.text)
+        await op.press("5", "home", "enter")
+        await op.until("RuntimeError")
+        assert_harmless(op.text)
+
+
+def assert_harmless(text: str) -> None:
+    assert not set(text) & (set(HOSTILE) - set("]0;owned[2Ja\u0301"))
+    assert "\u0301" * 5 not in text

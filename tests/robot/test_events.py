@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+from rich.cells import cell_len
+
 from archo_tui.robot.events import LIMIT, EventLog
 from archo_tui.robot.state import Event
-from archo_tui.robot.text import harmless
+from archo_tui.robot.text import harmless, safe, safe_in_place
 
 
 def event(text: str, level: str = "WARN", source: str = "dashboard", time: float = 1.0) -> Event:
@@ -61,3 +64,15 @@ def test_what_a_terminal_could_act_on_is_taken_out() -> None:
     assert harmless("\x1b[2Jhidden\x07 \u202eright to left") == "�[2Jhidden� �right to left"
     assert harmless("ünï ✓ 漢") == "ünï ✓ 漢"
     assert len(harmless("x" * 1_000_000)) < 600
+
+
+@pytest.mark.parametrize("char", "\x1b\x07\x9b\u202e\u2028\u2029\u061c\u200b\U000e0041\ud800\ufeff")
+def test_each_of_these_is_shown_as_a_mark_or_in_its_cells(char: str) -> None:
+    assert safe(f"a{char}b") == "a\N{REPLACEMENT CHARACTER}b"
+    laid_out = safe_in_place(f"a{char}b")
+    assert char not in laid_out
+    assert cell_len(laid_out) == cell_len(f"a{char}b")
+
+
+def test_of_many_marks_on_one_letter_four_stay() -> None:
+    assert safe("e" + "\u0301" * 40 + "x") == "e" + "\u0301" * 4 + "x"
