@@ -57,6 +57,11 @@ class Goals:
         self._changed = changed
         self._say = say
         self._client = ActionClient(node, MoveToShelf, MOVE)
+        # not by the client: it forgets a goal's feedback when the result is asked for anew
+        node.create_subscription(
+            MoveToShelf.Impl.FeedbackMessage, f"{MOVE}/_action/feedback", self._on_feedback, 10
+        )
+        self._goal_id = b""
         self._handle: Any = None
         self._result: Any = None  # the future of the last question for the result
         self._asked = 0.0  # when that question was put
@@ -66,6 +71,9 @@ class Goals:
 
     async def send(self, shelf: int, route_length: float | None) -> Outcome:
         """Send a goal; ends when it was accepted, refused, or nobody answered in time."""
+        if self.goal is not None and self.goal.phase in (Phase.UNKNOWN, Phase.LOST):
+            doubt = f"nothing is heard of the goal to shelf {self.goal.shelf}"
+            return Outcome(False, f"{doubt}: cancel it, or wait until the robot is heard")
         if self.goal is not None and self.goal.is_running:
             return Outcome(False, "a goal is already running: cancel it first")
         if not self._client.server_is_ready():
@@ -76,12 +84,9 @@ class Goals:
         self._set(goal)
         self._refusals.clear()
         self._handle = self._result = None
-        goal_id = UUID(uuid=list(uuid.uuid4().bytes))
+        self._goal_id = uuid.uuid4().bytes
+        goal_id = UUID(uuid=list(self._goal_id))
         answered = self._future()
-
-        def on_feedback(message: Any) -> None:
-            if self._is_current(goal):
-                self._feedback(float(message.feedback.distance_remaining))
 
         def on_answer(done: Any) -> None:
             if self._is_current(goal) and done.result() is not None:
@@ -89,9 +94,8 @@ class Goals:
             answered.set_result(True)
             self._wake()
 
-        future = self._client.send_goal_async(
-            MoveToShelf.Goal(shelf_number=shelf), on_feedback, goal_id
-        )
+        request = MoveToShelf.Goal(shelf_number=shelf)
+        future = self._client.send_goal_async(request, goal_uuid=goal_id)
         future.add_done_callback(on_answer)
         self._services.watch(answered)
         if await answered is None:
@@ -203,9 +207,11 @@ class Goals:
             self.goal = replace(self.goal, remaining=0.0, unreadable="")
         self._end(phase, answer.result.final_message or _NO_REASON)
 
-    def _feedback(self, remaining: float) -> None:
+    def _on_feedback(self, message: Any) -> None:
         goal = self.goal
-        assert goal is not None
+        if goal is None or not goal.is_running or bytes(message.goal_id.uuid) != self._goal_id:
+            return  # another client's
+        remaining = float(message.feedback.distance_remaining)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
         readable = 0.0 <= remaining <= _FARTHEST  # False for nan too
         self._update(

@@ -333,6 +333,41 @@ async def test_a_cancelled_goal_whose_robot_falls_silent_is_lost() -> None:
         began = clock.seconds()
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
         assert 2.0 < clock.seconds() - began < 6.0
+        refused = await ended(it.go_to_shelf(4))
+        assert not refused.ok
+        assert refused.text.startswith("nothing is heard of the goal to shelf 3: cancel it")
+
+
+async def test_a_goal_that_was_lost_is_followed_again_when_it_is_heard() -> None:
+    class Slow(Node):
+        """Says where it is every 8 s."""
+
+        def __init__(self, **options: Any) -> None:
+            super().__init__("slow", **options)
+            self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+            self.left = 20.0
+            self.goals: list[Any] = []
+            self.create_timer(8.0, self.report)
+
+        async def execute(self, goal: Any) -> Any:
+            self.goals.append(goal)
+            await Future()
+            return MoveToShelf.Result()
+
+        def report(self) -> None:
+            self.left -= 1.0
+            for goal in self.goals:
+                goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=self.left))
+
+    async with robot(Slow) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(it.go_to_shelf(3))).ok
+        for _ in range(2):
+            await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
+            before: Any = it.snapshot.goal
+            await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.MOVING)
+            assert it.snapshot.goal is not None
+            assert it.snapshot.goal.remaining != before.remaining
 
 
 class Late(Node):
