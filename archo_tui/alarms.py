@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from archo_tui.robot.state import Hosted, Life, Snapshot
+from archo_tui.robot.state import HEALTH, Hosted, Life, Snapshot
 
 
 class Priority(Enum):
@@ -64,6 +64,7 @@ TRANSITIONS: dict[tuple[State, Change], State] = {
 
 CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "battery empty"
 STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
+WORD, MIXED, TWICE = "battery health", "several publishers", "name twice"
 SILENT, UNWRITTEN = "motor silent", "journal not written"
 _PRIORITIES = {
     UNCONFIRMED: Priority.HIGH,
@@ -73,15 +74,21 @@ _PRIORITIES = {
     CRASHED: Priority.HIGH,
     STOPPED: Priority.MED,
     LOW: Priority.MED,
+    WORD: Priority.MED,
+    MIXED: Priority.MED,
+    TWICE: Priority.MED,
     UNWRITTEN: Priority.LOW,
 }  # of each kind; the worst first
 _ORDER = list(_PRIORITIES)
 
-_HEARD = (EMPTY, STOPPED, LOW, SILENT)  # of what the robot says: nothing new while it is not heard
+# of what the robot says: they stand as they were while it is not heard
+_HEARD = (EMPTY, STOPPED, LOW, WORD, SILENT)
 _LAST_KNOWN = " (last known)"
 # what to do, where that is a command: its id, and the words around the way to give it
 _REMEDIES = {STOPPED: ("release", ", then {} to release"), LOW: ("charge", ", or {} to charge")}
-ON_DELAY = {LOW: 2.0, EMPTY: 2.0, UNCONFIRMED: 1.0}  # s that a condition must hold before it counts
+# s that a condition must hold before it counts; a node that was killed lingers on a ROS 2 graph
+# for about 20 s
+ON_DELAY = {LOW: 2.0, EMPTY: 2.0, WORD: 2.0, UNCONFIRMED: 1.0, MIXED: 30.0, TWICE: 30.0}
 SHELF_TIME = 600.0  # s
 
 
@@ -154,6 +161,12 @@ def conditions(
             found[f"{CRASHED} {node.name}"] = (
                 f"NODE CRASHED {node.name}: see why in Nodes, then start it again"
             )
+    for topic, names in snapshot.publishers.items():
+        found[f"{MIXED} /{topic}"] = (
+            f"{len(names)} PUBLISHERS of {topic}: {', '.join(names)}: their readings come mixed"
+        )
+    for name in snapshot.twice:
+        found[f"{TWICE} {name}"] = f"TWO NODES NAMED {name}: a call may reach only one of them"
     if (battery.received is not None or motor.received is not None) and (
         (battery.received is None or battery.is_old(now))
         and (motor.received is None or motor.is_old(now))
@@ -169,6 +182,8 @@ def conditions(
             found[EMPTY] = "BATTERY EMPTY: the robot refuses moves, charge it where it stands"
         elif is_low(snapshot) and not battery.charging:
             found[LOW] = f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
+    if battery.health not in (None, *HEALTH) and not battery.is_old(now):
+        found[WORD] = f"BATTERY HEALTH {battery.health}: the console does not know this word"
     if motor.received is not None and motor.is_old(now) and (moving or motor.moving):
         found[SILENT] = (
             f"motor_status silent for {now - motor.received:.0f} s while moving: "
@@ -180,9 +195,9 @@ def conditions(
 
 
 def is_low(snapshot: Snapshot) -> bool:
-    """The robot's own judgement; without one, its percentage against the threshold."""
+    """The robot's own judgement; without one in known words, its percentage at the threshold."""
     battery = snapshot.battery
-    if battery.health is not None:
+    if battery.health in HEALTH:
         return battery.health == "warning"
     return battery.percentage is not None and battery.percentage < snapshot.threshold
 

@@ -61,15 +61,15 @@ def _activate_ros2(hosting: bool) -> None:
         importlib.import_module("rclpy")
     except Exception as error:
         raise ArchoError(f"ROS 2 cannot be loaded ({_first_line(error)}): {_GET_ROS}") from None
+    if not hosting:  # what the robot needs and is not here is said where it is missed
+        return
     if importlib.util.find_spec("archo_interfaces") is None:
         raise ArchoError(f"archo_interfaces is not installed: {_GET_INTERFACES}")
     missing = _missing_interfaces()
-    if hosting and missing:
+    if missing:
         raise ArchoError(
             f"archo_interfaces is out of date, it lacks {', '.join(missing)}: {_GET_INTERFACES}"
         )
-    if "action/MoveToShelf" in missing:
-        raise ArchoError(f"archo_interfaces lacks action/MoveToShelf: {_GET_INTERFACES}")
 
 
 def _missing_interfaces() -> list[str]:

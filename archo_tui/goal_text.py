@@ -36,6 +36,8 @@ def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
     if goal is None:
         if MOVE not in snapshot.offered:
             return (("move_to_shelf: not offered by any node", OLD),)
+        if MOVE in snapshot.faults:
+            return ((snapshot.faults[MOVE], WARN),)
         return ((f"No goal yet. Press {go_key}, type a shelf number, press enter.", PLAIN),)
     texts = {
         Phase.SENT: (

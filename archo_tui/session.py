@@ -52,6 +52,8 @@ class Session:
         Raises ArchoError for whatever the user can mend, before anything runs.
         """
         self.options = options
+        if not options.namespace.startswith("/"):
+            raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
         self._clock = clock or Clock()
         if options.attach:
             _check_attach(options)

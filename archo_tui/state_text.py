@@ -6,7 +6,7 @@ Pure: state in, text out. A text is a row of spans; what a tone looks like is th
 from __future__ import annotations
 
 from archo_tui.alarms import is_low
-from archo_tui.robot.state import BATTERY, MOTOR, Snapshot
+from archo_tui.robot.state import BATTERY, HEALTH, MOTOR, Snapshot
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # tones
 Spans = tuple[tuple[str, str], ...]  # (text, tone)
@@ -50,12 +50,16 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
         return "?", "NO DATA", OLD
     if battery.health == "replace":
         return "✗", "REPLACE", BAD
+    if battery.unreadable:
+        return "?", f"UNREADABLE {battery.unreadable}", WARN
     if battery.percentage is not None and battery.percentage <= 0:
         return "✗", "EMPTY", BAD
     if battery.charging:
         return "↯", "CHARGING", STRONG
     if is_low(snapshot):
         return "▲", "LOW", WARN
+    if battery.health not in (None, *HEALTH):
+        return "?", battery.health or "", WARN
     return "●", "GOOD", PLAIN
 
 
@@ -68,6 +72,8 @@ def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
         text = f"{glyph} {word:<8} {charge}"
         old = f" (old, {now - battery.received:.0f} s)"
         return ((text + (old if len(text + old) <= width else " (old)"), OLD),)
+    if battery.unreadable:
+        return ((f"{glyph} {word}", tone),)
     volts = f" {number(battery.voltage, '4.1f')} V"
     return (f"{glyph} {word:<8}", tone), (f" {charge}{volts}", PLAIN)
 
@@ -98,6 +104,8 @@ def motor_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     if snapshot.stop_asked is not None:
         return ((stop_unconfirmed(now - snapshot.stop_asked, width), BAD),)
     if motor.received is None:
+        if MOTOR in snapshot.faults:
+            return ((snapshot.faults[MOTOR], WARN),)
         offered = MOTOR in snapshot.offered
         return (("? NO DATA" if offered else "not offered by any node", OLD),)
     if motor.is_old(now):
@@ -121,4 +129,6 @@ def stop_unconfirmed(waited: float, width: int) -> str:
 
 def battery_source(snapshot: Snapshot) -> str:
     """Why there is no reading yet."""
+    if BATTERY in snapshot.faults:
+        return snapshot.faults[BATTERY]
     return "waiting for battery_level" if BATTERY in snapshot.offered else "not offered by any node"

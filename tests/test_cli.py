@@ -146,6 +146,7 @@ def test_a_bad_parameter_file_names_file_and_line(
 
 def test_a_bad_namespace(refused: Refused) -> None:
     assert "namespace" in refused("--namespace", "/dash-ed")
+    assert refused("--namespace", "r2") == "--namespace must begin with /: /r2"
 
 
 def test_an_engine_that_there_is_not(refused: Refused) -> None:

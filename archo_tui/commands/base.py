@@ -92,9 +92,10 @@ class Command:
 
     def blocked(self, console: Console) -> str:
         """Why the command cannot run now, or an empty string."""
-        if self.service and self.service not in console.view.snapshot.offered:
+        snapshot = console.view.snapshot
+        if self.service and self.service not in snapshot.offered:
             return f"{self.service} is not offered by any node"
-        return ""
+        return snapshot.faults.get(self.service, "")
 
     def run(self, console: Console) -> Work | None:
         """Do it or ask at once, or return a coroutine that may wait for the robot."""

@@ -17,15 +17,17 @@ from rclpy.node import Node
 from archo_tui.clock import Clock
 from archo_tui.robot import interfaces, ros2_command, services
 from archo_tui.robot.events import EventLog
-from archo_tui.robot.goals import Goals
-from archo_tui.robot.graph import Graph
+from archo_tui.robot.goals import FARTHEST, MOVE_TYPE, Goals
+from archo_tui.robot.graph import Graph, logger_node
 from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.parameter_values import text_of
 from archo_tui.robot.parameters import Parameters
+from archo_tui.robot.readings import number
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import (
     CHARGE,
     MOTOR,
+    MOTOR_NODE,
     MOVE,
     RELEASE,
     RESET,
@@ -45,6 +47,8 @@ LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for ch
 _FIND_PERIOD = 0.1  # s between two looks for a server that STOP needs
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 _REFUSAL = "Goal refused: "
+# what each needs in its request
+_SERVICES: dict[str, tuple[str, ...]] = {RESET: (), STOP: (), RELEASE: (), CHARGE: ("data",)}
 
 
 class Robot:
@@ -59,11 +63,14 @@ class Robot:
         self._log = EventLog()
         self._dirty = False
         self._stop_asked: float | None = None
+        self._faults: dict[str, str] = {}
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
         self._services = Services(node, clock)
         self._telemetry = Telemetry(node, clock, self._on_telemetry, self._warn)
         self._goals = Goals(node, clock, self._services, self._goal_changed, self._say)
-        self._parameters = Parameters(node, self._services, self._mark)
+        self._parameters = Parameters(
+            node, clock, self._services, self._mark, self._telemetry.measure_anew
+        )
         self._graph = Graph(node)
         node.create_subscription(Log, "/rosout", self._on_log, 1000)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
@@ -135,6 +142,8 @@ class Robot:
 
         async def go() -> Outcome:
             sent = self._clock.monotonic()
+            if MOVE in self._faults:
+                return Outcome(False, self._faults[MOVE])
             outcome = await self._goals.send(shelf, length)
             if outcome.ok and self._stop_asked is not None and sent > self._stop_asked:
                 self._stop_asked = None  # sent after it and accepted: the stop is past
@@ -163,8 +172,11 @@ class Robot:
     # on the ROS thread
 
     def _route_length(self) -> float | None:
-        route = next((p for p in self._parameters.all() if p.name == "route_length"), None)
-        return float(route.value) if route is not None else None
+        node = f"{self._graph.namespace.rstrip('/')}/{MOTOR_NODE}"
+        for p in self._parameters.all():
+            if (p.node, p.name) == (node, "route_length"):
+                return number(p.value, 0.0, FARTHEST)
+        return None
 
     async def _service(self, title: str, name: str, **fields: Any) -> Outcome:
         return await self._do(
@@ -190,6 +202,18 @@ class Robot:
         if interfaces.fields(srv_type.Request) != set(fields):
             return None, f"{full} is {kind}, whose request is another: not called"
         return srv_type, ""
+
+    def _misfits(self) -> dict[str, str]:
+        """Why what is offered is not called: its type is not what is meant."""
+        found = {
+            name: self._fitting(name, dict.fromkeys(fields))[1]
+            for name, fields in _SERVICES.items()
+            if name in self._graph.offered
+        }
+        if self._graph.move_types - {MOVE_TYPE}:
+            kinds = ", ".join(sorted(self._graph.move_types))
+            found[MOVE] = f"{MOVE} is {kinds}: expected {MOVE_TYPE}"
+        return {name: reason for name, reason in found.items() if reason}
 
     def _command(self, name: str, **fields: Any) -> str:
         """The command line for a call, empty when its type is not known, or another one."""
@@ -246,9 +270,12 @@ class Robot:
             return outcome
 
     def _look(self) -> None:
-        if self._graph.look():
-            self._mark()
+        changed = self._graph.look()
         self._telemetry.look()
+        faults = {**self._telemetry.faults, **self._misfits()}
+        if changed or faults != self._faults:
+            self._faults = faults
+            self._mark()
         self._parameters.follow(self._graph.names, self._graph.services)
 
     def _watch(self) -> None:
@@ -272,7 +299,10 @@ class Robot:
 
     def _on_log(self, message: Log) -> None:
         level = _LEVELS.get(message.level if isinstance(message.level, int) else 0, "INFO")
-        if message.msg.startswith(_REFUSAL):
+        node = logger_node(message.name)
+        if not self._graph.is_ours(node):
+            return  # another robot's
+        if message.msg.startswith(_REFUSAL) and node in self._graph.movers:
             self._goals.refused(message.msg.removeprefix(_REFUSAL))
         self._graph.heard_log(message.name, self._clock.monotonic())
         # by this clock and not the stamp: the robot's may be another, and the list is in order
@@ -313,5 +343,10 @@ class Robot:
                 events=self._log.all(),
                 charge=self._telemetry.charge,
                 stop_asked=self._stop_asked,
+                namespace=self._graph.namespace,
+                faults=self._faults,
+                publishers=self._graph.publishers,
+                twice=self._graph.twice,
+                elsewhere=self._graph.elsewhere,
             )
         )

@@ -13,7 +13,6 @@ from dataclasses import replace
 from typing import Any
 
 from action_msgs.msg import GoalStatus
-from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
 from rclpy.node import Node
@@ -21,12 +20,13 @@ from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
-from archo_tui.robot import services
+from archo_tui.robot import interfaces, services
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import MOVE, Goal, Outcome, Phase
 from archo_tui.robot.text import harmless
 
-_FARTHEST = 1e6  # m; a way left beyond that is no reading
+MOVE_TYPE = "archo_interfaces/action/MoveToShelf"
+FARTHEST = 1e6  # m; a way left beyond that is no reading
 SILENCE = 3.0  # s without feedback or motor status until a moving goal counts as lost
 HISTORY = 20  # ended goals that are kept
 _REASON_WAIT = 0.3  # s that the log line with a refusal's reason may come after the refusal
@@ -56,11 +56,12 @@ class Goals:
         self._services = pending
         self._changed = changed
         self._say = say
-        self._client = ActionClient(node, MoveToShelf, MOVE)
-        # not by the client: it forgets a goal's feedback when the result is asked for anew
-        node.create_subscription(
-            MoveToShelf.Impl.FeedbackMessage, f"{MOVE}/_action/feedback", self._on_feedback, 10
-        )
+        self._type = interfaces.load(MOVE_TYPE)  # None: not installed here, all else works
+        self._client: Any = None if self._type is None else ActionClient(node, self._type, MOVE)
+        if self._type is not None:
+            # not by the client: it forgets a goal's feedback when the result is asked for anew
+            feedback = self._type.Impl.FeedbackMessage
+            node.create_subscription(feedback, f"{MOVE}/_action/feedback", self._on_feedback, 10)
         self._goal_id = b""
         self._handle: Any = None
         self._result: Any = None  # the future of the last question for the result
@@ -76,6 +77,8 @@ class Goals:
             return Outcome(False, f"{doubt}: cancel it, or wait until the robot is heard")
         if self.goal is not None and self.goal.is_running:
             return Outcome(False, "a goal is already running: cancel it first")
+        if self._client is None:
+            return Outcome(False, f"{MOVE_TYPE} is not installed here")
         if not self._client.server_is_ready():
             return Outcome(False, f"{MOVE} is not offered by any node")
         goal = Goal(
@@ -94,7 +97,7 @@ class Goals:
             answered.set_result(True)
             self._wake()
 
-        request = MoveToShelf.Goal(shelf_number=shelf)
+        request = self._type.Goal(shelf_number=shelf)
         future = self._client.send_goal_async(request, goal_uuid=goal_id)
         future.add_done_callback(on_answer)
         self._services.watch(answered)
@@ -159,8 +162,12 @@ class Goals:
         if goal.phase in (Phase.MOVING, Phase.CANCELLING) and silent:
             self._update(phase=Phase.LOST)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST) and self._handle is not None
-        if doubtful and now - self._asked > services.DEADLINE and self._client.server_is_ready():
+        if doubtful and now - self._asked > services.DEADLINE and self._is_served:
             self._ask_result()
+
+    @property
+    def _is_served(self) -> bool:
+        return self._client is not None and self._client.server_is_ready()
 
     def _answered(self, handle: Any) -> None:
         """The server accepted or refused, in time or later."""
@@ -174,7 +181,7 @@ class Goals:
 
     def _unanswered(self, goal_id: UUID) -> None:
         """Nobody accepted or refused: go on as if accepted, and ask how it ended."""
-        accepted = MoveToShelf.Impl.SendGoalService.Response(accepted=True)
+        accepted = self._type.Impl.SendGoalService.Response(accepted=True)
         self._handle = ClientGoalHandle(self._client, goal_id, accepted)
         self._update(phase=Phase.UNKNOWN)
 
@@ -213,7 +220,7 @@ class Goals:
             return  # another client's
         remaining = float(message.feedback.distance_remaining)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
-        readable = 0.0 <= remaining <= _FARTHEST  # False for nan too
+        readable = 0.0 <= remaining <= FARTHEST  # False for nan too
         self._update(
             phase=Phase.MOVING if doubtful else goal.phase,
             remaining=remaining if readable else goal.remaining,

@@ -12,10 +12,10 @@ _EMPTY = "structure_needs_at_least_one_member"  # rosidl's filler of an empty me
 
 def load(type_name: str) -> Any:
     """The class of "package/kind/Name", or None when it is not installed here."""
-    package, kind, name = type_name.split("/")
     try:
+        package, kind, name = type_name.split("/")
         return getattr(importlib.import_module(f"{package}.{kind}"), name)
-    except (ImportError, AttributeError):
+    except (ImportError, AttributeError, ValueError):
         return None
 
 

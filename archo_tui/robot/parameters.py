@@ -15,20 +15,33 @@ from rcl_interfaces.msg import ParameterEvent, ParameterType
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
+from archo_tui.clock import Clock
 from archo_tui.robot import services
 from archo_tui.robot.parameter_values import TYPES, as_python, text_of
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.text import harmless
 
+_RETRY, _LONGEST_RETRY = 2.0, 60.0  # s until a node that did not answer is asked again
 _DEPTH = 1000  # parameter events kept while the thread is busy
 
 
 class Parameters:
     """Loads the parameters of nodes as they appear, follows their changes, sets them."""
 
-    def __init__(self, node: Node, pending: Services, changed: Callable[[], None]) -> None:
-        self._node = node
+    def __init__(
+        self,
+        node: Node,
+        clock: Clock,
+        pending: Services,
+        changed: Callable[[], None],
+        set_anew: Callable[[], None],
+    ) -> None:
+        """`set_anew()` is called when a node says that a value has changed."""
+        self._node, self._clock = node, clock
+        self._set_anew = set_anew
+        self._known: set[str] = set()  # nodes of the last look
+        self._retry: dict[str, tuple[float, float]] = {}  # of nodes that did not answer: when, s
         self._services = pending
         self._changed = changed
         self._by_node: dict[str, dict[str, Parameter]] = {}
@@ -42,11 +55,17 @@ class Parameters:
 
     def follow(self, nodes: list[str], offered: Container[str]) -> None:
         """Load nodes that are new on the graph and offer parameters, forget those that left."""
-        for gone in self._by_node.keys() - set(nodes):
-            del self._by_node[gone]
-            self._changed()
+        for gone in self._known - set(nodes):
+            self._known.discard(gone)
+            self._retry.pop(gone, None)
+            self._services.forget(gone)
+            if self._by_node.pop(gone, None) is not None:
+                self._changed()
+        self._known.update(nodes)
+        now = self._clock.monotonic()
         for name in nodes:
             known = name in self._by_node or name in self._loading
+            known = known or now < self._retry.get(name, (0.0, 0.0))[0]
             if not known and f"{name}/list_parameters" in offered:
                 self._loading.add(name)
                 self._task(self._load, name)
@@ -94,7 +113,11 @@ class Parameters:
                 srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
             )
             if listed is None or described is None or got is None:
-                return  # asked again at the next look at the graph
+                _, waited = self._retry.get(node, (0.0, _RETRY / 2))
+                wait = min(2 * waited, _LONGEST_RETRY)
+                self._retry[node] = self._clock.monotonic() + wait, wait
+                return
+            self._retry.pop(node, None)
             self._by_node[node] = {
                 name: _parameter(node, name, descriptor, as_python(value))
                 for name, descriptor, value in zip(
@@ -151,6 +174,7 @@ class Parameters:
         elif known.value != value:
             self._by_node[node][name] = replace(known, value=value)
             self._changed()
+            self._set_anew()
 
 
 def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:

@@ -39,6 +39,11 @@ class Services:
             self._clients[key] = self._node.create_client(srv_type, name)
         return self._clients[key]
 
+    def forget(self, node: str) -> None:
+        """That node has left: its services need no clients any more."""
+        for key in [key for key in self._clients if key[0].startswith(f"{node}/")]:
+            self._node.destroy_client(self._clients.pop(key))
+
     async def call(self, srv_type: Any, name: str, request: Any) -> Any:
         """The response, or None when nobody answered within DEADLINE."""
         client = self.client(srv_type, name)

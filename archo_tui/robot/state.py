@@ -6,14 +6,20 @@ Unix time. None means: never heard, or not reported by this robot.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
+
+from archo_tui.robot.period import is_silent
+from archo_tui.robot.readings import number
 
 # the names on the graph that the console operates
 BATTERY, MOTOR = "battery_level", "motor_status"
 RESET, STOP, RELEASE = "reset_encoder", "emergency_stop", "release_emergency_stop"
 CHARGE, MOVE = "set_charging", "move_to_shelf"
+BATTERY_NODE, MOTOR_NODE = "battery_monitor", "motor_controller"
+HEALTH = ("good", "warning", "replace")  # the words that are understood
 
 
 @dataclass(frozen=True)
@@ -25,11 +31,12 @@ class Battery:
     charging: bool | None = None
     health: str | None = None
     received: float | None = None
-    period: float = 1.0  # s between the last two readings
+    period: float | None = 1.0  # s; None before two readings
+    unreadable: str = ""  # what came instead of a percentage
 
     def is_old(self, now: float) -> bool:
-        """True when nothing was heard for three periods, at least 2.5 s."""
-        return self.received is not None and now - self.received > max(3 * self.period, 2.5)
+        """True when nothing was heard for three of its periods."""
+        return is_silent(self.received, self.period, now)
 
 
 @dataclass(frozen=True)
@@ -41,10 +48,11 @@ class Motor:
     moving: bool | None = None
     stopped: bool | None = None  # latched by the emergency stop
     received: float | None = None
+    period: float | None = 0.2  # s; None before two readings
 
     def is_old(self, now: float) -> bool:
-        """True when nothing was heard for 2.5 s."""
-        return self.received is not None and now - self.received > 2.5
+        """True when nothing was heard for three of its periods."""
+        return is_silent(self.received, self.period, now)
 
 
 class Phase(Enum):
@@ -200,6 +208,11 @@ class Snapshot:
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     stop_asked: float | None = None  # a STOP was sent then, and the robot has not confirmed it
+    namespace: str = "/"  # of the robot that is operated
+    faults: Mapping[str, str] = field(default_factory=dict)  # why one of the names is not used
+    publishers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # nodes, by topic
+    twice: tuple[str, ...] = ()  # names that several nodes have
+    elsewhere: tuple[str, ...] = ()  # namespaces with nodes, beside this one
 
     def parameter(self, name: str) -> Parameter | None:
         """The first parameter of that name on any node."""
@@ -207,6 +220,10 @@ class Snapshot:
 
     @property
     def threshold(self) -> float:
-        """The low-battery threshold in %: the robot's parameter, else the textbook's 20."""
-        found = self.parameter("low_battery_threshold")
-        return float(found.value) if found is not None else 20.0
+        """The low-battery threshold in %: the robot's own parameter, else the textbook's 20."""
+        name = f"{self.namespace.rstrip('/')}/{BATTERY_NODE}"
+        for parameter in self.parameters:
+            if (parameter.node, parameter.name) == (name, "low_battery_threshold"):
+                value = number(parameter.value, 0.0, 100.0)
+                return 20.0 if value is None else value
+        return 20.0

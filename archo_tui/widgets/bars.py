@@ -75,6 +75,9 @@ def _contact(view: View) -> str:
         if reading.received is not None
     }
     if not heard:
+        others = ", ".join(view.snapshot.elsewhere)
+        if others:
+            return f"? robots seen: {others}; use --namespace {view.snapshot.elsewhere[0]}"
         return "? waiting for data"
     old = {BATTERY: battery.is_old(view.now), MOTOR: motor.is_old(view.now)}
     silent = [name for name in heard if old[name]]

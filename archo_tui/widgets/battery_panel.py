@@ -6,7 +6,7 @@ from textual.app import ComposeResult
 from textual.content import Content
 
 from archo_tui import state_text
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state import BATTERY, Snapshot
 from archo_tui.station import View
 from archo_tui.widgets import trend
 from archo_tui.widgets.line import Line
@@ -40,6 +40,7 @@ class BatteryPanel(Panel, can_focus=True):
         history = trend.sparkline(snapshot.charge, width)
         self.query_one("#battery-history", Line).show(content(((history, state_text.OLD),)))
         self.query_one("#battery-trend", Line).show(content(_trend(snapshot, view.now, width)))
+        self.show_publishers(view, BATTERY)
         self.show_keys(view, f"low {snapshot.threshold:g}")
 
 
@@ -50,6 +51,8 @@ def _trend(snapshot: Snapshot, now: float, width: int) -> state_text.Spans:
         return ((state_text.battery_source(snapshot), state_text.OLD),)
     if battery.is_old(now):
         return ((f"last heard {state_text.age(now - battery.received)} ago", state_text.OLD),)
+    if battery.unreadable:
+        return (("no percentage within 0 .. 100", state_text.WARN),)
     if battery.charging is None:
         return (("charging: not reported", state_text.OLD),)
     does = "charging" if battery.charging else "discharging"

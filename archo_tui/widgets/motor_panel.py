@@ -8,7 +8,7 @@ from textual.content import Content
 from textual.widgets import Button
 
 from archo_tui import state_text
-from archo_tui.robot.state import RESET, STOP
+from archo_tui.robot.state import MOTOR, RESET, STOP
 from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -30,6 +30,7 @@ class MotorPanel(Panel, can_focus=True):
             yield Button("STOP", id="stop", compact=True, action="app.command('stop')")
 
     def show(self, view: View) -> None:
+        self.show_publishers(view, MOTOR)
         self.show_keys(view)
         line = state_text.motor_line(view.snapshot, view.now)
         self.query_one("#motor-line", Line).show(content(line))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from textual.containers import Container
+from textual.markup import escape
 
 from archo_tui.station import View
 
@@ -43,10 +44,19 @@ class Panel(Container):
             self._below = below
             self.border_subtitle = below
 
+    def show_publishers(self, view: View, topic: str) -> None:
+        """Name them in the title when there are several: their readings come mixed."""
+        names = view.snapshot.publishers.get(topic, ())
+        more = f"   {len(names)} publishers: {', '.join(names)}" if names else ""
+        title = escape(f"{self.number} {self.title_text}{more}")
+        if title != self.border_title:
+            self.border_title = title
+
     def grey(self, view: View, **buttons: str) -> None:
         """Dim each button whose service nobody offers; pressing it still says so."""
         for button, service in buttons.items():
-            missing = service not in view.snapshot.offered
+            snapshot = view.snapshot
+            missing = service not in snapshot.offered or service in snapshot.faults
             self.query_one(f"#{button}").set_class(missing, "-blocked")
 
     def take_focus(self) -> None:

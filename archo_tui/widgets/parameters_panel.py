@@ -17,7 +17,7 @@ from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
 
 _NODE, _NAME, _VALUE = (16, 28), 21, (8, 20)  # columns: least and most, or least
-_TYPE = 8
+_TYPE, _ALLOWED = 8, 11
 _BETWEEN = 7  # blanks between the columns, and the mark of a change
 
 
@@ -83,12 +83,12 @@ class ParametersPanel(Panel):
 
 
 def parameter_columns(parameters: Sequence[Parameter], width: int) -> Columns:
-    """Of nodes, names and values, so that value and type are seen.
+    """Of nodes, names and values, so that values, types and ranges are seen.
 
     A long name is cut in its middle, a value never: one that is longer moves its type.
     """
     value = column((text_of(p.value) for p in parameters), *_VALUE)
-    room = width - value - _BETWEEN - _TYPE
+    room = width - value - _BETWEEN - _TYPE - _ALLOWED
     least, most = _NODE
     node = column({p.node.lstrip("/") for p in parameters}, least, min(most, room - _NAME))
     return node, column((p.name for p in parameters), _NAME, room - node), value

@@ -112,7 +112,25 @@ STATES: dict[str, Snapshot] = {
     ),
     "battery to be replaced": battery(87.5, health="replace"),
     "battery without health": battery(18.0, voltage=None, health=None, charging=None),
-    "battery not a number": battery(None, voltage=None),
+    "battery not a number": replace(
+        NORMAL, battery=replace(BATTERY, percentage=None, voltage=None, unreadable="nan")
+    ),
+    "battery of another type": replace(
+        NORMAL,
+        battery=Battery(),
+        faults={
+            "battery_level": "battery_level is std_msgs/msg/String: expected "
+            "archo_interfaces/msg/BatteryStatus or std_msgs/msg/Float32",
+            "emergency_stop": "/emergency_stop is std_srvs/srv/SetBool, whose request is another: "
+            "not called",
+            "move_to_shelf": "move_to_shelf is example_interfaces/action/Fibonacci: expected "
+            "archo_interfaces/action/MoveToShelf",
+        },
+    ),
+    "battery with an unknown word": battery(87.5, health="swollen"),
+    "battery published twice": replace(
+        NORMAL, publishers={"battery_level": ("/battery_monitor", "/battery_monitor_2")}
+    ),
     "battery old": battery(87.5, received=NOW - 4.2),
     "contact lost": replace(
         goal(Phase.LOST, heard=NOW - 9.0),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 import threading
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
@@ -25,21 +25,12 @@ from std_srvs.srv import Empty, SetBool
 from archo_tui.goal_text import goal_line
 from archo_tui.robot.client import Robot
 from archo_tui.robot.state import Phase
-from archo_tui.session import Options, Session
 from archo_tui.state_text import plain
 from tests.support import chosen, clock
 from tests.support.quiet import ended, until
+from tests.support.robot import robot
 
 FIVE: Parameter[int] = Parameter("number", value=5)
-
-
-@asynccontextmanager
-async def robot(*makers: Callable[..., Node], nodes: int | None = None) -> AsyncIterator[Robot]:
-    """A Robot beside these nodes."""
-    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=makers)
-    with Session(options, clock.current) as session:
-        await until(lambda: len(session.robot.snapshot.nodes) == (nodes or len(makers)) + 1)
-        yield session.robot
 
 
 def server(*, hang: threading.Event | None = None, end: str = "succeed") -> Any:
@@ -281,7 +272,7 @@ async def test_a_topic_of_an_unknown_type_is_said_once(monkeypatch: pytest.Monke
         return node
 
     async with robot(make) as it:
-        said = "cannot listen to battery_level: its type std_msgs/msg/Float32 is not installed here"
+        said = "battery_level is std_msgs/msg/Float32, which is not installed here"
         await until(lambda: [e.text for e in it.snapshot.events] == [said])
         await until(lambda: len(it.snapshot.nodes) == 2)
         assert [e.count for e in it.snapshot.events] == [1]

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
+import os
+import subprocess
+import sys
+
 from tests.ros2.conftest import Processes
 from tests.support.console import LONG, console
 
@@ -82,3 +87,28 @@ async def test_the_textbooks_own_nodes_are_operated(processes: Processes) -> Non
         await op.until("✓ ARRIVED      Arrived at shelf 12")
         await op.press("ctrl+x")
         await op.until("emergency_stop is not offered by any node")
+
+
+async def test_without_archo_interfaces_another_robot_is_still_operated(
+    processes: Processes,
+) -> None:
+    processes.start(MOTOR, *FAST)
+    code = (
+        "import sys; sys.modules['archo_interfaces'] = None\n"
+        "from archo_tui.cli import main\n"
+        "sys.exit(main(['--engine', 'ros2', '--attach', '--plain']))"
+    )
+    done = await asyncio.to_thread(
+        subprocess.run,
+        [sys.executable, "-c", code],
+        input="release\nparams\nstatus\n",
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+        env=os.environ | {"ROS_DOMAIN_ID": str(processes.domain)},
+    )
+    assert "Traceback" not in done.stderr, done
+    assert "motor_controller max_speed 0.8" in done.stdout, done
+    said = "motor_status is archo_interfaces/msg/MotorStatus, which is not installed here"
+    assert said in done.stdout

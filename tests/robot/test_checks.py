@@ -1,0 +1,319 @@
+"""What is on the graph is checked: nothing is guessed, and no value ends the console."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import BatteryStatus
+from rcl_interfaces.msg import Log
+from rclpy.action import ActionServer
+from rclpy.node import Node
+from std_msgs.msg import Float32, String
+from std_srvs.srv import SetBool
+
+from archo_tui.alarms import MIXED, TWICE, WORD, conditions
+from archo_tui.robot.period import Period, is_silent
+from archo_tui.robot.state import Snapshot
+from archo_tui.state_text import battery_line, battery_word, motor_word, plain
+from tests.support import chosen, clock
+from tests.support.console import console
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
+from tests.support.ros import Ros
+
+
+def publisher(kind: Any, topic: str, *messages: Any, period: float = 0.2) -> Callable[..., Node]:
+    """A node that publishes these in turn."""
+
+    class Publisher(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__(f"publisher_{topic}", **options)
+            self.sent = 0
+            self.publisher = self.create_publisher(kind, topic, 10)
+            self.create_timer(period, self.publish)
+
+        def publish(self) -> None:
+            self.publisher.publish(messages[self.sent % len(messages)])
+            self.sent += 1
+
+    return Publisher
+
+
+def battery(**fields: Any) -> Callable[..., Node]:
+    return publisher(BatteryStatus, "battery_level", BatteryStatus(**fields))
+
+
+def text(snapshot: Snapshot) -> str:
+    return plain(battery_line(snapshot, clock.seconds(), 80))
+
+
+@pytest.mark.parametrize("value", [1e9, 3e38, -5.0, float("nan"), float("inf"), float("-inf")])
+async def test_a_percentage_that_cannot_be_is_shown_as_received_and_is_not_good(
+    value: float,
+) -> None:
+    async with console(
+        node_makers=[publisher(Float32, "battery_level", Float32(data=value))], wait=False
+    ) as op:
+        await op.until("? UNREADABLE ")
+        assert "GOOD" not in op.text
+        assert "LOW" not in op.text
+        assert op.app.view.snapshot.battery.percentage is None
+        said = [e for e in op.app.view.snapshot.events if "is not within 0 .. 100" in e.text]
+        assert len(said) == 1
+        assert said[0].count == 1
+        await op.press("question_mark")  # it lives
+        await op.until("STOP is a software stop")
+
+
+@pytest.mark.parametrize(
+    ("topic", "kinds"),
+    [
+        ("battery_level", "archo_interfaces/msg/BatteryStatus or std_msgs/msg/Float32"),
+        ("motor_status", "archo_interfaces/msg/MotorStatus"),
+    ],
+)
+async def test_another_type_on_a_topic_is_said_and_not_guessed_at(topic: str, kinds: str) -> None:
+    async with robot(publisher(String, topic, String(data="x"))) as it:
+        await until(lambda: topic in it.snapshot.faults)
+        fault = f"{topic} is std_msgs/msg/String: expected {kinds}"
+        assert it.snapshot.faults[topic] == fault
+        assert [e.text for e in it.snapshot.events] == [fault]
+        assert battery_word(it.snapshot)[1] == "NO DATA"
+        assert "IDLE" not in plain(motor_word(it.snapshot, clock.seconds(), 80))
+
+
+async def test_an_unknown_word_of_health_is_shown_as_it_is_and_hides_no_low_battery() -> None:
+    async with robot(battery(percentage=80.0, voltage=24.0, battery_health="swollen")) as it:
+        await until(lambda: it.snapshot.battery.received)
+        assert battery_word(it.snapshot)[:2] == ("?", "swollen")
+        assert WORD in conditions(it.snapshot, clock.seconds())
+    async with robot(battery(percentage=10.0, voltage=21.0, battery_health="swollen")) as it:
+        await until(lambda: it.snapshot.battery.received)
+        assert battery_word(it.snapshot)[1] == "LOW"
+
+
+class Strange(Node):
+    """Has parameters of ARCHO's names, which hold words."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("battery_monitor", **options)
+        self.declare_parameter("low_battery_threshold", "twenty", ignore_override=True)
+
+
+class StrangeMotor(Node):
+    def __init__(self, **options: Any) -> None:
+        super().__init__("motor_controller", **options)
+        self.declare_parameter("route_length", "far", ignore_override=True)
+
+
+async def test_a_parameter_that_is_no_number_ends_nothing_and_is_not_used() -> None:
+    async with console(node_makers=[Strange, StrangeMotor], wait=False) as op:
+        await op.until("twenty")
+        await op.until("far")
+        assert op.app.view.snapshot.threshold == 20.0
+        await op.until("low 20")
+
+
+def in_namespace(make: Any, namespace: str) -> Callable[..., Node]:
+    """The same node in another robot's namespace."""
+    return lambda **options: make(cli_args=["--ros-args", "-r", f"__ns:={namespace}"], **options)
+
+
+async def test_another_robots_nodes_parameters_and_logs_are_not_its_own() -> None:
+    class Other(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("battery_monitor", **options)
+            self.declare_parameter("low_battery_threshold", 77.0)
+            self.create_timer(0.5, lambda: self.get_logger().error("Goal refused: not yours"))
+
+    makers = [in_namespace(Other, "/r2"), in_namespace(Other, "/r1")]
+    async with robot(*makers, nodes=1, namespace="/r1") as it:
+        await until(lambda: it.snapshot.parameters)
+        await until(lambda: it.snapshot.events)
+        assert {n.name for n in it.snapshot.nodes} == {"/r1/battery_monitor", "/r1/archo_console"}
+        assert {p.node for p in it.snapshot.parameters} == {"/r1/battery_monitor"}
+        assert {e.source for e in it.snapshot.events} == {"r1.battery_monitor"}
+        assert it.snapshot.threshold == 77.0
+        assert it.snapshot.elsewhere == ("/r2",)
+
+
+async def test_of_two_robots_the_threshold_is_its_own() -> None:
+    def with_threshold(value: float) -> Any:
+        class Monitor(Node):
+            def __init__(self, **options: Any) -> None:
+                super().__init__("battery_monitor", **options)
+                self.declare_parameter("low_battery_threshold", value)
+
+        return Monitor
+
+    makers = [in_namespace(with_threshold(77.0), "/a"), in_namespace(with_threshold(33.0), "/b")]
+    async with robot(*makers, nodes=1, namespace="/b") as it:
+        await until(lambda: it.snapshot.parameters)
+        assert it.snapshot.threshold == 33.0
+
+
+async def test_hidden_nodes_are_not_listed() -> None:
+    hidden = lambda **options: Node("_tool", **options)  # noqa: E731
+    async with robot(hidden, battery(percentage=50.0), nodes=1) as it:
+        await until(lambda: it.snapshot.battery.received)
+        assert "/_tool" not in {node.name for node in it.snapshot.nodes}
+
+
+def test_silence_is_three_of_the_robots_own_periods() -> None:
+    period = Period()
+    for at in (0.0, 30.0):
+        assert period.seconds is None
+        assert not is_silent(at, period.seconds, at + 1000)  # not judged before two messages
+        period = period.heard(at)
+    assert period.seconds == 30.0
+    assert not is_silent(30.0, period.seconds, 30.0 + 89)
+    assert is_silent(30.0, period.seconds, 30.0 + 91)
+
+
+def test_a_link_that_grows_slower_is_judged_by_its_first_pace() -> None:
+    period = Period()
+    for at in (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 15.0, 35.0, 75.0):
+        period = period.heard(at)
+    assert period.seconds == 1.0
+
+
+async def test_a_robot_that_speaks_every_30_s_is_not_lost() -> None:
+    slow = publisher(Float32, "battery_level", Float32(data=50.0), period=30.0)
+    async with robot(slow) as it:
+        await until(lambda: it.snapshot.battery.received)
+        for _ in range(3):
+            heard = it.snapshot.battery.received
+            await until(lambda heard=heard: it.snapshot.battery.received != heard)  # type: ignore[misc]
+            assert conditions(it.snapshot, clock.seconds() + 29.0) == {}
+
+
+async def test_a_new_pace_that_the_operator_sets_is_measured_anew() -> None:
+    async with console("-p", "drain_max:=0.0", "-p", "drain_min:=0.0") as op:
+        await op.at(clock.seconds() + 10)
+        outcome = op.app.station.robot.set_parameters("/battery_monitor", {"publish_period": 10.0})
+        assert (await ended(outcome)).ok
+        for _ in range(4):
+            await op.at(clock.seconds() + 9)
+            assert "silent" not in op.text.splitlines()[0]
+            assert "(old" not in op.text
+
+
+async def test_an_action_of_another_type_is_greyed_with_its_type(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # two participants
+    domain = chosen.next_domain()
+    elsewhere = Ros(domain_id=domain)  # of one process, DDS allows one type a topic
+    other = elsewhere.node("other")
+    other.create_publisher(String, "move_to_shelf/_action/feedback", 10)
+    own = lambda **options: Node("own", **options)  # noqa: E731
+    async with robot(own, nodes=2, domain_id=domain) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.faults)
+        fault = it.snapshot.faults["move_to_shelf"]
+        assert fault.startswith("move_to_shelf is std_msgs/msg/String: expected archo_interfaces/")
+        outcome = await ended(it.go_to_shelf(3))
+        assert (outcome.ok, outcome.text) == (False, fault)
+    elsewhere.close()
+
+
+async def test_a_stop_of_another_type_is_greyed_and_says_so() -> None:
+    class Trap(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("trap", **options)
+            self.create_service(SetBool, "emergency_stop", lambda _, answer: answer)
+
+    async with console(node_makers=[Trap], wait=False) as op:
+        await op.until(lambda: "emergency_stop" in op.app.view.snapshot.faults)
+        await op.until(lambda: op.app.query_one("#stop").has_class("-blocked"))
+        assert "std_srvs/srv/SetBool" in op.app.view.snapshot.faults["emergency_stop"]
+
+
+async def test_two_publishers_are_named_in_the_panel_and_an_alarm_when_they_stay() -> None:
+    def second(**options: Any) -> Node:
+        return battery(percentage=60.0)(cli_args=["--ros-args", "-r", "__node:=second"], **options)
+
+    async with console(node_makers=[battery(percentage=50.0), second], wait=False) as op:
+        begin = clock.seconds()
+        await op.until("2 publishers: ")
+        await op.at(begin + 20)
+        assert "PUBLISHERS" not in op.text.splitlines()[1]  # one that was killed lingers so long
+        await op.until("2 PUBLISHERS of battery_level: /publisher_battery_level, /second")
+        names = conditions(op.app.view.snapshot, clock.seconds())
+        assert f"{MIXED} /battery_level" in names
+
+
+async def test_two_nodes_of_one_name_are_an_alarm() -> None:
+    twin = lambda **options: Node("twin", **options)  # noqa: E731
+    async with robot(twin, twin, nodes=1) as it:
+        await until(lambda: it.snapshot.twice == ("/twin",))
+        assert f"{TWICE} /twin" in conditions(it.snapshot, clock.seconds())
+
+
+async def test_clients_of_nodes_that_have_gone_are_destroyed() -> None:
+    async with robot(battery(percentage=50.0)) as it:
+        await until(lambda: it.snapshot.parameters)
+        services = it._services
+        before = len(services._clients)
+        for _ in range(3):
+            guest = Node("guest", context=it._node.context)
+            guest.declare_parameter("x", 1)
+            await until(lambda: any(n.name == "/guest" for n in it.snapshot.nodes))
+            guest.destroy_node()
+            await until(lambda: all(n.name != "/guest" for n in it.snapshot.nodes))
+        assert len(services._clients) <= before
+
+
+async def test_a_node_that_never_answers_is_asked_less_and_less() -> None:
+    async with robot(battery(percentage=50.0)) as it:
+        asked: list[float] = []
+        load = it._parameters._load
+
+        async def count(node: str) -> None:
+            if node == "/mute":
+                asked.append(clock.seconds())
+            await load(node)
+
+        it._parameters._load = count  # type: ignore[method-assign]
+        mute = Node("mute", context=it._node.context)  # nobody spins it
+        begin = clock.seconds()
+        await until(lambda: clock.seconds() > begin + 25)
+        gaps = [round(b - a) for a, b in itertools.pairwise(asked)]
+        assert len(gaps) >= 2
+        assert gaps == sorted(set(gaps))  # each longer than the one before
+        mute.destroy_node()
+
+
+async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> None:
+    class Liar(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("liar", **options)
+            self.create_timer(0.01, lambda: self.get_logger().info("Goal refused: I say so"))
+
+    class Refusing(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("refusing", **options)
+            self.action = ActionServer(
+                self, MoveToShelf, "move_to_shelf", lambda _: None, goal_callback=self.refuse
+            )
+
+        def refuse(self, _: Any) -> Any:
+            self.get_logger().warning("Goal refused: the road is wet")
+            return None
+
+    async with robot(Liar, Refusing) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        await until(lambda: any("I say so" in e.text for e in it.snapshot.events))
+        outcome = await ended(it.go_to_shelf(3))
+        assert (outcome.ok, outcome.text) == (False, "the road is wet")
+
+
+async def test_a_strange_name_of_a_type_is_only_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
+    from archo_tui.robot import interfaces
+
+    assert interfaces.load("nonsense") is None
+    assert interfaces.load("a/b/c/d") is None
+    assert interfaces.load("rcl_interfaces/msg/Log") is Log

@@ -1,0 +1,27 @@
+"""A Robot beside nodes of a test's own; no screen."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Any
+
+from rclpy.node import Node
+
+from archo_tui.robot.client import Robot
+from archo_tui.session import Options, Session
+from tests.support import chosen, clock
+from tests.support.quiet import until
+
+
+@asynccontextmanager
+async def robot(
+    *makers: Callable[..., Node], nodes: int | None = None, **options: Any
+) -> AsyncIterator[Robot]:
+    """It has seen all of the nodes (or so many); `options` are those of the session."""
+    given = {"domain_id": chosen.next_domain(), **options}
+    with Session(
+        Options(engine=chosen.ENGINE, node_makers=makers, **given), clock.current
+    ) as session:
+        await until(lambda: len(session.robot.snapshot.nodes) == (nodes or len(makers)) + 1)
+        yield session.robot
