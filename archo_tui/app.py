@@ -314,8 +314,6 @@ class ArchoApp(TerminalApp):
 
     async def _send(self, shelf: int) -> None:
         outcome = await self.station.robot.go_to_shelf(shelf)
-        if self._exit:  # the screen is being taken down
-            return
         if outcome.ok:
-            self.main.goal.query_one(Input).clear()
+            self.main.goal.field.clear()
         self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)

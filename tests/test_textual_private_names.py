@@ -40,7 +40,6 @@ METHODS = [
 # set in a constructor or function: the source says so
 ATTRIBUTES = [
     ("terminal/app.py", App, "_exit"),
-    ("app.py", App, "_exit"),
     ("terminal/app.py", App, "_return_code"),
     ("app.py", BindingsMap, "key_to_bindings"),
     ("terminal/driver.py", LinuxDriver, "_writer_thread"),

@@ -41,7 +41,7 @@ from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
 
 NODE_NAME = "archo_console"
-FLUSH_PERIOD = 0.08  # s between two snapshots while data streams in: 12.5 a second
+FLUSH_PERIOD = 0.125  # s between two snapshots while data streams in: 8 a second
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
 _FIND_PERIOD = 0.1  # s between two looks for a server that STOP needs
@@ -62,6 +62,7 @@ class Robot:
         self._mailbox = Mailbox()
         self._log = EventLog()
         self._dirty = False
+        self._unseen = False  # something was heard that differs in its time only
         self._stop_asked: float | None = None
         self._faults: dict[str, str] = {}
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
@@ -273,7 +274,7 @@ class Robot:
         changed = self._graph.look()
         self._telemetry.look()
         faults = {**self._telemetry.faults, **self._misfits()}
-        if changed or faults != self._faults:
+        if changed or faults != self._faults or self._unseen:
             self._faults = faults
             self._mark()
         self._parameters.follow(self._graph.names, self._graph.services)
@@ -289,13 +290,15 @@ class Robot:
             self._watcher.reset()
         self._flush()
 
-    def _on_telemetry(self, topic: str) -> None:
+    def _on_telemetry(self, topic: str, news: bool) -> None:
         self._graph.heard_topic(topic, self._clock.monotonic())
         if topic == MOTOR:
             self._goals.heard()
             if self._telemetry.motor.stopped:
                 self._stop_asked = None
-        self._mark()
+        self._unseen = True
+        if news:
+            self._mark()
 
     def _on_log(self, message: Log) -> None:
         level = _LEVELS.get(message.level if isinstance(message.level, int) else 0, "INFO")
@@ -329,7 +332,7 @@ class Robot:
 
     def _flush(self) -> None:
         """A snapshot goes up now."""
-        self._dirty = False
+        self._dirty = self._unseen = False
         self._flusher.cancel()
         self._mailbox.put(
             Snapshot(

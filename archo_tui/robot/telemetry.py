@@ -37,12 +37,15 @@ class Telemetry:
         self,
         node: Node,
         clock: Clock,
-        changed: Callable[[str], None],
+        heard: Callable[[str, bool], None],
         warn: Callable[[str], None],
     ) -> None:
-        """`changed(topic)` is called after each reading, `warn` with what cannot be heard."""
+        """`heard(topic, news)` is called after each reading, `warn` with what cannot be heard.
+
+        Without news nothing differs but its time.
+        """
         self._node, self._clock = node, clock
-        self._changed = changed
+        self._heard = heard
         self._warn = warn
         self._subscriptions: dict[str, tuple[tuple[str, bool], Any]] = {}
         self._periods = {BATTERY: Period(), MOTOR: Period()}
@@ -126,6 +129,7 @@ class Telemetry:
         unreadable = "" if reading is not None else as_received(percentage)
         if unreadable and not before:
             self._warn(f"{BATTERY}: percentage {unreadable} is not within 0 .. 100")
+        last = self.battery
         self.battery = Battery(
             percentage=reading,
             voltage=number(found.get("voltage"), 0.0, _MOST_VOLTS),
@@ -136,7 +140,7 @@ class Telemetry:
             unreadable=unreadable,
         )
         self._sample(now, turned=charging != self.battery.charging)
-        self._changed(BATTERY)
+        self._heard(BATTERY, self.battery != replace(last, received=now))
 
     def _measured(self, topic: str, now: float) -> float | None:
         self._periods[topic] = self._periods[topic].heard(now)
@@ -155,6 +159,7 @@ class Telemetry:
     def _on_motor(self, message: Any, fields: Mapping[str, str]) -> None:
         found = {name: getattr(message, path, None) for name, path in fields.items()}
         now = self._clock.monotonic()
+        last = self.motor
         self.motor = Motor(
             ticks=integer(found.get("ticks")),
             speed=number(found.get("speed"), -_MOST_SPEED, _MOST_SPEED),
@@ -163,4 +168,4 @@ class Telemetry:
             received=now,
             period=self._measured(MOTOR, now),
         )
-        self._changed(MOTOR)
+        self._heard(MOTOR, self.motor != replace(last, received=now))

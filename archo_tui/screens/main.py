@@ -28,22 +28,29 @@ class MainScreen(Screen[None]):
 
     _before: Widget | None = None  # had the focus before a panel was asked for
 
+    def __init__(self) -> None:
+        super().__init__()
+        self.goal, self.parameters = GoalPanel(), ParametersPanel()
+        self.nodes, self.events = NodesPanel(), EventsPanel()
+        panels = (BatteryPanel(), MotorPanel(), self.goal, self.parameters, self.nodes, self.events)
+        self._panels: dict[int, Panel] = {panel.number: panel for panel in panels}
+        self._header, self._clock = Line(id="header"), Line(id="clock")
+        self._banner, self._footer = Line(id="banner"), Line(id="footer")
+        self._below: object = None  # what the footer shows
+
     def compose(self) -> ComposeResult:
         with Horizontal(id="head"):
-            yield Line(id="header")
-            yield Line(id="clock")
-        yield Line(id="banner")
+            yield self._header
+            yield self._clock
+        yield self._banner
         with Container(id="body"):
             with Container(id="top"):
                 with Container(id="left"):
-                    yield BatteryPanel()
-                    yield MotorPanel()
-                    yield NodesPanel()
+                    yield from (self._panels[number] for number in (1, 2, 5))
                 with Container(id="right"):
-                    yield GoalPanel()
-                    yield ParametersPanel()
-            yield EventsPanel()
-        yield Line(id="footer")
+                    yield from (self._panels[number] for number in (3, 4))
+            yield self._panels[6]
+        yield self._footer
 
     def on_mount(self) -> None:
         self.focus_panel(4)
@@ -52,26 +59,6 @@ class MainScreen(Screen[None]):
     def focus_chain(self) -> list[Widget]:
         """In the order of the panels' numbers, at every size."""
         return sorted(super().focus_chain, key=_panel_number)
-
-    @property
-    def events(self) -> EventsPanel:
-        """Panel 6."""
-        return self.query_one(EventsPanel)
-
-    @property
-    def parameters(self) -> ParametersPanel:
-        """Panel 4."""
-        return self.query_one(ParametersPanel)
-
-    @property
-    def nodes(self) -> NodesPanel:
-        """Panel 5."""
-        return self.query_one(NodesPanel)
-
-    @property
-    def goal(self) -> GoalPanel:
-        """Panel 3."""
-        return self.query_one(GoalPanel)
 
     @property
     def focused_panel(self) -> int:
@@ -88,7 +75,7 @@ class MainScreen(Screen[None]):
         if number != self.events.number:
             self.remove_class("-full")
         self._before = self.focused
-        self.query_one(f"#panel-{number}", Panel).take_focus()
+        self._panels[number].take_focus()
         self.call_after_refresh(self._show_focused)
 
     def on_resize(self) -> None:
@@ -96,9 +83,9 @@ class MainScreen(Screen[None]):
 
     def _show_focused(self) -> None:
         """Where not all panels have room, the one with the focus is seen whole."""
-        for panel in self.query(Panel):
-            if panel.number == self.focused_panel:
-                panel.scroll_visible(animate=False)
+        panel = self._panels.get(self.focused_panel)
+        if panel is not None:
+            panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:
         """Out of a field: focus what had it before, or the parameters."""
@@ -112,11 +99,14 @@ class MainScreen(Screen[None]):
     def show(self, view: View, commands: list[tuple[str, str, str, bool]]) -> None:
         """Show a new view everywhere."""
         width = self.size.width
-        self.query_one("#header", Line).show(bars.header(view, width - 9))
-        self.query_one("#clock", Line).show(bars.clock(view))
-        self.query_one("#banner", Line).show(bars.banner(view, width))
-        self.query_one("#footer", Line).show(bars.footer(commands, width, view.key("palette")))
-        for panel in self.query(Panel):
+        self._header.show(bars.header(view, width - 9))
+        self._clock.show(bars.clock(view))
+        self._banner.show(bars.banner(view, width))
+        below = commands, width, view.key("palette")
+        if below != self._below:  # made of markup, which costs more than all the rest
+            self._below = below
+            self._footer.show(bars.footer(*below))
+        for panel in self._panels.values():
             panel.show(view)
 
 

@@ -20,26 +20,27 @@ class BatteryPanel(Panel, can_focus=True):
     number, title_text = 1, "Battery"
     keys = (("charge", "charge"),)
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._line, self._gauge = Line(id="battery-line"), Line(id="battery-gauge")
+        self._history, self._trend = Line(id="battery-history"), Line(id="battery-trend")
+
     def compose(self) -> ComposeResult:
-        yield Line(id="battery-line")
-        yield Line(id="battery-gauge")
-        yield Line(id="battery-history")
-        yield Line(id="battery-trend")
+        yield from (self._line, self._gauge, self._history, self._trend)
 
     def show(self, view: View) -> None:
         snapshot, battery = view.snapshot, view.snapshot.battery
-        bar = self.query_one("#battery-gauge", Line)
-        width = max(bar.size.width, 1)
+        width = max(self._gauge.size.width, 1)
         line = state_text.battery_line(snapshot, view.now, width)
-        self.query_one("#battery-line", Line).show(content(line))
+        self._line.show(content(line))
         tone = state_text.battery_word(snapshot)[2]
         if battery.received is None or battery.is_old(view.now):
             tone = state_text.OLD
         text = state_text.gauge(battery.percentage, snapshot.threshold, width)
-        bar.show(Content.styled(text, STYLES[tone]))
+        self._gauge.show(Content.styled(text, STYLES[tone]))
         history = trend.sparkline(snapshot.charge, width)
-        self.query_one("#battery-history", Line).show(content(((history, state_text.OLD),)))
-        self.query_one("#battery-trend", Line).show(content(_trend(snapshot, view.now, width)))
+        self._history.show(content(((history, state_text.OLD),)))
+        self._trend.show(content(_trend(snapshot, view.now, width)))
         self.show_publishers(view, BATTERY)
         self.show_keys(view, f"low {snapshot.threshold:g}")
 

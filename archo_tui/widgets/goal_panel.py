@@ -30,32 +30,36 @@ class GoalPanel(Panel):
             super().__init__()
             self.shelf = shelf
 
+    def __init__(self) -> None:
+        super().__init__()
+        self.field = Field(id="shelf", takes=INTEGER)
+        self._go = Button("Go", id="go", compact=True)
+        self._cancel = Button("Cancel", id="cancel", compact=True, action="app.command('cancel')")
+        self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
+        self._line, self._history = Line(id="goal-line"), Line(id="goal-history")
+
     def compose(self) -> ComposeResult:
         with Horizontal(classes="buttons"):
             yield Label("Shelf ")
-            yield Field(id="shelf", takes=INTEGER)
-            yield Button("Go", id="go", compact=True)
-            yield Button("Cancel", id="cancel", compact=True, action="app.command('cancel')")
-            yield Line(id="goal-hint")
-        yield Line(id="goal-bar")
-        yield Line(id="goal-line")
-        yield Line(id="goal-history")
+            yield from (self.field, self._go, self._cancel, self._hint)
+        yield from (self._bar, self._line, self._history)
 
     def show(self, view: View) -> None:
         self.show_keys(view, "enter go")
         snapshot = view.snapshot
-        bar = self.query_one("#goal-bar", Line)
-        bar.show(content(goal_text.goal_bar(snapshot.goal, bar.size.width)))
+        width = self._bar.size.width
+        self._bar.show(content(goal_text.goal_bar(snapshot.goal, width)))
         line = goal_text.goal_line(snapshot, view.now, view.key("go"))
-        self.query_one("#goal-line", Line).show(content(line))
-        before = goal_text.goal_history(snapshot.history, bar.size.width)
-        self.query_one("#goal-history", Line).show(content(before))
-        self.grey(view, go=MOVE, cancel=MOVE)
+        self._line.show(content(line))
+        before = goal_text.goal_history(snapshot.history, width)
+        self._history.show(content(before))
+        for button in (self._go, self._cancel):
+            self.grey(view, {MOVE: button})
         if self._about not in (None, _situation(snapshot)):
             self.hint("")
 
     def take_focus(self) -> None:
-        self.screen.set_focus(self.query_one("#shelf"))
+        self.screen.set_focus(self.field)
 
     def on_input_changed(self) -> None:
         self.hint("")
@@ -65,7 +69,7 @@ class GoalPanel(Panel):
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == "go":
-            self.submit(self.query_one(Field).value)
+            self.submit(self.field.value)
 
     def on_field_refused(self, event: Field.Refused) -> None:
         self.hint(event.reason)
@@ -73,7 +77,7 @@ class GoalPanel(Panel):
     def hint(self, text: str) -> None:
         """Say why what was typed cannot be sent."""
         self._about = None
-        self.query_one("#goal-hint", Line).show(content(((text, state_text.BAD),)))
+        self._hint.show(content(((text, state_text.BAD),)))
 
     def answer(self, text: str, snapshot: Snapshot) -> None:
         """Say why the robot does not go there, while that is so."""

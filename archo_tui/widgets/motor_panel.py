@@ -21,22 +21,30 @@ class MotorPanel(Panel, can_focus=True):
     number, title_text = 2, "Motor"
     keys = (("reset", "reset"), ("stop", "stop"), ("release", "release"))
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._line, self._word = Line(id="motor-line"), Line(id="motor-word")
+        self.buttons = {
+            RESET: Button("Reset encoder", id="reset", compact=True, action="app.command('reset')"),
+            STOP: Button("STOP", id="stop", compact=True, action="app.command('stop')"),
+        }
+
     def compose(self) -> ComposeResult:
-        yield Line(id="motor-line")
-        yield Line(id="motor-word")
+        yield self._line
+        yield self._word
         with Horizontal(classes="buttons"):
-            yield Button("Reset encoder", id="reset", compact=True, action="app.command('reset')")
+            yield self.buttons[RESET]
             yield Line(classes="gap")
-            yield Button("STOP", id="stop", compact=True, action="app.command('stop')")
+            yield self.buttons[STOP]
 
     def show(self, view: View) -> None:
         self.show_publishers(view, MOTOR)
         self.show_keys(view)
         line = state_text.motor_line(view.snapshot, view.now)
-        self.query_one("#motor-line", Line).show(content(line))
-        word = self.query_one("#motor-word", Line)
-        state = state_text.motor_word(view.snapshot, view.now, word.size.width)
+        self._line.show(content(line))
+        state = state_text.motor_word(view.snapshot, view.now, self._word.size.width)
         release = f" [@click=app.command('release')]({view.key('release')} releases)[/]"
-        hint = Content.from_markup(release if state == state_text.STOPPED else "")
-        word.show(Content.assemble(content(state), hint))
-        self.grey(view, reset=RESET, stop=STOP)
+        stopped = state == state_text.STOPPED
+        hint = Content.from_markup(release) if stopped else Content("")
+        self._word.show(Content.assemble(content(state), hint))
+        self.grey(view, self.buttons)

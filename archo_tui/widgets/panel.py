@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from textual.containers import Container
 from textual.markup import escape
+from textual.widgets import Button
 
 from archo_tui.station import View
 
@@ -52,12 +54,12 @@ class Panel(Container):
         if title != self.border_title:
             self.border_title = title
 
-    def grey(self, view: View, **buttons: str) -> None:
-        """Dim each button whose service nobody offers; pressing it still says so."""
-        for button, service in buttons.items():
-            snapshot = view.snapshot
+    def grey(self, view: View, buttons: Mapping[str, Button]) -> None:
+        """Dim the button of each service that nobody offers, or another; pressed, it says so."""
+        snapshot = view.snapshot
+        for service, button in buttons.items():
             missing = service not in snapshot.offered or service in snapshot.faults
-            self.query_one(f"#{button}").set_class(missing, "-blocked")
+            button.set_class(missing, "-blocked")
 
     def take_focus(self) -> None:
         """Focus what a person expects to operate in this panel, at once: keys may follow."""

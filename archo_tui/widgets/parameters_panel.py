@@ -40,8 +40,10 @@ class ParametersPanel(Panel):
         )
         self.search = Search(self._rows)
 
+        self._titles = Line(id="parameter-titles")
+
     def compose(self) -> ComposeResult:
-        yield Line(id="parameter-titles")
+        yield self._titles
         yield self._rows
         yield self.search
 
@@ -79,7 +81,7 @@ class ParametersPanel(Panel):
     def _show_titles(self) -> None:
         columns = self._rows.columns or parameter_columns((), self._rows.size.width)
         titles = _line("node", "name", "value", "", "type", "allowed", columns)
-        self.query_one("#parameter-titles", Line).show(Content.styled(titles, "bold"))
+        self._titles.show(Content.styled(titles, "bold"))
 
 
 def parameter_columns(parameters: Sequence[Parameter], width: int) -> Columns:
