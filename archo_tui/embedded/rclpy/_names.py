@@ -13,6 +13,7 @@ from rclpy.exceptions import (
     NameValidationException,
 )
 
+_FULL_MAX = 247  # RMW_TOPIC_MAX_NAME_LENGTH
 _NAME_MAX = 255  # RMW_NODE_NAME_MAX_NAME_LENGTH
 
 
@@ -65,12 +66,17 @@ def expand(name: str, node: str, namespace: str, *, is_service: bool = False) ->
     if "~" in name[1:]:
         raise error(name, f"{kind} must not have a '~' after the start", name.index("~", 1))
     base = "" if namespace == "/" else namespace
+    for found in re.findall(r"\{(.*?)\}", name):
+        if found not in ("node", "ns", "namespace"):
+            raise ValueError(f"{kind} {name!r} is invalid: unknown substitution '{{{found}}}'")
     name = name.replace("{node}", node)
     name = name.replace("{ns}", namespace).replace("{namespace}", namespace)
     if name.startswith("~"):
         name = f"{base}/{node}{name[1:]}"
     elif not name.startswith("/"):
         name = f"{base}/{name}"
+    if len(name) > _FULL_MAX:
+        raise error(name, f"{kind} length should not exceed '{_FULL_MAX}'", _FULL_MAX)
     return name
 
 

@@ -63,12 +63,12 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     def call(self, request: SrvRequestT, timeout_sec: float | None = None) -> Any:
         """Call and block until answered, while another thread spins the node.
 
-        Returns None when `timeout_sec` (s) has passed.
+        Raises TimeoutError when `timeout_sec` (s) has passed.
         """
         future = self.call_async(request)
         if not wait_for(future, timeout_sec):
             future.cancel()
-            return None
+            raise TimeoutError
         return future.result()
 
     def remove_pending_request(self, future: Future[Any]) -> None:

@@ -9,12 +9,19 @@ import builtin_interfaces.msg
 S_TO_NS = 1_000_000_000
 
 
+def in_int64(nanoseconds: int) -> int:
+    """That many ns. Raises OverflowError beyond 64 bits."""
+    if not -(2**63) <= nanoseconds < 2**63:
+        raise OverflowError("Total nanoseconds value is too large to store in C duration.")
+    return nanoseconds
+
+
 @total_ordering
 class Duration:
     """A span of time with nanosecond resolution."""
 
     def __init__(self, *, seconds: float = 0, nanoseconds: int = 0) -> None:
-        self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
+        self._nanoseconds = in_int64(int(seconds * S_TO_NS) + int(nanoseconds))
 
     @property
     def nanoseconds(self) -> int:
@@ -29,7 +36,26 @@ class Duration:
             return NotImplemented
         return self._nanoseconds == other._nanoseconds
 
+    def __add__(self, other: Duration) -> Duration:
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return Duration(nanoseconds=self._nanoseconds + other._nanoseconds)
+
+    def __sub__(self, other: Duration) -> Duration:
+        if not isinstance(other, Duration):
+            return NotImplemented
+        return Duration(nanoseconds=self._nanoseconds - other._nanoseconds)
+
+    def __mul__(self, factor: float) -> Duration:
+        if not isinstance(factor, (int, float)):
+            return NotImplemented
+        return Duration(nanoseconds=int(self._nanoseconds * factor))
+
+    __rmul__ = __mul__
+
     def __lt__(self, other: Duration) -> bool:
+        if not isinstance(other, Duration):
+            return NotImplemented
         return self._nanoseconds < other._nanoseconds
 
     def to_msg(self) -> builtin_interfaces.msg.Duration:

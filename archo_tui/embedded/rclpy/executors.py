@@ -46,6 +46,8 @@ class Executor:
 
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = get_default_context() if context is None else context
+        if not self._context.ok():
+            raise RuntimeError("Context must be initialized before an executor can be created")
         self._nodes: dict[Node, int] = {}  # with its place among them
         self._condition = threading.Condition(threading.RLock())
         self._tasks: deque[Task[Any]] = deque()

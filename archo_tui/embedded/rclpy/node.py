@@ -10,7 +10,8 @@ from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent, SetPara
 from rclpy import _arguments, _logging, _names
 from rclpy._entity import Entity
 from rclpy._node_parameters import NodeParameters
-from rclpy._rclpy_pybind11 import NodeNameNonExistentError
+from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError, RCLError
+from rclpy._type_checks import check_callback, check_message, check_service
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
@@ -198,6 +199,8 @@ class Node(NodeParameters):
         self, msg_type: type[MsgT], topic: str, qos_profile: QoSProfile | int
     ) -> Publisher[MsgT]:
         """Raises InvalidTopicNameException, TypeError, ValueError."""
+        self._check_usable()
+        check_message(msg_type)
         qos = as_profile(qos_profile)
         publisher = Publisher(self, msg_type, self.resolve_topic_name(topic), qos)
         self._publishers.append(publisher)
@@ -214,6 +217,9 @@ class Node(NodeParameters):
         callback_group: CallbackGroup | None = None,
     ) -> Subscription[MsgT]:
         """Raises InvalidTopicNameException, TypeError, ValueError."""
+        self._check_usable()
+        check_message(msg_type)
+        check_callback(callback)
         qos, group = as_profile(qos_profile), callback_group or self._default_callback_group
         name = self.resolve_topic_name(topic)
         subscription = Subscription(self, msg_type, name, callback, group, qos)
@@ -230,6 +236,8 @@ class Node(NodeParameters):
         callback_group: CallbackGroup | None = None,
     ) -> Client[Any, Any]:
         """Raises InvalidServiceNameException."""
+        self._check_usable()
+        check_service(srv_type)
         name, group = self.resolve_service_name(srv_name), callback_group
         client: Client[Any, Any] = Client(
             self, srv_type, name, group or self._default_callback_group, qos_profile
@@ -258,7 +266,9 @@ class Node(NodeParameters):
         clock: Clock | None = None,
         autostart: bool = True,
     ) -> Timer:
-        """A timer of that period in s. Raises ValueError for a negative one."""
+        """A timer of that period in s. Raises RCLError for a negative one, and after shutdown."""
+        if not self._context.ok():
+            raise RCLError("failed to create timer: the given context is not valid")
         group = callback_group or self._default_callback_group
         period_ns = int(float(timer_period_sec) * 1e9)
         timer = Timer(self, callback, group, period_ns, clock or self._clock)
@@ -302,12 +312,18 @@ class Node(NodeParameters):
         group: CallbackGroup | None,
         qos_profile: QoSProfile,
     ) -> Service[Any, Any]:
+        self._check_usable()
+        check_service(srv_type)
         name = self.resolve_service_name(srv_name)
         group = group or self._default_callback_group
         service = kind(self, srv_type, name, callback, group, qos_profile)
         self._entity_list.append(service)
         self._graph.add_named(self._graph.services, name, service)
         return service
+
+    def _check_usable(self) -> None:
+        if not (self._on_graph and self._context.ok()):
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
 
     def _destroy(self, entity: Any) -> bool:
         if entity not in self._entity_list:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import warnings
+from copy import copy
+from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 
@@ -35,23 +37,52 @@ class DurabilityPolicy(IntEnum):
     BEST_AVAILABLE = 4
 
 
+_DEFAULT_DEPTH = 10
 QoSHistoryPolicy = HistoryPolicy
 QoSReliabilityPolicy = ReliabilityPolicy
 QoSDurabilityPolicy = DurabilityPolicy
 
 
-@dataclass
+class InvalidQoSProfileException(Exception):
+    """A profile without what it needs to be one."""
+
+
+@dataclass(init=False)
 class QoSProfile:
     """The policies of one publisher or subscription; `depth` counts samples."""
 
-    depth: int = 10
-    history: HistoryPolicy = HistoryPolicy.KEEP_LAST
-    reliability: ReliabilityPolicy = ReliabilityPolicy.RELIABLE
-    durability: DurabilityPolicy = DurabilityPolicy.VOLATILE
+    history: HistoryPolicy
+    depth: int
+    reliability: ReliabilityPolicy
+    durability: DurabilityPolicy
 
-    def __post_init__(self) -> None:
-        if self.depth < 0:
-            raise ValueError("depth must be greater than or equal to zero")
+    def __init__(
+        self,
+        history: HistoryPolicy | int | None = None,
+        depth: int | None = None,
+        reliability: ReliabilityPolicy | int = ReliabilityPolicy.RELIABLE,
+        durability: DurabilityPolicy | int = DurabilityPolicy.VOLATILE,
+    ) -> None:
+        """Raises InvalidQoSProfileException without a depth; AssertionError for other types."""
+        if history is None and depth is None:
+            raise InvalidQoSProfileException("History and/or depth settings are required.")
+        policies = (history or HistoryPolicy.KEEP_LAST, reliability, durability)
+        assert all(isinstance(policy, int) for policy in policies)
+        self.history = HistoryPolicy(policies[0])
+        self.reliability, self.durability = (
+            ReliabilityPolicy(reliability),
+            DurabilityPolicy(durability),
+        )
+        if self.history == HistoryPolicy.KEEP_LAST and depth is None:
+            raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
+        assert depth is None or isinstance(depth, int)
+        self.depth = _DEFAULT_DEPTH if depth is None else depth
+        if self.history == HistoryPolicy.KEEP_LAST and self.depth == 0:
+            warnings.warn(
+                "A zero depth with KEEP_LAST doesn't make sense; no data could be stored. "
+                "This will be interpreted as SYSTEM_DEFAULT",
+                stacklevel=2,
+            )
 
     @property
     def queue_size(self) -> int | None:
@@ -59,9 +90,9 @@ class QoSProfile:
         return None if self.history == HistoryPolicy.KEEP_ALL else max(self.depth, 1)
 
 
-qos_profile_system_default = QoSProfile()
+qos_profile_system_default = QoSProfile(depth=_DEFAULT_DEPTH)
 qos_profile_sensor_data = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
-qos_profile_services_default = QoSProfile()
+qos_profile_services_default = QoSProfile(depth=_DEFAULT_DEPTH)
 qos_profile_parameters = QoSProfile(depth=1000)
 qos_profile_parameter_events = QoSProfile(depth=1000)
 qos_profile_action_status_default = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -82,9 +113,11 @@ class QoSPresetProfiles(Enum):
 def as_profile(qos: QoSProfile | int) -> QoSProfile:
     """A profile of its own from a profile or a depth. Raises TypeError and ValueError as rclpy."""
     if isinstance(qos, QoSProfile):
-        return replace(qos)
+        return copy(qos)
     if isinstance(qos, bool) or not isinstance(qos, int):
         raise TypeError(f"Expected QoSProfile or int, but received {type(qos)!r}")
+    if qos < 0:
+        raise ValueError("depth must be greater than or equal to zero")
     return QoSProfile(depth=qos)
 
 

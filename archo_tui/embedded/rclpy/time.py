@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from functools import total_ordering
+from typing import overload
 
 import builtin_interfaces.msg
 from rclpy.clock_type import ClockType
-from rclpy.duration import S_TO_NS, Duration
+from rclpy.duration import S_TO_NS, Duration, in_int64
 
 
 @total_ordering
@@ -22,7 +23,7 @@ class Time:
     ) -> None:
         if seconds < 0 or nanoseconds < 0:
             raise ValueError("time values must not be negative")
-        self._nanoseconds = int(seconds * S_TO_NS) + int(nanoseconds)
+        self._nanoseconds = in_int64(int(seconds * S_TO_NS) + int(nanoseconds))
         self._clock_type = clock_type
 
     @property
@@ -43,9 +44,24 @@ class Time:
         return f"Time(nanoseconds={self._nanoseconds}, clock_type={self._clock_type.name})"
 
     def __add__(self, other: Duration) -> Time:
+        if not isinstance(other, Duration):
+            return NotImplemented
         return Time(nanoseconds=self._nanoseconds + other.nanoseconds, clock_type=self._clock_type)
 
-    def __sub__(self, other: Time) -> Duration:
+    __radd__ = __add__
+
+    @overload
+    def __sub__(self, other: Time) -> Duration: ...
+
+    @overload
+    def __sub__(self, other: Duration) -> Time: ...
+
+    def __sub__(self, other: Time | Duration) -> Time | Duration:
+        if isinstance(other, Duration):
+            left = self._nanoseconds - other.nanoseconds
+            return Time(nanoseconds=left, clock_type=self._clock_type)
+        if not isinstance(other, Time):
+            return NotImplemented
         self._check(other)
         return Duration(nanoseconds=self._nanoseconds - other._nanoseconds)
 
@@ -56,6 +72,8 @@ class Time:
         return self._nanoseconds == other._nanoseconds
 
     def __lt__(self, other: Time) -> bool:
+        if not isinstance(other, Time):
+            return NotImplemented
         self._check(other)
         return self._nanoseconds < other._nanoseconds
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rclpy import _time_source
 from rclpy._entity import Entity
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
 
@@ -30,7 +31,7 @@ class Timer(Entity):
     ) -> None:
         super().__init__(node, callback_group)
         if period_ns < 0:
-            raise ValueError("timer period must not be negative")
+            raise RCLError("failed to create timer: timer period must be non-negative")
         self.callback = callback
         self.clock = clock
         self._period_ns = period_ns

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 
 from rcl_interfaces.msg import Log
 from rclpy import _logging, _time_source
@@ -18,7 +19,7 @@ class RcutilsLogger:
 
     def __init__(self, name: str = "") -> None:
         self.name = name
-        self._seen: dict[tuple[str, int], float] = {}
+        self._places: dict[tuple[str, int], _Place] = {}
 
     def get_child(self, name: str) -> RcutilsLogger:
         """A logger below this one. Raises ValueError for an empty name."""
@@ -65,6 +66,8 @@ class RcutilsLogger:
     def _log(self, message: str, severity: LoggingSeverity, filters: dict[str, float]) -> bool:
         if not self.is_enabled_for(severity):
             return False
+        if not isinstance(message, str):
+            raise TypeError(f"a log line is a str, not {type(message).__name__}")
         frame = sys._getframe(2)
         code = frame.f_code
         if filters and not self._passes((code.co_filename, frame.f_lineno), filters):
@@ -87,16 +90,38 @@ class RcutilsLogger:
             )
         return True
 
-    def _passes(self, place: tuple[str, int], filters: dict[str, float]) -> bool:
+    def _passes(self, where: tuple[str, int], filters: dict[str, float]) -> bool:
+        for name in filters:
+            if name not in _FILTERS:
+                known = ", ".join(_FILTERS)
+                raise TypeError(
+                    f'parameter "{name}" is not one of the recognized logging options "{known}"'
+                )
+        place = self._places.setdefault(where, _Place(filters))
+        if place.filters != filters:
+            raise ValueError("Requested logging filters cannot be changed between calls.")
         now = _time_source.monotonic_ns() / 1e9
-        last = self._seen.get(place)
-        if filters.get("once") and last is not None:
-            return False
-        if filters.get("skip_first") and last is None:
-            self._seen[place] = now
-            return False
         period = filters.get("throttle_duration_sec", 0.0)
-        if last is not None and now - last < period:
+        if place.last is not None and now - place.last < period:
             return False
-        self._seen[place] = now
+        place.last = now
+        if filters.get("skip_first") and not place.skipped:
+            place.skipped = True
+            return False
+        if filters.get("once") and place.logged:
+            return False
+        place.logged = True
         return True
+
+
+_FILTERS = ("throttle_duration_sec", "throttle_time_source_type", "skip_first", "once")
+
+
+@dataclass
+class _Place:
+    """One place in the source that logs with filters."""
+
+    filters: dict[str, float]
+    last: float | None = None  # s, when it last passed the throttle
+    skipped: bool = False
+    logged: bool = False

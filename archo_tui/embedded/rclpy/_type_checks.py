@@ -1,0 +1,33 @@
+"""What is given to a node is what it should be: rclpy finds out at once, and so must we."""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+
+def check_message(kind: Any) -> None:
+    """Raises AttributeError for what is no interface, RuntimeError for a service or an action."""
+    if not hasattr(kind, "get_fields_and_field_types"):
+        if hasattr(kind, "Request") or hasattr(kind, "Impl"):
+            raise RuntimeError(f"The message type provided is not valid ({kind}), is it a message?")
+        raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no message type")
+
+
+def check_service(kind: Any) -> None:
+    """Raises AttributeError for what is no interface, RuntimeError for a message or an action."""
+    if not (hasattr(kind, "Request") and hasattr(kind, "Response")):
+        if hasattr(kind, "get_fields_and_field_types") or hasattr(kind, "Impl"):
+            raise RuntimeError(f"The service type provided is not valid ({kind}), is it a service?")
+        raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no service type")
+
+
+def check_callback(callback: Any) -> None:
+    """Raises RuntimeError unless a message is all that the callback needs."""
+    try:
+        inspect.signature(callback).bind(object())
+    except TypeError:
+        raise RuntimeError(
+            "Subscription.__init__(): callback should be callable with one argument "
+            "(the message only: this engine hands no message info on)"
+        ) from None

@@ -1,0 +1,131 @@
+"""What ROS 2 refuses is refused here too, by the same exception: it would fail on the robot."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+import rclpy
+from archo_interfaces.action import MoveToShelf
+from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy.duration import Duration
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.node import Node
+from rclpy.qos import HistoryPolicy, InvalidQoSProfileException, QoSProfile
+from rclpy.time import Time
+from std_msgs.msg import Int32
+from std_srvs.srv import Trigger
+
+from tests.support.ros import Ros
+
+Profile: Any = QoSProfile  # what is asked of them is wrong on purpose
+Stamp: Any = Time
+Question = Callable[[Node], Any]
+A_SECOND = Duration(seconds=1)
+
+
+@pytest.mark.parametrize(
+    ("ask", "error"),
+    [
+        (lambda _: Profile(), InvalidQoSProfileException),
+        (lambda _: Profile(history=HistoryPolicy.KEEP_LAST), InvalidQoSProfileException),
+        (lambda _: Profile(10), ValueError),  # the first is the history
+        (lambda _: Profile(depth=1, reliability="reliable"), AssertionError),
+        (lambda _: Profile(depth=1, history="keep last"), AssertionError),
+        (lambda _: Profile(depth=1.5), AssertionError),
+        (lambda _: Profile(depth="1"), AssertionError),
+        (lambda n: n.create_publisher(int, "a", 1), AttributeError),
+        (lambda n: n.create_publisher(Trigger, "a", 1), RuntimeError),
+        (lambda n: n.create_publisher(Int32, "a", "1"), TypeError),
+        (lambda n: n.create_publisher(Int32, "a", None), TypeError),
+        (lambda n: n.create_publisher(Int32, "{nodee}/x", 1), ValueError),
+        (lambda n: n.create_publisher(Int32, "a" * 300, 1), InvalidTopicNameException),
+        (lambda n: n.create_subscription(int, "a", print, 1), AttributeError),
+        (lambda n: n.create_subscription(Int32, "a", None, 1), RuntimeError),
+        (lambda n: n.create_subscription(Int32, "a", 3, 1), RuntimeError),
+        (lambda n: n.create_subscription(Int32, "a", lambda: 0, 1), RuntimeError),
+        (lambda n: n.create_subscription(Int32, "a", lambda a, b, c: 0, 1), RuntimeError),
+        (lambda n: n.create_service(Int32, "a", print), RuntimeError),
+        (lambda n: n.create_client(Int32, "a"), RuntimeError),
+        (lambda n: n.create_timer(-1.0, print), RCLError),
+        (lambda n: n.get_logger().info(42), TypeError),
+        (lambda n: n.get_logger().info("x", onec=True), TypeError),
+        (lambda n: [n.get_logger().info("x", once=bool(i)) for i in (0, 1)], ValueError),
+        (lambda n: n.create_client(Trigger, "a").call(Trigger.Request(), 0.05), TimeoutError),
+        (lambda n: n.create_client(Trigger, "a").call_async(Int32()), TypeError),
+        (lambda _: Stamp() + Stamp(), TypeError),
+        (lambda _: Stamp() < 1, TypeError),
+        (lambda _: Stamp(nanoseconds=2**63), OverflowError),
+        (lambda _: Stamp(seconds=-1), ValueError),
+        (lambda _: Duration(nanoseconds=2**63), OverflowError),
+    ],
+)
+def test_it_is_refused(ask: Question, error: type[Exception], ros: Ros) -> None:
+    node = ros.node()
+    with pytest.raises(error):
+        ask(node)
+
+
+@pytest.mark.parametrize(
+    ("ask", "value"),
+    [
+        (lambda _: Profile(history=HistoryPolicy.KEEP_ALL).depth, 10),
+        (lambda n: n.create_publisher(Int32, "{node}/x", 1).topic_name.rpartition("/")[0], "/node"),
+        (lambda _: Stamp(seconds=5) - A_SECOND, Stamp(seconds=4)),
+        (lambda _: Duration(seconds=5) + A_SECOND, Duration(seconds=6)),
+        (lambda _: Duration(seconds=5) - A_SECOND, Duration(seconds=4)),
+        (lambda _: A_SECOND * 2, Duration(seconds=2)),
+        (lambda _: Stamp() == 1, False),
+    ],
+)
+def test_it_is_granted(ask: Question, value: object, ros: Ros) -> None:
+    assert ask(ros.node()) == value
+
+
+def test_a_depth_of_zero_is_warned_of(ros: Ros) -> None:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        ros.node().create_publisher(Int32, "a", 0)
+    assert "A zero depth with KEEP_LAST doesn't make sense" in str(caught[0].message)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda n: n.create_publisher(Int32, "a", 1),
+        lambda n: n.create_subscription(Int32, "a", print, 1),
+        lambda n: n.create_service(Trigger, "a", print),
+        lambda n: n.create_client(Trigger, "a"),
+        lambda n: n.declare_parameter("a", 1),
+    ],
+)
+def test_a_destroyed_node_makes_nothing(make: Question, ros: Ros) -> None:
+    node = ros.node()
+    node.destroy_node()
+    with pytest.raises(InvalidHandle):
+        make(node)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # rclpy's own
+def test_after_shutdown_nothing_is_made_and_nothing_spins(ros: Ros) -> None:
+    node = ros.node()
+    ros.context.try_shutdown()
+    with pytest.raises(RCLError):
+        node.create_timer(1.0, print)
+    with pytest.raises(InvalidHandle):
+        node.create_publisher(Int32, "a", 1)
+    with pytest.raises(RuntimeError):
+        rclpy.executors.SingleThreadedExecutor(context=ros.context)
+
+
+def test_once_behind_skip_first_logs_the_second_time(ros: Ros) -> None:
+    logger = ros.node().get_logger()
+    logged = [logger.info("x", once=True, skip_first=True) for _ in range(4)]
+    assert logged == [False, True, False, False]
+
+
+def test_an_action_is_no_service(ros: Ros) -> None:
+    with pytest.raises(RuntimeError):
+        ros.node().create_service(MoveToShelf, "a", print)
