@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from rclpy import logging as logging
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -40,11 +41,27 @@ def init(
     context: Context | None = None,
     domain_id: int | None = None,
     signal_handler_options: SignalHandlerOptions | None = None,
-) -> Context:
-    """Begin to use rclpy. Arguments behind `--ros-args` hold for every node of the context."""
+) -> InitContextManager:
+    """Begin to use rclpy. Arguments behind `--ros-args` hold for every node of the context.
+
+    What is returned ends it again at the end of a `with`.
+    """
     context = context or get_default_context()
     context.init(args, domain_id=domain_id)
-    return context
+    return InitContextManager(context)
+
+
+class InitContextManager:
+    """What `init` returns: the context, to be shut down at the end of a `with`."""
+
+    def __init__(self, context: Context) -> None:
+        self.context = context
+
+    def __enter__(self) -> InitContextManager:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        try_shutdown(context=self.context)
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
@@ -92,11 +109,12 @@ def spin_once(
 ) -> None:
     """Run one callback of the node, waiting for it up to `timeout_sec` (s)."""
     executor = executor or get_global_executor()
-    executor.add_node(node)
+    added = executor.add_node(node)
     try:
         executor.spin_once(timeout_sec=timeout_sec)
     finally:
-        executor.remove_node(node)
+        if added:
+            executor.remove_node(node)
 
 
 def spin_until_future_complete(
@@ -107,11 +125,12 @@ def spin_until_future_complete(
 ) -> None:
     """Run the node's callbacks until the future is done or `timeout_sec` (s) have passed."""
     executor = executor or get_global_executor()
-    executor.add_node(node)
+    added = executor.add_node(node)
     try:
         executor.spin_until_future_complete(future, timeout_sec)
     finally:
-        executor.remove_node(node)
+        if added:
+            executor.remove_node(node)
 
 
 def _reset_executor() -> None:

@@ -12,13 +12,8 @@ from rclpy._names import Remap, validate_namespace, validate_node_name
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
 from rclpy.exceptions import NameValidationException
 
-from archo_tui.embedded.parameter_files import (
-    Override,
-    ParameterFileError,
-    matches,
-    read,
-    value_of,
-)
+from archo_tui.embedded.bounded_yaml import YamlError
+from archo_tui.embedded.parameter_files import Override, matches, read, value_of
 
 LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 
@@ -122,7 +117,7 @@ def _file(text: str) -> list[Override]:
         return read(Path(text))
     except OSError as error:
         raise RCLError(f"cannot read {text}: {error.strerror}") from None
-    except ParameterFileError as error:
+    except YamlError as error:
         raise RCLError(str(error)) from None
 
 

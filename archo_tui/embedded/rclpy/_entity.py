@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class Entity:
     """Something of a node with callbacks to run."""
 
-    # in a round of the executor: those of actions, timers, subscriptions, clients, services
+    # in a round: actions, timers, subscriptions, guard conditions, clients, services
     _rank = 1
 
     def __init__(self, node: Node, callback_group: CallbackGroup) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -70,7 +71,16 @@ class NodeParameters:
             raise InvalidParameterException(name)
         if name in self._parameters:
             raise ParameterAlreadyDeclaredException([name])
+        name_only = value is None and descriptor is None
         descriptor = ParameterDescriptor() if descriptor is None else descriptor.__received__()
+        if name_only:
+            warnings.warn(
+                f"when declaring parameter named '{name}', declaring a parameter only providing "
+                "its name is deprecated: give a value, a type, or a descriptor with "
+                "dynamic_typing=True",
+                stacklevel=2,
+            )
+            descriptor.dynamic_typing = True
         descriptor.name = name
         if isinstance(value, Parameter.Type):
             descriptor.type, value = int(value), None
@@ -137,6 +147,12 @@ class NodeParameters:
             return self._parameters[name]
         return Parameter(name) if alternative_value is None else alternative_value
 
+    def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter[Any]]:
+        """The parameters below a prefix, by their names without it; all for an empty one."""
+        start = f"{prefix}{PARAMETER_SEPARATOR_STRING}" if prefix else ""
+        found = self._parameters.items()
+        return {name[len(start) :]: p for name, p in found if name.startswith(start)}
+
     def set_parameters(self, parameter_list: list[Parameter[Any]]) -> list[SetParametersResult]:
         """Set one by one. Raises ParameterNotDeclaredException; refusals are in the results."""
         return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
@@ -156,6 +172,8 @@ class NodeParameters:
 
     def describe_parameter(self, name: str) -> ParameterDescriptor:
         """A copy of the descriptor. Raises ParameterNotDeclaredException."""
+        if name not in self._parameters and self._allow_undeclared_parameters:
+            return ParameterDescriptor()
         self._require(name)
         descriptor: ParameterDescriptor = self._descriptors[name].__received__()
         return descriptor

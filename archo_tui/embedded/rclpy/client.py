@@ -23,7 +23,7 @@ SrvResponseT = TypeVar("SrvResponseT")
 class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     """Calls a service. Made by `Node.create_client`."""
 
-    _rank = 3
+    _rank = 4
 
     def __init__(
         self,

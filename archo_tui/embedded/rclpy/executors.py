@@ -85,7 +85,8 @@ class Executor:
         with self._condition:
             if node in self._nodes:
                 del self._nodes[node]
-                node.executor = None
+                self._timers = [entry for entry in self._timers if entry[2]._node is not node]
+                heapq.heapify(self._timers)
                 others = [e for e in self._round if isinstance(e, Task) or e._node is not node]
                 self._round = deque(others)
                 self._ready = {e: None for e in self._ready if e._node is not node}
@@ -143,7 +144,6 @@ class Executor:
     ) -> None:
         """Spin until the future is done, or `timeout_sec` (s) have passed."""
         deadline = _time_source.deadline_ns(timeout_sec)
-        future.add_done_callback(lambda _: self.wake())
         while self._context.ok() and not future.done() and not future.cancelled():
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
             if self._is_shutdown:
@@ -158,6 +158,7 @@ class Executor:
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
         """Run one callback unless the future is done before there is one."""
+        future.add_done_callback(lambda _: self.wake())
         try:
             work, entity = self._next_work(timeout_sec, future.done)
         except (TimeoutException, ShutdownException):
@@ -198,8 +199,9 @@ class Executor:
 
     def _add_timer(self, timer: Timer) -> None:
         with self._condition:
-            heapq.heappush(self._timers, (timer._next_ns, next(self._order), timer))
-            self._notify()
+            if timer._node in self._nodes:  # else it is added with its node
+                heapq.heappush(self._timers, (timer._next_ns, next(self._order), timer))
+                self._notify()
 
     def _next_work(
         self, timeout_sec: float | None, stop: Callable[[], bool]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent, SetParametersResult
-from rclpy import _arguments, _logging, _names
+from rclpy import _arguments, _logging, _names, _time_source
 from rclpy._entity import Entity
 from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError, RCLError
@@ -18,6 +18,7 @@ from rclpy.clock import Clock, ROSClock
 from rclpy.context import Context
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
+from rclpy.guard_condition import GuardCondition
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
@@ -31,7 +32,7 @@ from rclpy.qos import (
 )
 from rclpy.service import Service
 from rclpy.subscription import Subscription
-from rclpy.timer import Timer
+from rclpy.timer import Rate, Timer
 from rclpy.utilities import get_default_context
 
 MsgT = TypeVar("MsgT")
@@ -83,6 +84,7 @@ class Node(NodeParameters):
         self._executor: Executor | None = None
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
         self._publishers: list[Publisher[Any]] = []
+        self._rosout: Publisher[Log] | None = None
         self._entity_list: list[Entity] = []
         self._on_graph = True
         with self._graph.changed:
@@ -96,7 +98,6 @@ class Node(NodeParameters):
         self._init_parameters(
             overrides, allow_undeclared_parameters, automatically_declare_parameters_from_overrides
         )
-        self._rosout: Publisher[Log] | None = None
         if enable_rosout:
             self._rosout = self.create_publisher(Log, "/rosout", qos_profile_rosout_default)
             self._publish_log = self._rosout.publish
@@ -126,10 +127,14 @@ class Node(NodeParameters):
 
     @executor.setter
     def executor(self, executor: Executor | None) -> None:
-        old, self._executor = self._executor, executor
-        if executor is not None and old is not None and old is not executor:
+        old = self._executor
+        if old is executor:
+            return
+        if old is not None:
             old.remove_node(self)
-            self._executor = executor
+        self._executor = executor
+        if executor is not None:
+            executor.add_node(self)
 
     def get_name(self) -> str:
         """The name without its namespace."""
@@ -172,8 +177,8 @@ class Node(NodeParameters):
 
     @property
     def publishers(self) -> Iterator[Publisher[Any]]:
-        """This node's publishers."""
-        return iter(list(self._publishers))
+        """This node's publishers, but for the one of its log."""
+        return iter([p for p in self._publishers if p is not self._rosout])
 
     @property
     def subscriptions(self) -> Iterator[Subscription[Any]]:
@@ -279,6 +284,40 @@ class Node(NodeParameters):
             timer.cancel()
         return timer
 
+    def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
+        """Sleeps at that frequency (Hz) while another thread spins the node."""
+        if frequency <= 0:
+            raise ValueError("frequency must be > 0")
+        timer = self.create_timer(1.0 / frequency, _nothing, clock=clock)
+        return Rate(timer, context=self._context)
+
+    def create_guard_condition(
+        self, callback: Callable[[], Any], callback_group: CallbackGroup | None = None
+    ) -> GuardCondition:
+        """Its callback runs on the executor after each `trigger()`."""
+        guard = GuardCondition(self, callback, callback_group or self._default_callback_group)
+        self._entity_list.append(guard)
+        return guard
+
+    def destroy_guard_condition(self, guard: GuardCondition) -> bool:
+        """False when it is not this node's."""
+        return self._destroy(guard)
+
+    def destroy_rate(self, rate: Rate) -> bool:
+        """False when it is not this node's."""
+        rate.destroy()
+        return self._destroy(rate._timer)
+
+    def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
+        """Wait up to `timeout` (s) for a node; False when it has not come."""
+        name = f"/{fully_qualified_node_name.lstrip('/')}"
+        with self._graph.changed:
+            return _time_source.wait_until(
+                self._graph.changed,
+                lambda: name in self.get_fully_qualified_node_names(),
+                _time_source.deadline_ns(timeout),
+            )
+
     def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
         """False when it is not this node's."""
         if publisher not in self._publishers:
@@ -375,7 +414,8 @@ class Node(NodeParameters):
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """What one node publishes. Raises NodeNameNonExistentError."""
-        publishers = [p for node in self._named(node_name, node_namespace) for p in node.publishers]
+        nodes = self._named(node_name, node_namespace)
+        publishers = [publisher for node in nodes for publisher in node._publishers]
         return _sorted((p.topic_name, p.msg_type) for p in publishers)
 
     def get_subscriber_names_and_types_by_node(
@@ -495,3 +535,7 @@ def _info(endpoint: Any) -> TopicEndpointInfo:
         endpoint.msg_type.__type_name__,
         endpoint.qos_profile,
     )
+
+
+def _nothing() -> None:
+    """What a rate's timer calls before the rate is made."""

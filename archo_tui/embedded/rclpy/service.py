@@ -28,7 +28,7 @@ class RequestHeader(NamedTuple):
 class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     """Answers requests. Made by `Node.create_service`."""
 
-    _rank = 4
+    _rank = 5
 
     def __init__(
         self,

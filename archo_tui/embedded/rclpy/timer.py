@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,8 @@ from rclpy._entity import Entity
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock
+from rclpy.context import Context
+from rclpy.exceptions import ROSInterruptException
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -96,3 +99,38 @@ class Timer(Entity):
             self._next_ns = now
         self._schedule()
         return self.callback
+
+
+class Rate:
+    """Sleeps at a fixed rate. Made by `Node.create_rate`; another thread must spin the node."""
+
+    def __init__(self, timer: Timer, *, context: Context) -> None:
+        self._timer, self._context = timer, context
+        self._ticked = threading.Condition()
+        self._ticks = 0
+        self._is_destroyed = False
+        timer.callback = self._tick
+        context.on_shutdown(self.destroy)
+
+    def destroy(self) -> None:
+        """Let go of those that sleep."""
+        with self._ticked:
+            self._is_destroyed = True
+            self._ticked.notify_all()
+
+    def sleep(self) -> None:
+        """Block until the next tick. Raises ROSInterruptException after shutdown."""
+        if self._is_destroyed and self._context.ok():
+            raise RuntimeError("Rate cannot sleep because it has been destroyed")
+        with self._ticked:
+            seen = self._ticks
+            _time_source.wait_until(
+                self._ticked, lambda: self._ticks > seen or self._is_destroyed, None
+            )
+        if not self._context.ok():
+            raise ROSInterruptException
+
+    def _tick(self) -> None:
+        with self._ticked:
+            self._ticks += 1
+            self._ticked.notify_all()

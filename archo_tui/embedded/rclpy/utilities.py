@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import threading
+from collections.abc import Sequence
 
 from rclpy.context import Context
 
@@ -17,6 +19,20 @@ def get_default_context() -> Context:
         if _default is None:
             _default = Context()
         return _default
+
+
+def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
+    """The arguments (of the program, if not given) that are not ROS's."""
+    own: list[str] = []
+    inside = False
+    for word in sys.argv if args is None else args:
+        if word == "--ros-args":
+            inside = True
+        elif inside and word == "--":
+            inside = False
+        elif not inside:
+            own.append(word)
+    return own
 
 
 def ok(*, context: Context | None = None) -> bool:

@@ -39,6 +39,10 @@ class RcutilsLogger:
         """True when a line of this severity is logged."""
         return int(severity) >= _logging.effective_level(self.name)
 
+    def log(self, message: str, severity: LoggingSeverity | int, **filters: float) -> bool:
+        """Log at a severity; False when it was filtered out."""
+        return self._log(message, LoggingSeverity(severity), filters)
+
     def debug(self, message: str, **filters: float) -> bool:
         """Log at DEBUG; False when it was filtered out."""
         return self._log(message, LoggingSeverity.DEBUG, filters)

@@ -1,0 +1,11 @@
+"""`rclpy.validate_topic_name`: whether a topic's name is allowed."""
+
+from __future__ import annotations
+
+from rclpy import _names
+
+
+def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
+    """True. Raises InvalidTopicNameException or InvalidServiceNameException, ValueError."""
+    _names.expand(name, "node", "/", is_service=is_service)
+    return True
