@@ -48,6 +48,16 @@ def parser() -> argparse.ArgumentParser:
         "--use-sim", action="store_true", help="also start fake_battery_drain (2 %% a second)"
     )
     made.add_argument(
+        "--node",
+        metavar="FILE",
+        type=Path,
+        action="append",
+        default=[],
+        help="host the rclpy nodes that a Python file defines, in place of the robot's own of the "
+        "same name, else beside them; can be given several times",
+    )
+    made.add_argument("--only", action="store_true", help="host none of the robot's own nodes")
+    made.add_argument(
         "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
     )
     made.add_argument(
@@ -175,6 +185,8 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             params_files=options.params_file,
             use_sim=options.use_sim,
             namespace=options.namespace,
+            node_files=options.node,
+            only=options.only,
             ros_args=ros_args,
             attach=options.attach,
             on_disconnect=options.on_disconnect,

@@ -38,6 +38,8 @@ class Options:
     on_disconnect: str = CANCEL  # what becomes of a running goal: CANCEL or LEAVE
     domain_id: int | None = None
     node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
+    node_files: Sequence[Path] = ()  # nodes of the user's own, in place of those of their names
+    only: bool = False  # none of the robot's own nodes
 
 
 class Session:
@@ -63,7 +65,8 @@ class Session:
             )
         self._own_files = [] if options.attach else files.default_files()
         self._overrides = files.load([*self._own_files, *options.params_files])
-        engine.activate(options.engine, hosting=not (options.attach or options.node_makers))
+        own = options.attach or options.node_makers or options.only
+        engine.activate(options.engine, hosting=not own)
 
         import rclpy
         from rclpy.context import Context
@@ -73,11 +76,14 @@ class Session:
             NameValidationException,
         )
         from rclpy.signals import SignalHandlerOptions
+        from rclpy.utilities import get_default_context
 
         from archo_tui.host import Host
         from archo_tui.robot.client import Robot
 
-        self._context = Context()
+        # a textbook's node is made without a context: in the default one
+        self._default = bool(options.node_files)
+        self._context = get_default_context() if self._default else Context()
         try:
             rclpy.init(
                 args=self._ros_args(),
@@ -91,14 +97,16 @@ class Session:
         try:
             self.robot = Robot(self._context, self._clock, self._happened)
             self.host = Host(self._context, self.robot.note)
-            for make in self._makers():
-                self.host.add(make)
+            self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
             self._give_up()
             raise ArchoError(self._refused(str(error))) from None
         except NameValidationException as error:
             self._give_up()
             raise ArchoError(f"{error.name_type} {error.name!r}: {error.error_msg}") from None
+        except Exception:
+            self._give_up()
+            raise
         self.station = Station(
             self.robot,
             self.host,
@@ -112,7 +120,13 @@ class Session:
 
     def _give_up(self) -> None:
         self.journal.close()
-        self._context.try_shutdown()
+        self._shutdown()
+
+    def _shutdown(self) -> None:
+        import rclpy
+
+        # of the default context rclpy makes another one when it is not named
+        rclpy.try_shutdown(context=None if self._default else self._context)
 
     def _happened(self, event: Event) -> None:
         """An event came, or repeated, on the robot's thread."""
@@ -123,10 +137,29 @@ class Session:
                 what["command"] = event.command
             self.journal.write(event.time, kind, **what, count=event.count)
 
-    def _makers(self) -> Sequence[Any]:
-        if self.options.attach:
-            return ()
-        return self.options.node_makers or _robots_nodes(self.options.use_sim)
+    def _host_nodes(self) -> None:
+        """Those of the user's files, and the robot's own whose names they do not have."""
+        from archo_tui import node_files
+
+        for path in self.options.node_files:
+            for make in node_files.load(path):
+                self.host.add(make)
+        if self.options.attach or self.options.only:
+            return
+        for make in self.options.node_makers:
+            self.host.add(make)
+        if self.options.node_makers:
+            return
+        taken = {hosted.node.get_name() for hosted in self.host.nodes}
+        for name, kind in _robots_nodes(self.options.use_sim).items():
+            if name in taken:
+                continue
+            try:
+                self.host.add(kind)
+            except RuntimeError as error:  # rclpy's own: of one process DDS allows one type a topic
+                said = str(error).splitlines()[0]
+                hint = "--only leaves the robot's own nodes out"
+                raise ArchoError(f"{name}: {said}: {hint}") from None
 
     def _ros_args(self) -> list[str]:
         args = ["--ros-args", "--disable-stdout-logs"]
@@ -164,7 +197,7 @@ class Session:
         self.robot.stop()
         stuck = self.host.stop()
         self.journal.close()
-        self._context.try_shutdown()
+        self._shutdown()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until they are collected
         return stuck
@@ -182,15 +215,22 @@ def _check_attach(options: Options) -> None:
         raise ArchoError(
             "--attach needs --engine ros2: the embedded engine exists in this process only"
         )
+    if options.node_files or options.only:
+        raise ArchoError("--attach hosts no nodes: --node and --only have no effect")
     if options.params_files or options.use_sim:
         raise ArchoError("--attach hosts no nodes: --params-file and --use-sim have no effect")
 
 
-def _robots_nodes(use_sim: bool) -> list[Any]:
+def _robots_nodes(use_sim: bool) -> dict[str, Any]:
+    """The classes of the robot's own nodes by their names."""
     from archo_bringup.battery_monitor import BatteryMonitor
     from archo_bringup.dashboard import Dashboard
     from archo_bringup.fake_battery_drain import FakeBatteryDrain
     from archo_bringup.motor_controller import MotorController
 
-    nodes = [BatteryMonitor, Dashboard, MotorController]
-    return [*nodes, FakeBatteryDrain] if use_sim else nodes
+    nodes = {
+        "battery_monitor": BatteryMonitor,
+        "dashboard": Dashboard,
+        "motor_controller": MotorController,
+    }
+    return nodes | {"fake_battery_drain": FakeBatteryDrain} if use_sim else nodes

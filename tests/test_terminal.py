@@ -243,7 +243,7 @@ def with_hanging(use_sim):
         def __init__(self, **options):
             super().__init__("hanging", **options)
             self.create_timer(0.01, threading.Event().wait)
-    return [*makers(use_sim), Hanging]
+    return {**makers(use_sim), "hanging": Hanging}
 session._robots_nodes = with_hanging
 """
 

@@ -98,7 +98,7 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
             self.declare_parameter("a_parameter_with_a_rather_long_name", "x" * 30)
             self.create_timer(0.5, lambda: self.get_logger().warning("said"))
 
-    makers = [Talker, *_robots_nodes(use_sim=True)]
+    makers = [Talker, *_robots_nodes(use_sim=True).values()]
     async with console(*FAST, node_makers=makers, size=(160, 48)) as op:
         await op.until("WARN  a_node_with_a_long_name")
         await op.until("fake_battery_drain")

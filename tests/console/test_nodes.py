@@ -107,7 +107,7 @@ class Fragile(Node):
 
 
 async def test_a_crashed_node_says_why_and_is_started_again() -> None:
-    async with console(*FAST, node_makers=[*_robots_nodes(False), Fragile]) as op:
+    async with console(*FAST, node_makers=[*_robots_nodes(False).values(), Fragile]) as op:
         await op.until(lambda: op.app.view.snapshot.parameter("divisor"))
         await op.app.station.robot.set_parameters("/fragile", {"divisor": 0})
         await op.until("✗ fragile")

@@ -111,7 +111,7 @@ class Sleeper(Node):
 
 async def test_a_node_that_hangs_does_not_hang_the_keyboard() -> None:
     Sleeper.awake.clear()
-    async with console(*FAST, node_makers=[*_robots_nodes(False), Sleeper]) as op:
+    async with console(*FAST, node_makers=[*_robots_nodes(False).values(), Sleeper]) as op:
         try:
             await op.press("g", "8", "enter")
             await op.until("Arrived at shelf 8")

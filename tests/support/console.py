@@ -125,6 +125,8 @@ async def console(
     size: tuple[int, int] = (120, 36),
     node_makers: Sequence[Any] = (),
     params_files: Sequence[Path] = (),
+    node_files: Sequence[Path] = (),
+    only: bool = False,
     attach: bool = False,
     domain_id: int | None = None,
     wait: bool = True,
@@ -137,6 +139,8 @@ async def console(
         params_files=params_files,
         ros_args=ros_args,
         node_makers=node_makers,
+        node_files=node_files,
+        only=only,
     )
     with Session(options, clock.current) as session:
         app = ArchoApp(session.station)

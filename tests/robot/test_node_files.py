@@ -1,0 +1,111 @@
+"""Nodes of the user's own, from files, beside the robot's or in their place."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import tests.contract.textbook as textbook
+from archo_tui.errors import ArchoError
+from archo_tui.session import Options, Session
+from tests.support import chosen, clock
+from tests.support.console import console
+
+LISTINGS = Path(textbook.__file__).parent
+GREETER = """
+import rclpy
+from rclpy.node import Node
+
+class Greeter(Node):
+    def __init__(self):
+        super().__init__("greeter")
+        self.create_timer(0.5, lambda: self.get_logger().warning("hello from my own node"))
+
+def main():
+    rclpy.init()
+    rclpy.spin(Greeter())
+
+if __name__ == "__main__":
+    main()
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    file = folder / "my_node.py"
+    file.write_text(text)
+    return file
+
+
+def session(*files: Path) -> Session:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=files)
+    return Session(options, clock.current)
+
+
+async def test_a_node_of_ones_own_runs_beside_the_robots(tmp_path: Path) -> None:
+    async with console(node_files=[written(tmp_path, GREETER)]) as op:
+        await op.until("hello from my own node")
+        await op.until("● greeter")
+        await op.press("r")
+        await op.until("Encoder reset to zero")
+
+
+async def test_a_textbooks_node_takes_the_place_of_the_robots_of_its_name() -> None:
+    only = chosen.ENGINE == "ros2"  # there is one type a topic in one process, on DDS
+    listing = LISTINGS / "battery_publisher.py"
+    async with console(node_files=[listing], only=only, wait=False) as op:
+        await op.until(lambda: (op.app.view.snapshot.battery.percentage or 0) > 50)
+        await op.until("charging: not reported")
+        names = [hosted.name for hosted in op.session.host.nodes]
+        others = [] if only else ["/dashboard", "/motor_controller"]
+        assert sorted(names) == ["/battery_monitor", *others]
+
+
+async def test_only_leaves_the_robots_own_nodes_out(tmp_path: Path) -> None:
+    async with console(node_files=[written(tmp_path, GREETER)], only=True, wait=False) as op:
+        await op.until("hello from my own node")
+        assert [hosted.name for hosted in op.session.host.nodes] == ["/greeter"]
+        await op.until("move_to_shelf: not offered by any node")
+
+
+async def test_it_is_stopped_started_and_not_copied_under_its_own_name(tmp_path: Path) -> None:
+    async with console(node_files=[written(tmp_path, GREETER)], only=True, wait=False) as op:
+        await op.until("● greeter")
+        await op.press("5", "s")
+        await op.until("○ greeter          stopped by you")
+        await op.press("s")
+        await op.until("start /greeter: /greeter started")
+        await op.press("plus")
+        await op.until("its copy would have the same name")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("class X(:\n", ":1: SyntaxError: ", "invalid syntax"),
+        ("x = 1\n", ": ", "defines no class that is a rclpy.node.Node"),
+        ("import rclpy\nrclpy.init()\n", ":2: RuntimeError: ", "call it in main()"),
+        ("import nosuchpackage\n", ":1: ModuleNotFoundError: ", "nosuchpackage"),
+        ("import sys\nsys.exit(3)\n", ":2: SystemExit: ", "3"),
+        (
+            "from rclpy.node import Node\nclass X(Node):\n    def __init__(self):\n"
+            "        super().__init__('x')\n        self.create_timer('fast', print)\n",
+            ":5: ValueError: ",
+            "could not convert string to float",
+        ),
+    ],
+)
+def test_a_file_that_cannot_be_hosted_is_one_line(
+    text: str, line: str, said: str, tmp_path: Path
+) -> None:
+    file = written(tmp_path, text)
+    with pytest.raises(ArchoError) as caught:
+        session(file)
+    assert str(caught.value).startswith(f"{file}{line}")
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(ArchoError, match=r"nowhere\.py: no such file"):
+        session(tmp_path / "nowhere.py")
