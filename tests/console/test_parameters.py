@@ -270,7 +270,7 @@ def shown(op: Console, said: str) -> bool:
 async def test_a_strange_place_for_a_file_is_one_line_and_the_dialog_stays(
     key: str, tmp_path: Path
 ) -> None:
-    async with console(*FAST) as op:
+    async with console() as op:
         await op.press("4", key)
         field = op.app.screen.query_one("#path", Input)
         places = hostile.places(tmp_path) | {

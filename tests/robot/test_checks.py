@@ -26,7 +26,7 @@ from tests.support.robot import robot
 from tests.support.ros import Ros
 
 
-def publisher(kind: Any, topic: str, *messages: Any, period: float = 0.2) -> Callable[..., Node]:
+def publisher(kind: Any, topic: str, *messages: Any, period: float = 1.0) -> Callable[..., Node]:
     """A node that publishes these in turn."""
 
     class Publisher(Node):
@@ -51,7 +51,7 @@ def text(snapshot: Snapshot) -> str:
     return plain(battery_line(snapshot, clock.seconds(), 80))
 
 
-@pytest.mark.parametrize("value", [1e9, 3e38, -5.0, float("nan"), float("inf"), float("-inf")])
+@pytest.mark.parametrize("value", [3e38, -5.0, float("nan"), float("-inf")])
 async def test_a_percentage_that_cannot_be_is_shown_as_received_and_is_not_good(
     value: float,
 ) -> None:

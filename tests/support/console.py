@@ -14,6 +14,7 @@ from textual.keys import REPLACED_KEYS, _get_unicode_name_from_key
 from textual.pilot import Pilot
 
 from archo_tui.app import HELD, ArchoApp
+from archo_tui.commands import COMMANDS
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
 from tests.support import chosen, clock
@@ -22,6 +23,8 @@ from tests.support.waiting import DEADLINE
 
 # the textbook's move in a tenth of the time
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0", "-p", "publish_period:=0.05")
+# keys that a person must let go before they act again
+_ONCE = {"enter", *(command.key for command in COMMANDS if command.once)}
 # a route so long that keys always come in mid-move
 LONG = ("-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
 
@@ -69,7 +72,7 @@ class Console:
     async def press(self, *keys: str) -> None:
         """Press keys one after the other; the same again only when it was let go."""
         for key in keys:
-            released = self._pressed + HELD if key == self._last else 0.0
+            released = self._pressed + HELD if key == self._last and key in _ONCE else 0.0
             await self.at(released)
             send(self.app, key)
             self._last, self._pressed = key, clock.seconds()
