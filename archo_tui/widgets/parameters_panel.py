@@ -89,7 +89,7 @@ def parameter_columns(parameters: Sequence[Parameter], width: int) -> Columns:
 
     A long name is cut in its middle, a value never: one that is longer moves its type.
     """
-    value = column((text_of(p.value) for p in parameters), *_VALUE)
+    value = column((text_of(p.value)[: _VALUE[1]] for p in parameters), *_VALUE)
     room = width - value - _BETWEEN - _TYPE - _ALLOWED
     least, most = _NODE
     node = column({p.node.lstrip("/") for p in parameters}, least, min(most, room - _NAME))
