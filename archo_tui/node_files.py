@@ -78,12 +78,16 @@ def _run(path: Path) -> ModuleType:
 
 def _said(path: Path, error: BaseException) -> str:
     """`FILE:LINE: TypeError: ...`, by the last line of the file itself that was running."""
-    if isinstance(error, SyntaxError) and error.filename == str(path):
+    if isinstance(error, SyntaxError) and _is(path, error.filename or ""):
         return f"{path}:{error.lineno}: {type(error).__name__}: {error.msg}"
     frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if Path(frame.filename) == path]
+    lines = [frame.lineno for frame in frames if _is(path, frame.filename)]
     where = f"{path}:{lines[-1]}" if lines else str(path)
     said = (str(error).splitlines() or [""])[0]
     if "must only be called once" in said:
         said = "rclpy.init() runs when the file is imported: call it in main()"
     return f"{where}: {type(error).__name__}: {said}"
+
+
+def _is(path: Path, filename: str) -> bool:
+    return Path(filename).resolve() == path.resolve()

@@ -96,9 +96,11 @@ async def test_it_is_stopped_started_and_not_copied_under_its_own_name(tmp_path:
     ],
 )
 def test_a_file_that_cannot_be_hosted_is_one_line(
-    text: str, line: str, said: str, tmp_path: Path
+    text: str, line: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    file = written(tmp_path, text)
+    written(tmp_path, text)
+    monkeypatch.chdir(tmp_path)
+    file = Path("my_node.py")
     with pytest.raises(ArchoError) as caught:
         session(file)
     assert str(caught.value).startswith(f"{file}{line}")
