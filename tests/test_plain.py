@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -188,7 +189,7 @@ async def test_the_end_waits_for_the_answer_to_a_stop() -> None:
 
 def shell(command: str, **environ: str) -> subprocess.CompletedProcess[bytes]:
     """Run a line of shell with `archo` in it."""
-    archo = f"{sys.executable} -m archo_tui --engine {chosen.ENGINE}"
+    archo = f"{shlex.quote(sys.executable)} -m archo_tui --engine {chosen.ENGINE}"
     given = {"ROS_DOMAIN_ID": str(chosen.next_domain()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
     return subprocess.run(
         ["sh", "-c", command.replace("archo", archo)],
