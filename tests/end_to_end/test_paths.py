@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import time
@@ -16,7 +17,7 @@ from archo_tui import journal
 from tests.end_to_end.conftest import COMMAND, Sshd, Tmux
 from tests.support.waiting import wait_until
 
-ARCHO = " ".join(COMMAND)
+ARCHO = shlex.join(COMMAND)
 SLOW = "--ros-args -p feedback_period:=0.1 -p time_scale:=1.0"
 CHATTY = "--ros-args -p publish_period:=0.02"
 
@@ -36,7 +37,7 @@ def running(words: str) -> list[int]:
         ["ps", "-ww", "-eo", "pid,args"], capture_output=True, text=True, check=True
     )
     lines = [line.split(maxsplit=1) for line in found.stdout.splitlines()]
-    return [int(pid) for pid, args in lines if args.startswith(f"{ARCHO} {words}")]
+    return [int(pid) for pid, args in lines if args.startswith(f"{' '.join(COMMAND)} {words}")]
 
 
 def test_a_goal_in_tmux_with_the_terminal_as_before(tmux: Tmux, tmp_path: Path) -> None:
