@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import getpass
 import os
+import shlex
 import shutil
 import socket
 import subprocess
@@ -100,9 +101,9 @@ class Sshd:
         )
         where = f"{getpass.getuser()}@127.0.0.1"
         names = ("XDG_CONFIG_HOME", "XDG_STATE_HOME")
-        variables = " ".join(f"{name}={os.environ[name]}" for name in names)
-        line = f"cd {Path.cwd()} && env {variables} {remote}"
-        return f"ssh {options} -i {self._key} -p {self.port} {where} '{line}'"
+        variables = " ".join(f"{name}={shlex.quote(os.environ[name])}" for name in names)
+        line = shlex.quote(f"cd {shlex.quote(str(Path.cwd()))} && env {variables} {remote}")
+        return f"ssh {options} -i {self._key} -p {self.port} {where} {line}"
 
     def connections(self) -> list[int]:
         """The processes of sshd that serve a connection."""
