@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import os
+import select
 import threading
 from collections.abc import Iterator
 
 import pytest
 
 from archo_tui.terminal.driver import MAX_WAITING, Writer
-from tests.support.waiting import wait_until
+from tests.support.waiting import DEADLINE, wait_until
+
+
+FILLING = 7  # frames
 
 
 class Pipe:
@@ -26,8 +30,16 @@ class Pipe:
         """Everything up to an end."""
         data = b""
         while not data.endswith(end):
+            ready, _, _ = select.select([self.read_end], [], [], 2 * DEADLINE)
+            assert ready, f"waited for {end!r}, after {data[-100:]!r}"
             data += os.read(self.read_end, 65536)
         return data
+
+    def fill(self) -> None:
+        """Write more than a pipe takes: the writer holds the last frame, and cannot go on."""
+        for number in range(FILLING):
+            self.writer.write(frame(number))
+            wait_until(lambda: self.writer._size == 0)
 
     def close(self) -> None:
         self.writer.kill()
@@ -55,7 +67,8 @@ def test_what_is_read_at_once_comes_whole_and_in_order(pipe: Pipe) -> None:
 
 
 def test_frames_are_dropped_whole_and_the_screen_is_told_when_there_is_room(pipe: Pipe) -> None:
-    for number in range(1000):
+    pipe.fill()
+    for number in range(FILLING, 1000):
         pipe.writer.write(frame(number))
         assert pipe.writer._size <= MAX_WAITING
     pipe.writer.write("<modes>", keep=True)
@@ -82,9 +95,7 @@ def test_a_terminal_that_is_gone_is_told_once_and_takes_everything(pipe: Pipe) -
 
 
 def test_the_end_waits_for_what_is_read_and_not_for_what_is_not(pipe: Pipe) -> None:
-    for number in range(7):  # more than a pipe takes
-        pipe.writer.write(frame(number))
-        wait_until(lambda: pipe.writer._size == 0)
+    pipe.fill()
     pipe.writer.stop()
     assert pipe.writer.is_alive()  # it still holds what nobody reads, and nobody waits for it
     pipe.read(b">")
