@@ -12,7 +12,6 @@ import pytest
 from archo_tui.terminal.driver import MAX_WAITING, Writer
 from tests.support.waiting import DEADLINE, wait_until
 
-
 FILLING = 7  # frames
 
 
