@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ def build_wheel(
     os.environ["AMENT_PREFIX_PATH"] = os.environ["CMAKE_PREFIX_PATH"] = str(prefix)
     os.environ["LD_LIBRARY_PATH"] = str(prefix / "lib")
     given = os.environ.get("CMAKE_ARGS", "")
-    os.environ["CMAKE_ARGS"] = f"{given} -DCMAKE_PROJECT_INCLUDE={fixups}".strip()
+    include = shlex.quote(f"-DCMAKE_PROJECT_INCLUDE={fixups}")  # the folder may have blanks
+    os.environ["CMAKE_ARGS"] = f"{given} {include}".strip()
     name: str = _scikit_build.build_wheel(wheel_directory, config_settings, metadata_directory)
     return name
