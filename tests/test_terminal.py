@@ -35,7 +35,7 @@ def journaled() -> list[dict[str, Any]]:
     return [json.loads(line) for line in journal.path().read_text().splitlines()]
 
 
-@pytest.mark.parametrize("end", ["q", "SIGTERM", "SIGINT", "SIGHUP", "SIGQUIT"])
+@pytest.mark.parametrize("end", ["q", "SIGINT", "SIGHUP", "SIGQUIT"])  # SIGTERM: below
 def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(
     end: str, terminals: list[Terminal]
 ) -> None:
@@ -307,13 +307,12 @@ def test_a_signal_in_the_first_moments_leaves_the_terminal_sane(
     assert terminal.is_as_before()
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.1])
-def test_ctrl_c_behind_ctrl_q_changes_nothing(delay: float, terminals: list[Terminal]) -> None:
+def test_ctrl_c_behind_ctrl_q_changes_nothing(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
     terminal.until("wheel_radius")
     terminal.write("\x11")
-    time.sleep(delay)
+    time.sleep(0.05)
     with contextlib.suppress(ProcessLookupError):
         terminal.kill(signal.SIGINT)
     assert terminal.exit_code() in (0, 128 + signal.SIGINT)

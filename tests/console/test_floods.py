@@ -94,7 +94,7 @@ async def test_a_thousand_battery_readings_a_second() -> None:
 
 
 async def test_hundreds_of_nodes_with_twenty_parameters_each() -> None:
-    count = 500 if chosen.ENGINE == "embedded" else 20  # DDS takes a second for each
+    count = 250 if chosen.ENGINE == "embedded" else 20  # DDS takes a second for each
     async with console(*FAST) as op:
         context = op.session._context
         executor = SingleThreadedExecutor(context=context)

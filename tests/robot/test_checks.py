@@ -51,7 +51,7 @@ def text(snapshot: Snapshot) -> str:
     return plain(battery_line(snapshot, clock.seconds(), 80))
 
 
-@pytest.mark.parametrize("value", [3e38, -5.0, float("nan"), float("-inf")])
+@pytest.mark.parametrize("value", [3e38, float("nan")])
 async def test_a_percentage_that_cannot_be_is_shown_as_received_and_is_not_good(
     value: float,
 ) -> None:
