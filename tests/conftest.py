@@ -72,6 +72,7 @@ def _undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     def draw_nothing(screen: Any) -> None:
         screen._dirty_widgets.clear()
         screen._compositor._dirty_regions.clear()
+        screen.draws = getattr(screen, "draws", 0) + 1  # support/console.py reads what is new only
 
     monkeypatch.setattr("textual.screen.Screen._compositor_refresh", draw_nothing)
 

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from textual import events
 from textual.app import App
@@ -117,9 +118,16 @@ class Console:
         )
 
 
+_read: WeakKeyDictionary[Any, tuple[int, str]] = WeakKeyDictionary()  # by screen
+
+
 def screen_text(app: App[Any]) -> str:
-    """What a screen shows, line by line."""
-    return "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+    """What a screen shows, line by line; read again only after it was drawn again."""
+    draws = getattr(app.screen, "draws", 0)
+    if _read.get(app.screen, (-1, ""))[0] != draws:
+        text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+        _read[app.screen] = draws, text
+    return _read[app.screen][1]
 
 
 @asynccontextmanager
