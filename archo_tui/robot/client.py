@@ -307,7 +307,7 @@ class Robot:
             return  # another robot's
         if message.msg.startswith(_REFUSAL) and node in self._graph.movers:
             self._goals.refused(message.msg.removeprefix(_REFUSAL))
-        self._graph.heard_log(message.name, self._clock.monotonic())
+        self._graph.heard_log(node, self._clock.monotonic())
         # by this clock and not the stamp: the robot's may be another, and the list is in order
         self._add_event(Event(self._clock.now(), level, message.name, message.msg))
 

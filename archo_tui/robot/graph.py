@@ -35,6 +35,7 @@ class Graph:
         self.elsewhere: tuple[str, ...] = ()  # other namespaces with nodes
         self.movers: frozenset[str] = frozenset()  # the nodes that serve the action
         self.move_types: frozenset[str] = frozenset()
+        self._seen: object = None  # at the last look, of what a snapshot shows
         self._heard: dict[str, float] = {}
         self._interval: dict[str, float] = {}
         self._last: dict[str, float] = {}
@@ -72,7 +73,9 @@ class Graph:
         for name in set(self._last) - set(names):  # its rate starts over when it comes back
             del self._last[name]
             self._interval.pop(name, None)
-        changed = names != self.names or offered != self.offered
+        seen = names, offered, self.publishers, self.twice, self.elsewhere
+        changed = seen != self._seen
+        self._seen = seen
         self.names, self.services, self.offered = names, services, frozenset(offered)
         return changed
 
@@ -101,9 +104,8 @@ class Graph:
         self._last[name] = now
         self._heard[name] = now
 
-    def heard_log(self, logger: str, now: float) -> None:
-        """A log line of that logger came at `now` (s)."""
-        name = logger_node(logger)
+    def heard_log(self, name: str, now: float) -> None:
+        """A log line of that node came at `now` (s)."""
         if name in self.names:
             self._heard[name] = now
 

@@ -69,6 +69,16 @@ def test_an_executor_that_is_assigned_runs_the_node(ros: Ros) -> None:
     executor.shutdown(0)
 
 
+def test_a_long_wait_for_a_future_leaves_one_callback_on_it(ros: Ros) -> None:
+    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    node.create_timer(0.01, lambda: None)
+    future: Future[int] = Future()
+    executor.spin_until_future_complete(future, 0.3)
+    assert len(future._callbacks) == 1
+    executor.shutdown(0)
+
+
 @pytest.mark.real_time
 def test_a_future_that_another_thread_sets_ends_the_spin_at_once(ros: Ros) -> None:
     executor = SingleThreadedExecutor(context=ros.context)

@@ -19,6 +19,8 @@ from archo_tui.alarms import MIXED, TWICE, WORD, conditions
 from archo_tui.robot.period import Period, is_silent
 from archo_tui.robot.state import Snapshot
 from archo_tui.state_text import battery_line, battery_word, motor_word, plain
+from archo_tui.station import View
+from archo_tui.widgets.bars import header
 from tests.support import chosen, clock
 from tests.support.console import console
 from tests.support.quiet import ended, until
@@ -317,3 +319,16 @@ async def test_a_strange_name_of_a_type_is_only_unknown(monkeypatch: pytest.Monk
     assert interfaces.load("nonsense") is None
     assert interfaces.load("a/b/c/d") is None
     assert interfaces.load("rcl_interfaces/msg/Log") is Log
+
+
+async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one() -> None:
+    own = lambda **options: Node("own", **options)  # noqa: E731
+    async with robot(own, namespace="/r1") as it:
+        await until(lambda: it.snapshot.parameters)
+        begin = clock.seconds()
+        await until(lambda: clock.seconds() > begin + 3)
+        guest = Node("guest", context=it._node.context, namespace="/r2", use_global_arguments=False)
+        await until(lambda: it.snapshot.elsewhere == ("/r2",))
+        view = View(it.snapshot, begin, begin, 0.0, "embedded", "/r1")
+        assert "? robots seen: /r2; use --namespace /r2" in header(view, 120).plain
+        guest.destroy_node()

@@ -65,6 +65,7 @@ class Context:
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
         """Have a bound method called at shutdown, unless its object is gone by then."""
+        self._callbacks = [known for known in self._callbacks if known() is not None]
         self._callbacks.append(weakref.WeakMethod(callback))
 
     def shutdown(self) -> None:

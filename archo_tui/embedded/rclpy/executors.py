@@ -144,13 +144,12 @@ class Executor:
     ) -> None:
         """Spin until the future is done, or `timeout_sec` (s) have passed."""
         deadline = _time_source.deadline_ns(timeout_sec)
+        future.add_done_callback(lambda _: self.wake())
         while self._context.ok() and not future.done() and not future.cancelled():
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
             if self._is_shutdown:
                 return
-            self.spin_once_until_future_complete(
-                future, None if left_ns is None else max(left_ns, 0) / 1e9
-            )
+            self._spin_once_until(future, None if left_ns is None else max(left_ns, 0) / 1e9)
             if left_ns is not None and left_ns <= 0:
                 return
 
@@ -159,6 +158,9 @@ class Executor:
     ) -> None:
         """Run one callback unless the future is done before there is one."""
         future.add_done_callback(lambda _: self.wake())
+        self._spin_once_until(future, timeout_sec)
+
+    def _spin_once_until(self, future: Future[Any], timeout_sec: float | None) -> None:
         try:
             work, entity = self._next_work(timeout_sec, future.done)
         except (TimeoutException, ShutdownException):
