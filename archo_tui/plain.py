@@ -135,8 +135,11 @@ class Plain:
 
     async def _serve(self) -> None:
         while (line := await self._typed.get()) is not None and line.split() != ["quit"]:
-            if line == TOO_LONG or (line.strip() and line.split() != _STOP):
-                await self._run([line] if line == TOO_LONG else line.split())
+            if line == TOO_LONG:
+                self._say(f"failed: a line of more than {_LONGEST} bytes")
+                self._failed = True
+            elif line.strip() and line.split() != _STOP:
+                await self._run(line.split())
         await self._until(lambda: not self._stopping)
         await self._until(lambda: self._goal is None or not self._goal.is_running)
         arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
@@ -163,10 +166,6 @@ class Plain:
             self._shutdown.begin(1)
 
     async def _run(self, typed: list[str]) -> None:
-        if typed == [TOO_LONG]:
-            self._say(f"failed: a line of more than {_LONGEST} bytes")
-            self._failed = True
-            return
         verb, *rest = typed
         self._stopping += typed == _STOP
         outcome = await self._do(verb, rest)

@@ -82,8 +82,8 @@ class Command:
     service: ClassVar[str] = ""  # what somebody must offer
     runs_blocked: ClassVar[bool] = False  # says why, and does its harmless part all the same
     insists: ClassVar[bool] = False  # tried in any case: what is in the way may be over
-    once: ClassVar[bool] = False  # while its key is held, and before the robot has answered
-    every: ClassVar[float] = 0.0  # s from one to the next while the robot does not answer
+    once: ClassVar[bool] = False  # a held key gives it once; not again before the answer
+    every: ClassVar[float] = 0.0  # s until it is sent again while there is no answer
 
     @property
     def place(self) -> str:

@@ -5,7 +5,7 @@ Verbs are called on the asyncio loop. Each ends: done, refused with the reason, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Coroutine, Iterable, Mapping
 from typing import Any
 
 from rcl_interfaces.msg import Log
@@ -22,7 +22,6 @@ from archo_tui.robot.graph import Graph, logger_node
 from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.parameter_values import text_of
 from archo_tui.robot.parameters import Parameters
-from archo_tui.robot.readings import number
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import (
     CHARGE,
@@ -35,6 +34,8 @@ from archo_tui.robot.state import (
     Event,
     Outcome,
     Snapshot,
+    in_namespace,
+    number_of,
 )
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.text import harmless
@@ -173,11 +174,8 @@ class Robot:
     # on the ROS thread
 
     def _route_length(self) -> float | None:
-        node = f"{self._graph.namespace.rstrip('/')}/{MOTOR_NODE}"
-        for p in self._parameters.all():
-            if (p.node, p.name) == (node, "route_length"):
-                return number(p.value, 0.0, FARTHEST)
-        return None
+        node = in_namespace(self._graph.namespace, MOTOR_NODE)
+        return number_of(self._parameters.all(), node, "route_length", 0.0, FARTHEST)
 
     async def _service(self, title: str, name: str, **fields: Any) -> Outcome:
         return await self._do(
@@ -192,7 +190,7 @@ class Robot:
             types = self._graph.served_types(full)
         return types[0] if len(types) == 1 else ""
 
-    def _fitting(self, name: str, fields: Mapping[str, Any]) -> tuple[Any, str]:
+    def _fitting(self, name: str, fields: Iterable[str]) -> tuple[Any, str]:
         """The class of a service whose request has just those fields, or None and why not."""
         full, kind = self._names[name], self._type(name)
         if not kind:
@@ -207,7 +205,7 @@ class Robot:
     def _misfits(self) -> dict[str, str]:
         """Why what is offered is not called: its type is not what is meant."""
         found = {
-            name: self._fitting(name, dict.fromkeys(fields))[1]
+            name: self._fitting(name, fields)[1]
             for name, fields in _SERVICES.items()
             if name in self._graph.offered
         }

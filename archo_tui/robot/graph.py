@@ -18,6 +18,7 @@ from archo_tui.robot.state import (
     RESET,
     STOP,
     NodeState,
+    in_namespace,
 )
 
 _SMOOTHING = 0.2  # weight of the newest interval in a rate
@@ -29,7 +30,7 @@ class Graph:
     def __init__(self, node: Node) -> None:
         self._node = node
         self.namespace = node.get_namespace()
-        self._below = f"{self.namespace.rstrip('/')}/"
+        self._below = in_namespace(self.namespace, "")
         self.publishers: dict[str, tuple[str, ...]] = {}  # nodes, by topic, where there are several
         self.twice: tuple[str, ...] = ()  # names that several nodes have
         self.elsewhere: tuple[str, ...] = ()  # other namespaces with nodes
@@ -136,4 +137,4 @@ def _of(info: Any) -> tuple[str, str]:
 
 
 def _full(name: str, namespace: str) -> str:
-    return f"{namespace.rstrip('/')}/{name}"
+    return in_namespace(namespace, name)

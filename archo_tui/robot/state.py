@@ -6,7 +6,7 @@ Unix time. None means: never heard, or not reported by this robot.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
@@ -221,9 +221,21 @@ class Snapshot:
     @property
     def threshold(self) -> float:
         """The low-battery threshold in %: the robot's own parameter, else the textbook's 20."""
-        name = f"{self.namespace.rstrip('/')}/{BATTERY_NODE}"
-        for parameter in self.parameters:
-            if (parameter.node, parameter.name) == (name, "low_battery_threshold"):
-                value = number(parameter.value, 0.0, 100.0)
-                return 20.0 if value is None else value
-        return 20.0
+        node = in_namespace(self.namespace, BATTERY_NODE)
+        found = number_of(self.parameters, node, "low_battery_threshold", 0.0, 100.0)
+        return 20.0 if found is None else found
+
+
+def in_namespace(namespace: str, node: str) -> str:
+    """The node's fully qualified name."""
+    return f"{namespace.rstrip('/')}/{node}"
+
+
+def number_of(
+    parameters: Iterable[Parameter], node: str, name: str, low: float, high: float
+) -> float | None:
+    """A node's parameter, when it is a number within low .. high."""
+    for parameter in parameters:
+        if (parameter.node, parameter.name) == (node, name):
+            return number(parameter.value, low, high)
+    return None

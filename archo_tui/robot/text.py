@@ -1,7 +1,7 @@
 """Text from outside: the one place that knows what a terminal could act on.
 
-Everything that leaves the process goes through `safe`: each line of the screen
-(terminal/app.py), of `--plain`, and of standard error.
+Everything that reaches a terminal goes through here: each line of the screen (terminal/app.py),
+of `--plain`, and of what is said on standard error.
 """
 
 from __future__ import annotations

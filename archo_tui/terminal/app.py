@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import signal
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from rich.segment import Segment
 from textual.app import App
@@ -20,22 +20,16 @@ from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, remember
 
 
-class AsciiFilter(LineFilter):
-    """Changes whatever is drawn to ASCII."""
+class TextFilter(LineFilter):
+    """Changes the text of whatever is drawn; its cells stay as many."""
+
+    def __init__(self, change: Callable[[str], str]) -> None:
+        super().__init__()
+        self._change = change
 
     def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
         return [
-            segment if segment.control else Segment(in_ascii(segment.text), segment.style)
-            for segment in segments
-        ]
-
-
-class SafeFilter(LineFilter):
-    """Takes out of whatever is drawn what a terminal could act on."""
-
-    def apply(self, segments: list[Segment], background: Color) -> list[Segment]:
-        return [
-            segment if segment.control else Segment(safe_in_place(segment.text), segment.style)
+            segment if segment.control else Segment(self._change(segment.text), segment.style)
             for segment in segments
         ]
 
@@ -53,7 +47,8 @@ class TerminalApp(App[None]):
             station.on_disconnect,
             lambda code: self.exit(return_code=code),
         )
-        self._of_text = [SafeFilter(), AsciiFilter()] if ascii_only() else [SafeFilter()]
+        changes = [safe_in_place, in_ascii] if ascii_only() else [safe_in_place]
+        self._of_text = [TextFilter(change) for change in changes]
         for own in THEMES:
             self.register_theme(own)
         if theme or self.console.color_system == "standard":  # 16 colours: none in between

@@ -6,7 +6,7 @@ from textual.content import Content
 
 from archo_tui.alarms import Priority, State, advice
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import BATTERY, MOTOR, Phase
+from archo_tui.robot.state import BATTERY, MOTOR, Battery, Motor, Phase
 from archo_tui.station import View
 
 
@@ -68,10 +68,11 @@ def footer(commands: list[tuple[str, str, str, bool]], width: int, palette_key: 
 
 
 def _contact(view: View) -> str:
-    battery, motor = view.snapshot.battery, view.snapshot.motor
+    snapshot = view.snapshot
+    readings: dict[str, Battery | Motor] = {BATTERY: snapshot.battery, MOTOR: snapshot.motor}
     heard = {
         name: view.now - reading.received
-        for name, reading in ((BATTERY, battery), (MOTOR, motor))
+        for name, reading in readings.items()
         if reading.received is not None
     }
     if not heard:
@@ -79,8 +80,7 @@ def _contact(view: View) -> str:
         if others:
             return f"? robots seen: {others}; use --namespace {view.snapshot.elsewhere[0]}"
         return "? waiting for data"
-    old = {BATTERY: battery.is_old(view.now), MOTOR: motor.is_old(view.now)}
-    silent = [name for name in heard if old[name]]
+    silent = [name for name in heard if readings[name].is_old(view.now)]
     if len(silent) == len(heard):
         return f"✗ no contact, {min(heard.values()):.0f} s"
     return f"▲ {silent[0]} silent, {heard[silent[0]]:.0f} s" if silent else "● online"

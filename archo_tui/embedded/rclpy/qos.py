@@ -66,13 +66,11 @@ class QoSProfile:
         """Raises InvalidQoSProfileException without a depth; AssertionError for other types."""
         if history is None and depth is None:
             raise InvalidQoSProfileException("History and/or depth settings are required.")
-        policies = (history or HistoryPolicy.KEEP_LAST, reliability, durability)
-        assert all(isinstance(policy, int) for policy in policies)
-        self.history = HistoryPolicy(policies[0])
-        self.reliability, self.durability = (
-            ReliabilityPolicy(reliability),
-            DurabilityPolicy(durability),
-        )
+        history = history or HistoryPolicy.KEEP_LAST
+        assert all(isinstance(policy, int) for policy in (history, reliability, durability))
+        self.history = HistoryPolicy(history)
+        self.reliability = ReliabilityPolicy(reliability)
+        self.durability = DurabilityPolicy(durability)
         if self.history == HistoryPolicy.KEEP_LAST and depth is None:
             raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
         assert depth is None or isinstance(depth, int)
