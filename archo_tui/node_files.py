@@ -34,7 +34,7 @@ class FileNode:
             if options.keys() - known.keys():
                 raise ArchoError(
                     f"{self._path}: {self._kind.__name__} takes no {', '.join(options)}, "
-                    "so that its copy would have the same name"
+                    "so a copy would have the same name"
                 )
             given = {name: value for name, value in given.items() if name in known}
         try:
@@ -53,7 +53,7 @@ def load(path: Path) -> list[FileNode]:
     ]
     nodes = [kind for kind in kinds if not any(kind in other.__mro__[1:] for other in kinds)]
     if not nodes:
-        raise ArchoError(f"{path}: defines no class that is a rclpy.node.Node")
+        raise ArchoError(f"{path}: defines no subclass of rclpy.node.Node")
     return [FileNode(path, kind) for kind in dict.fromkeys(nodes)]
 
 

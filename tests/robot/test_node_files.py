@@ -76,14 +76,14 @@ async def test_it_is_stopped_started_and_not_copied_under_its_own_name(tmp_path:
         await op.press("s")
         await op.until("start /greeter: /greeter started")
         await op.press("plus")
-        await op.until("its copy would have the same name")
+        await op.until("so a copy would have the same name")
 
 
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
         ("class X(:\n", ":1: SyntaxError: ", "invalid syntax"),
-        ("x = 1\n", ": ", "defines no class that is a rclpy.node.Node"),
+        ("x = 1\n", ": ", "defines no subclass of rclpy.node.Node"),
         ("import rclpy\nrclpy.init()\n", ":2: RuntimeError: ", "call it in main()"),
         ("import nosuchpackage\n", ":1: ModuleNotFoundError: ", "nosuchpackage"),
         ("import sys\nsys.exit(3)\n", ":2: SystemExit: ", "3"),

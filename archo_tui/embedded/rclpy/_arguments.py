@@ -44,7 +44,7 @@ def parse(args: Sequence[str] | None) -> Arguments:
     files: list[Override] = []
     assigned: list[Override] = []
     level, stdout_logs = 0, True
-    words = iter(_ros_words(args or ()))
+    words = iter(split(args or ())[1])
     for word in words:
         if word in ("-r", "--remap"):
             remaps.append(_remap(_next(words, word)))
@@ -61,17 +61,19 @@ def parse(args: Sequence[str] | None) -> Arguments:
     return Arguments(tuple(remaps), (*files, *assigned), level, stdout_logs)
 
 
-def _ros_words(args: Sequence[str]) -> list[str]:
-    words: list[str] = []
+def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
+    """The program's own words, and those between `--ros-args` and `--`."""
+    own: list[str] = []
+    ros: list[str] = []
     inside = False
     for arg in args:
         if arg == "--ros-args":
             inside = True
         elif inside and arg == "--":
             inside = False
-        elif inside:
-            words.append(arg)
-    return words
+        else:
+            (ros if inside else own).append(arg)
+    return own, ros
 
 
 def _next(words: Any, option: str) -> str:

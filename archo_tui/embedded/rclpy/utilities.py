@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Sequence
 
+from rclpy import _arguments
 from rclpy.context import Context
 
 _lock = threading.Lock()
@@ -23,16 +24,7 @@ def get_default_context() -> Context:
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     """The arguments (of the program, if not given) that are not ROS's."""
-    own: list[str] = []
-    inside = False
-    for word in sys.argv if args is None else args:
-        if word == "--ros-args":
-            inside = True
-        elif inside and word == "--":
-            inside = False
-        elif not inside:
-            own.append(word)
-    return own
+    return _arguments.split(sys.argv if args is None else args)[0]
 
 
 def ok(*, context: Context | None = None) -> bool:
