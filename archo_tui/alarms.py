@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from enum import Enum
 
-from archo_tui.robot.state import HEALTH, Hosted, Life, Snapshot
+from archo_tui.robot.state import Hosted, Life, Snapshot
+from archo_tui.robots.model import Robot
 
 
 class Priority(Enum):
@@ -65,7 +66,7 @@ TRANSITIONS: dict[tuple[State, Change], State] = {
 CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "battery empty"
 STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
 WORD, MIXED, TWICE = "battery health", "several publishers", "name twice"
-SILENT, UNWRITTEN = "motor silent", "journal not written"
+SILENT, UNWRITTEN, GAUGE = "motor silent", "journal not written", "gauge"
 _PRIORITIES = {
     UNCONFIRMED: Priority.HIGH,
     CONTACT_LOST: Priority.HIGH,
@@ -75,6 +76,7 @@ _PRIORITIES = {
     STOPPED: Priority.MED,
     LOW: Priority.MED,
     WORD: Priority.MED,
+    GAUGE: Priority.MED,
     MIXED: Priority.MED,
     TWICE: Priority.MED,
     UNWRITTEN: Priority.LOW,
@@ -82,13 +84,14 @@ _PRIORITIES = {
 _ORDER = list(_PRIORITIES)
 
 # of what the robot says: they stand as they were while it is not heard
-_HEARD = (EMPTY, STOPPED, LOW, WORD, SILENT)
+_HEARD = (EMPTY, STOPPED, LOW, WORD, SILENT, GAUGE)
 _LAST_KNOWN = " (last known)"
+_CHARGER = "the command that charges"
 # what to do, where that is a command: its id, and the words around the way to give it
-_REMEDIES = {STOPPED: ("release", ", then {} to release"), LOW: ("charge", ", or {} to charge")}
+_REMEDIES = {STOPPED: ("release", ", then {} to release"), LOW: (_CHARGER, ", or {} to charge")}
 # s that a condition must hold before it counts; a node that was killed lingers on a ROS 2 graph
 # for about 20 s
-ON_DELAY = {LOW: 2.0, EMPTY: 2.0, WORD: 2.0, UNCONFIRMED: 1.0, MIXED: 30.0, TWICE: 30.0}
+ON_DELAY = {LOW: 2.0, EMPTY: 2.0, WORD: 2.0, GAUGE: 2.0, UNCONFIRMED: 1.0, MIXED: 30.0, TWICE: 30.0}
 SHELF_TIME = 600.0  # s
 
 
@@ -126,17 +129,24 @@ class Alarm:
         return shelved, self.acknowledged, self.is_over, _ORDER.index(_kind(self.name))
 
 
-def advice(alarm: Alarm, ways: Mapping[str, str]) -> str:
-    """What an alarm says, with what to do; `ways` of giving a command by its id: `press R`."""
+def advice(alarm: Alarm, given: Mapping[str, str]) -> str:
+    """What an alarm says, with what to do; `given` says how: `press R` (see `ways`)."""
     command, words = _REMEDIES.get(alarm.name, ("", ""))
-    if command not in ways or alarm.is_over or alarm.text.endswith(_LAST_KNOWN):
+    if command not in given or alarm.is_over or alarm.text.endswith(_LAST_KNOWN):
         return alarm.text
-    return alarm.text + words.format(ways[command])
+    return alarm.text + words.format(given[command])
+
+
+def ways(robot: Robot, by_id: Mapping[str, str]) -> dict[str, str]:
+    """How to give the commands that `advice` knows, from how each one is given."""
+    charger = next((c.id for c in robot.commands if "battery.charging" in c.toggle.values()), "")
+    found = {"release": by_id.get("release", ""), _CHARGER: by_id.get(charger, "")}
+    return {name: way for name, way in found.items() if way}
 
 
 def _kind(name: str) -> str:
     """Without the node that it is about."""
-    return name.partition(" /")[0]
+    return GAUGE if name.startswith(f"{GAUGE} ") else name.partition(" /")[0]
 
 
 def conditions(
@@ -146,7 +156,7 @@ def conditions(
 
     `unwritten` is why the journal is not written.
     """
-    battery, motor = snapshot.battery, snapshot.motor
+    battery, motion = snapshot.battery, snapshot.motion
     found: dict[str, str] = {}
     if snapshot.stop_asked is not None:
         waited = now - snapshot.stop_asked
@@ -167,12 +177,12 @@ def conditions(
         )
     for name in snapshot.twice:
         found[f"{TWICE} {name}"] = f"TWO NODES NAMED {name}: a call may reach only one of them"
-    if (battery.received is not None or motor.received is not None) and (
+    if (battery.received is not None or motion.received is not None) and (
         (battery.received is None or battery.is_old(now))
-        and (motor.received is None or motor.is_old(now))
+        and (motion.received is None or motion.is_old(now))
     ):
         # one cause, one alarm: what was last heard says nothing about now
-        heard = max(battery.received or 0.0, motor.received or 0.0)
+        heard = max(battery.received or 0.0, motion.received or 0.0)
         found[CONTACT_LOST] = f"CONTACT LOST for {now - heard:.0f} s: the robot may still be moving"
         return found
     moving = snapshot.goal is not None and snapshot.goal.is_running
@@ -182,24 +192,37 @@ def conditions(
             found[EMPTY] = "BATTERY EMPTY: the robot refuses moves, charge it where it stands"
         elif is_low(snapshot) and not battery.charging:
             found[LOW] = f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
-    if battery.health not in (None, *HEALTH) and not battery.is_old(now):
+    if battery.health and not health(snapshot) and not battery.is_old(now):
         found[WORD] = f"BATTERY HEALTH {battery.health}: the console does not know this word"
-    if motor.received is not None and motor.is_old(now) and (moving or motor.moving):
+    if motion.received is not None and motion.is_old(now) and (moving or motion.moving):
+        topic = snapshot.robot.motion.topic if snapshot.robot.motion else "motion"
         found[SILENT] = (
-            f"motor_status silent for {now - motor.received:.0f} s while moving: "
+            f"{topic} silent for {now - motion.received:.0f} s while moving: "
             "the robot may still be driving"
         )
-    if motor.stopped:
+    if motion.stopped:
         found[STOPPED] = "STOPPED: look for the cause"
+    for reading in snapshot.gauges:
+        if reading.warns and not reading.is_old(now):
+            name, unit = reading.gauge.title, reading.gauge.unit
+            found[f"{GAUGE} {name}"] = (
+                f"{name.upper()} {reading.value:g} {unit}".rstrip() + f": {reading.warns}"
+            )
     return found
 
 
 def is_low(snapshot: Snapshot) -> bool:
     """The robot's own judgement; without one in known words, its percentage at the threshold."""
-    battery = snapshot.battery
-    if battery.health in HEALTH:
-        return battery.health == "warning"
-    return battery.percentage is not None and battery.percentage < snapshot.threshold
+    charge, threshold = snapshot.battery.percentage, snapshot.threshold
+    if health(snapshot):
+        return health(snapshot) == "low"
+    return charge is not None and threshold is not None and charge < threshold
+
+
+def health(snapshot: Snapshot) -> str:
+    """What the battery's word means: good, low, replace; empty: none was said, or it is unknown."""
+    described = snapshot.robot.battery
+    return "" if described is None else described.health.get(snapshot.battery.health or "", "")
 
 
 class AlarmBoard:
@@ -226,7 +249,7 @@ class AlarmBoard:
         for alarm in list(self._alarms.values()):
             if alarm.name in found or alarm.is_over:
                 continue
-            if CONTACT_LOST in found and alarm.name in _HEARD:
+            if CONTACT_LOST in found and _kind(alarm.name) in _HEARD:
                 text = alarm.text.removesuffix(_LAST_KNOWN) + _LAST_KNOWN
                 self._alarms[alarm.name] = replace(alarm, text=text)
                 continue

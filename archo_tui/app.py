@@ -13,10 +13,11 @@ from textual.binding import Binding
 from textual.screen import Screen
 from textual.widgets import Input
 
-from archo_tui.commands import COMMANDS
+from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
 from archo_tui.commands.keymap import shown_keys
 from archo_tui.robot.state import Outcome, Snapshot
+from archo_tui.robots.model import GoalKind
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.main import MainScreen
@@ -35,7 +36,6 @@ HELD = 0.7  # s within which the same key again means that it is held: X11 waits
 class ArchoApp(TerminalApp):
     """The operator's console."""
 
-    TITLE = "ARCHO"
     CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
     BINDINGS = [
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
@@ -55,10 +55,13 @@ class ArchoApp(TerminalApp):
         """
         super().__init__(station, theme)
         self.station = station
-        self.registry = COMMANDS
-        self.main = MainScreen()
+        snapshot = station.robot.snapshot
+        self.title = snapshot.robot.name
+        self.registry = registry(snapshot.robot)
+        self.main = MainScreen(snapshot)
+        self.typed: dict[str, dict[str, str]] = {}
         self._failed_before = failed
-        self._keys = {command.id: command.key for command in COMMANDS} | dict(keys or {})
+        self._keys = {command.id: command.key for command in self.registry} | dict(keys or {})
         self._shown_keys = shown_keys(self._keys)
         self._bind_commands()
         self._early: list[tuple[events.Event, bool]] = []  # typed before the screen could take it
@@ -75,6 +78,8 @@ class ArchoApp(TerminalApp):
         """
         for command in self.registry:
             key, action = self._keys[command.id], f"command('{command.id}')"
+            if not key:
+                continue
             binding = Binding(key, action, command.help, id=command.id, priority=True)
             # another list: the class's own bindings are shared by all apps
             known = self._bindings.key_to_bindings.get(key, [])
@@ -250,7 +255,8 @@ class ArchoApp(TerminalApp):
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """The palette: the registry, and what Textual brings."""
         for command in self.registry:
-            title = f"{command.help.partition(';')[0]} ({self.view.key(command.id)})"
+            key = self.view.key(command.id)
+            title = command.help.partition(";")[0] + (f" ({key})" if key else "")
             yield SystemCommand(
                 title,
                 self.blocked(command) or command.help,
@@ -310,10 +316,11 @@ class ArchoApp(TerminalApp):
 
     def on_goal_panel_send(self, message: GoalPanel.Send) -> None:
         if not self._waits("send"):
-            self.run_worker(self._answered("send", self._send(message.shelf)), group="send")
+            work = self._send(message.kind, message.values)
+            self.run_worker(self._answered("send", work), group="send")
 
-    async def _send(self, shelf: int) -> None:
-        outcome = await self.station.robot.go_to_shelf(shelf)
+    async def _send(self, kind: GoalKind, values: Mapping[str, Any]) -> None:
+        outcome = await self.station.robot.send(kind, values)
         if outcome.ok:
-            self.main.goal.field.clear()
+            self.main.goal.clear()
         self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)

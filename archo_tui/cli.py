@@ -56,6 +56,12 @@ def parser() -> argparse.ArgumentParser:
         help="host the rclpy nodes that a Python file defines, in place of the robot's own of the "
         "same name, else beside them; can be given several times",
     )
+    made.add_argument(
+        "--robot",
+        metavar="FILE",
+        type=Path,
+        help="what the robot offers and what it means, instead of ARCHO's config/robots/archo.yaml",
+    )
     made.add_argument("--only", action="store_true", help="host none of the robot's own nodes")
     made.add_argument(
         "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
@@ -144,15 +150,20 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
-def _keys() -> int:
+def _keys(robot: Path | None) -> int:
     """The current keymap, in the form of its file."""
-    from archo_tui.commands import COMMANDS, keymap
+    from archo_tui.commands import keymap, registry
+    from archo_tui.robots import load
 
     path = config_file("keymap.yaml")
-    keys = keymap.load(path, COMMANDS)
+    commands = registry(load.load(robot or load.default()))
+    keys, others = keymap.load(path, commands)
     print(f"# {path}")
-    for command in COMMANDS:
-        print(f"{command.id}: {keys[command.id]:<16} # {command.place}: {command.help}")
+    for command in commands:
+        key = keys[command.id] or "(none)"
+        print(f"{command.id}: {key:<16} # {command.place}: {command.help}")
+    for line in others:
+        _complain(line)
     return 0
 
 
@@ -170,7 +181,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     if options.version:
         return _version(options.engine)
     if options.keys:
-        return _keys()
+        return _keys(options.robot)
     if options.journal:
         print(journal.path())
         return 0
@@ -187,6 +198,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             namespace=options.namespace,
             node_files=options.node,
             only=options.only,
+            robot=options.robot,
             ros_args=ros_args,
             attach=options.attach,
             on_disconnect=options.on_disconnect,
@@ -217,14 +229,16 @@ def _console(session: Session) -> int:
     import asyncio
 
     from archo_tui.app import ArchoApp
-    from archo_tui.commands import COMMANDS, keymap
+    from archo_tui.commands import keymap, registry
     from archo_tui.shutdown import heed_signals, let_go
     from archo_tui.terminal import themes
 
     station, clock = session.station, session.station.clock
-    keys = keymap.load(config_file("keymap.yaml"), COMMANDS)
+    keys, others = keymap.load(config_file("keymap.yaml"), registry(session.description))
     heed_signals()
     session.start()
+    for line in others:
+        station.robot.note("WARN", "console", line)
     failed, failures = "", 0
     while True:
         app = ArchoApp(station, keys=keys, theme=themes.remembered(), failed=failed)

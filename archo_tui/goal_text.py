@@ -3,57 +3,32 @@
 from __future__ import annotations
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import MOVE, Goal, Phase, Snapshot
+from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.state_text import BAD, OLD, PLAIN, STRONG, WARN, Spans, seconds_text
 
 ACTIVE = "active"  # the tone of the way that is being driven
-_TEXTBOOK = "motor_controller"
-_INT32_MAX = 2**31 - 1  # the goal's field is an int32
-_SHOWN = 20  # characters of a wrong text that are shown
-
-
-def parse_shelf(text: str) -> int:
-    """The shelf number that a person typed. Raises ValueError with one line that says why not.
-
-    Which shelves exist is the robot's to say.
-    """
-    text = text.strip()
-    if not text:
-        raise ValueError("type a shelf number")
-    shown = text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."
-    if not text.removeprefix("-").isdecimal() or not text.isascii():
-        raise ValueError(f"not a shelf number: {shown}")
-    if len(text) > _SHOWN or int(text) > _INT32_MAX:
-        raise ValueError(f"no such shelf: {shown}")
-    if int(text) < 1:
-        raise ValueError(f"shelves are numbered from 1: {shown}")
-    return int(text)
 
 
 def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
     """Where the goal stands, in the words of its phase."""
     goal = snapshot.goal
     if goal is None:
-        if MOVE not in snapshot.offered:
-            return (("move_to_shelf: not offered by any node", OLD),)
-        if MOVE in snapshot.faults:
-            return ((snapshot.faults[MOVE], WARN),)
-        return ((f"No goal yet. Press {go_key}, type a shelf number, press enter.", PLAIN),)
+        return no_goal(snapshot, go_key)
     texts = {
         Phase.SENT: (
             PLAIN,
-            f"SENT to {goal.shelf}",
-            f"waiting for {_server(snapshot)} ... {seconds_text(now - goal.sent)}",
+            doing(goal),
+            f"waiting for the robot ... {seconds_text(now - goal.sent)}",
         ),
         Phase.REFUSED: (BAD, "✗ REFUSED", goal.message),
-        Phase.MOVING: (STRONG, f"MOVING to {goal.shelf}", _progress(goal, now)),
+        Phase.MOVING: (STRONG, doing(goal), _progress(goal, now)),
         Phase.CANCELLING: (
             STRONG,
             "CANCELLING",
             f"asked {seconds_text(now - (goal.cancel_asked or now))} ago",
         ),
         Phase.CANCELLED: (BAD, "✗ CANCELLED", _where_ended(goal)),
-        Phase.ARRIVED: (STRONG, "✓ ARRIVED", _arrival(goal)),
+        Phase.ARRIVED: (STRONG, f"✓ {goal.word}", _arrival(goal)),
         Phase.ABORTED: (BAD, "✗ ABORTED", goal.message),
         Phase.DISPUTED: (WARN, "? ENDED", goal.message),
         Phase.UNKNOWN: (
@@ -97,43 +72,72 @@ def goal_history(history: tuple[Goal, ...], width: int) -> Spans:
     return ((text, OLD),)
 
 
-def _server(snapshot: Snapshot) -> str:
-    """Who is asked to move: the textbook's node, if it is there."""
-    there = any(node.name.endswith(f"/{_TEXTBOOK}") for node in snapshot.nodes)
-    return _TEXTBOOK if there else "the robot"
+def no_goal(snapshot: Snapshot, go_key: str) -> Spans:
+    """What can be done while no goal was sent, or why nothing can."""
+    if not snapshot.robot.goals:
+        return (("the robot file names no goal", OLD),)
+    kind = snapshot.robot.goals[0]
+    if kind.action not in snapshot.offered:
+        return ((f"{kind.action}: not offered by any node", OLD),)
+    if kind.action in snapshot.faults:
+        return ((snapshot.faults[kind.action], WARN),)
+    labels = [given.label or path for path, given in kind.form.items()]
+    what = f"type the {labels[0].lower()}, " if len(labels) == 1 else ""
+    what = f"type {', '.join(labels)}, " if len(labels) > 1 else what
+    return ((f"No goal yet. Press {go_key}, {what}press enter.", PLAIN),)
+
+
+def doing(goal: Goal) -> str:
+    """`MOVING to 12`, or `RUNNING fibonacci 10` of one that leads nowhere."""
+    if goal.kind.noun:
+        return f"{goal.word} to {goal.target or goal.kind.noun}"
+    return f"{goal.word} {goal.name}"
+
+
+def way(goal: Goal) -> str:
+    """What a running goal does, in a sentence: `on its way to shelf 12`, `running fibonacci 10`."""
+    return f"on its way to {goal.name}" if goal.kind.noun else f"running {goal.name}"
+
+
+def _unit(goal: Goal) -> str:
+    unit = goal.kind.remaining.unit if goal.kind.remaining else ""
+    return f" {unit}" if unit else ""
 
 
 def _progress(goal: Goal, now: float) -> str:
+    unit, so_far = _unit(goal), f"{seconds_text(goal.elapsed(now))} so far"
     if goal.unreadable:
-        return f"? {goal.unreadable} m left   {seconds_text(goal.elapsed(now))} so far"
+        return f"? {goal.unreadable}{unit} left   {so_far}"
+    if goal.feedback:
+        return f"{so_far}   {goal.feedback}"
     if goal.remaining is None:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
     if goal.length is None:  # not known yet: no bar, no percentage
-        return f"{goal.remaining:.1f} m left   {seconds_text(goal.elapsed(now))} so far"
+        return f"{goal.remaining:.1f}{unit} left   {so_far}"
     left = goal.seconds_left(now)
     about = "" if left is None else f", about {seconds_text(left)} left"
-    return (
-        f"{goal.remaining:.1f} m left of {goal.length:.1f} m   "
-        f"{seconds_text(goal.elapsed(now))} so far{about}"
-    )
+    return f"{goal.remaining:.1f}{unit} left of {goal.length:.1f}{unit}   {so_far}{about}"
 
 
 def _where_ended(goal: Goal) -> str:
     if goal.remaining is None:
         return goal.message
-    return f"{goal.message}, {goal.remaining:.1f} m before shelf {goal.shelf}"
+    where = f"before {goal.name}" if goal.kind.noun else "left"
+    return f"{goal.message}, {goal.remaining:.1f}{_unit(goal)} {where}"
 
 
 def _arrival(goal: Goal) -> str:
+    took = seconds_text(goal.elapsed(0.0))
     if goal.length is None:
-        return goal.message
-    return f"{goal.message}, {goal.length:.1f} m in {seconds_text(goal.elapsed(0.0))}"
+        return goal.message or f"in {took}"
+    way = f"{goal.length:.1f}{_unit(goal)} in {took}"
+    return f"{goal.message}, {way}" if goal.message else way
 
 
 def _ended(goal: Goal) -> str:
-    at = time_of_day(goal.time)
+    at, name = time_of_day(goal.time), goal.target if goal.kind.noun and goal.target else goal.name
     if goal.phase == Phase.ARRIVED:
-        return f"✓ {goal.shelf} arrived {at}"
+        return f"✓ {name} {goal.word.lower()} {at}"
     if goal.phase == Phase.DISPUTED:
-        return f"? {goal.shelf} ended {at}"
-    return f"✗ {goal.shelf} {goal.phase.value.lower()} {at}"
+        return f"? {name} ended {at}"
+    return f"✗ {name} {goal.word.lower()} {at}"

@@ -8,14 +8,18 @@ import os
 import sys
 import threading
 from collections.abc import Awaitable, Callable, Coroutine
+from functools import partial
 from typing import TYPE_CHECKING
 
 from archo_tui import goal_text, state_text
-from archo_tui.alarms import Alarm, advice
+from archo_tui.alarms import Alarm, advice, ways
 from archo_tui.clock import time_of_day
-from archo_tui.robot.parameter_values import parse, range_text, text_of
-from archo_tui.robot.state import MOVE, Goal, Outcome, Phase, Snapshot
+from archo_tui.robot import forms
+from archo_tui.robot.parameter_values import parse, range_text
+from archo_tui.robot.state import Goal, Outcome, Phase, Snapshot
 from archo_tui.robot.text import safe
+from archo_tui.robot.values import text_of
+from archo_tui.robots.model import GoalKind, Robot
 from archo_tui.shutdown import Shutdown
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 
@@ -24,21 +28,33 @@ if TYPE_CHECKING:
 
 _SHOWN_LEVELS = ("YOU", "WARN", "ERROR", "FATAL")
 _STOP = ["stop"]
-_WAYS = {name: f"type {name}" for name in ("release", "charge")}
 _LONGEST = 64 * 1024  # bytes of a line that is read
 _WAIT = 5.0  # s for the robot to be there before a command is tried
 
-HELP = """\
-go N                      send the robot to shelf N
-cancel                    cancel the running goal
-stop                      software stop, at once and latched; not the hardware one
-release                   release the stop; nothing resumes by itself
-reset                     reset the encoder to zero
-charge, discharge         start or stop charging
-set NODE NAME VALUE       set a parameter
-params                    list the parameters
-status                    show the state of the robot
-quit                      end, once the running goal has ended"""
+
+def help_text(robot: Robot) -> str:
+    """The commands, a line each."""
+    lines = []
+    for number, kind in enumerate(robot.goals):
+        labels = [given.label or path for path, given in kind.form.items()]
+        typed = "N" if len(labels) == 1 else " ".join(f"{label.lower()}=..." for label in labels)
+        lines.append((f"{'go' if number == 0 else kind.id} {typed}", kind.title))
+    lines += [
+        ("cancel", "cancel the running goal"),
+        ("stop", "software stop, at once and latched; not the hardware one"),
+        ("release", "release the stop; nothing resumes by itself"),
+    ]
+    for command in robot.commands:
+        off = command.off or f"{command.id}_off"
+        names = f"{command.id}, {off}" if command.toggle else command.id
+        lines.append((names, command.help or command.title))
+    lines += [
+        ("set NODE NAME VALUE", "set a parameter"),
+        ("params", "list the parameters"),
+        ("status", "show the state of the robot"),
+        ("quit", "end, once the running goal has ended"),
+    ]
+    return "\n".join(f"{names:<25} {does[0].lower()}{does[1:]}" for names, does in lines)
 
 
 TOO_LONG = "\n"  # in place of a line that is; no line can be that
@@ -76,6 +92,8 @@ class Plain:
         self._station, self._robot, self._clock = station, station.robot, station.clock
         self._read, self._write = read, write
         self._ascii = ascii_only()
+        names = ("release", *(command.id for command in station.robot.description.commands))
+        self._ways = ways(station.robot.description, {name: f"type {name}" for name in names})
         self._printed: set[tuple[float, str, str]] = set()  # events that were printed
         self._goal: Goal | None = None
         self._failed = self._go_failed = False
@@ -173,31 +191,33 @@ class Plain:
         self._changed.set()
         if outcome is not None and not outcome.ok:
             self._say(f"failed: {verb}: {outcome.text}")
-            self._failed = self._failed or verb != "go"  # a goal may be tried again
+            self._failed = self._failed or self._kind(verb) is None  # a goal may be tried again
 
     async def _do(self, verb: str, rest: list[str]) -> Outcome | None:
         robot = self._robot
         if verb == "set" and len(rest) >= 3:
             return await self._set(rest[0], rest[1], " ".join(rest[2:]))
-        if verb == "go":
-            return await self._go(" ".join(rest))
+        kind = self._kind(verb)
+        if kind is not None:
+            return await self._go(kind, rest)
         if rest:
             return Outcome(False, f"unknown: {' '.join([verb, *rest])} (help lists the commands)")
         simple: dict[str, Callable[[], Awaitable[Outcome]]] = {
             "cancel": robot.cancel,
             "stop": robot.emergency_stop,
             "release": robot.release_emergency_stop,
-            "reset": robot.reset_encoder,
-            "charge": lambda: robot.set_charging(True),
-            "discharge": lambda: robot.set_charging(False),
         }
+        for command in robot.description.commands:
+            simple[command.id] = partial(robot.command, command)
+            if command.toggle:
+                simple[command.off or f"{command.id}_off"] = partial(robot.command, command, False)
         if verb in simple:
             await self._until(lambda: robot.snapshot.offered, _WAIT)
             return await simple[verb]()
         answers: dict[str, Callable[[], None]] = {
             "params": self._params,
             "status": self._status,
-            "help": lambda: self._out(HELP),
+            "help": lambda: self._out(help_text(robot.description)),
         }
         if verb not in answers:
             return Outcome(False, f"no command {verb!r} (help lists them)")
@@ -205,15 +225,24 @@ class Plain:
         answers[verb]()
         return None
 
-    async def _go(self, text: str) -> Outcome:
-        before = self._robot.snapshot.goal
+    def _kind(self, verb: str) -> GoalKind | None:
+        """The goal of the robot file that a verb sends: `go` is the first one."""
+        goals = self._robot.description.goals
+        if verb == "go" and goals:
+            return goals[0]
+        return next((kind for kind in goals if kind.id == verb), None)
+
+    async def _go(self, kind: GoalKind, words: list[str]) -> Outcome:
+        snapshot = self._robot.snapshot
+        before, leaves = snapshot.goal, snapshot.forms[kind.id]
         try:
-            shelf = goal_text.parse_shelf(text)
+            texts = forms.named(leaves, kind.form, words)
+            values = forms.parse_all(leaves, kind.form, texts)
         except ValueError as error:
             outcome = Outcome(False, str(error))
         else:
-            await self._until(lambda: MOVE in self._robot.snapshot.offered, _WAIT)
-            outcome = await self._robot.go_to_shelf(shelf)
+            await self._until(lambda: kind.action in self._robot.snapshot.offered, _WAIT)
+            outcome = await self._robot.send(kind, values)
         self._take(self._robot.snapshot)
         same = before is self._goal or (before and self._goal and before.sent == self._goal.sent)
         self._go_failed = not outcome.ok and bool(same)  # it did not even become a goal
@@ -246,11 +275,14 @@ class Plain:
         snapshot, now = self._robot.snapshot, self._clock.monotonic()
         plain = state_text.plain
         self._out(f"battery {plain(state_text.battery_line(snapshot, now, 80))}")
-        self._out(f"motor {plain(state_text.motor_word(snapshot, now, 80))}")
-        self._out(f"encoder {plain(state_text.motor_line(snapshot, now)).strip()}")
+        title = snapshot.robot.motion.title.lower() if snapshot.robot.motion else "motion"
+        self._out(f"{title} {plain(state_text.motion_word(snapshot, now, 80))}")
+        self._out(f"{title} {plain(state_text.motion_line(snapshot, now)).strip()}")
+        for reading in snapshot.gauges:
+            self._out(plain(state_text.gauge_line(reading, now)))
         self._out(f"goal {plain(goal_text.goal_line(snapshot, now, 'go'))}")
         for alarm in self._station.view.alarms:
-            self._out(f"alarm {advice(alarm, _WAYS)}")
+            self._out(f"alarm {advice(alarm, self._ways)}")
 
     # what happens
 
@@ -276,7 +308,7 @@ class Plain:
 
     def _tell_alarms(self, changed: list[Alarm]) -> None:
         for alarm in changed:
-            self._say(f"alarm {alarm.state.value}: {advice(alarm, _WAYS)}")
+            self._say(f"alarm {alarm.state.value}: {advice(alarm, self._ways)}")
 
     def _say(self, text: str, at: float | None = None) -> None:
         self._out(f"{time_of_day(self._clock.now() if at is None else at)} {text}")

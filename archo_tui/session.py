@@ -14,6 +14,7 @@ from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
 from archo_tui.journal import Journal
 from archo_tui.parameters import files
+from archo_tui.robots import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
 from archo_tui.station import Station
 
@@ -40,6 +41,7 @@ class Options:
     node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
     node_files: Sequence[Path] = ()  # nodes of the user's own, in place of those of their names
     only: bool = False  # none of the robot's own nodes
+    robot: Path | None = None  # a robot file, instead of ARCHO's
 
 
 class Session:
@@ -57,6 +59,7 @@ class Session:
         if not options.namespace.startswith("/"):
             raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
         self._clock = clock or Clock()
+        self.description = robot_files.load(options.robot or robot_files.default())
         if options.attach:
             _check_attach(options)
         elif options.on_disconnect == LEAVE:
@@ -95,7 +98,7 @@ class Session:
             raise ArchoError((str(error).splitlines() or [repr(error)])[0]) from None
         self.journal = Journal(journal.path())
         try:
-            self.robot = Robot(self._context, self._clock, self._happened)
+            self.robot = Robot(self._context, self.description, self._clock, self._happened)
             self.host = Host(self._context, self.robot.note)
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:

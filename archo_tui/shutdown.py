@@ -25,9 +25,9 @@ async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> No
     if goal is None or not goal.is_running:
         return
     if on_disconnect == LEAVE:
-        robot.note("WARN", "console", f"{why}: the goal to shelf {goal.shelf} is left running")
+        robot.note("WARN", "console", f"{why}: the goal to {goal.name} is left running")
         return
-    robot.note("WARN", "console", f"{why}: cancelling the goal to shelf {goal.shelf}")
+    robot.note("WARN", "console", f"{why}: cancelling the goal to {goal.name}")
     try:
         await clock.wait_for(_cancel(robot, clock), WAIT)
     except TimeoutError:

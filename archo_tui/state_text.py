@@ -5,8 +5,8 @@ Pure: state in, text out. A text is a row of spans; what a tone looks like is th
 
 from __future__ import annotations
 
-from archo_tui.alarms import is_low
-from archo_tui.robot.state import BATTERY, HEALTH, MOTOR, Snapshot
+from archo_tui.alarms import health, is_low
+from archo_tui.robot.state import Reading, Snapshot
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # tones
 Spans = tuple[tuple[str, str], ...]  # (text, tone)
@@ -48,7 +48,7 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
     battery = snapshot.battery
     if battery.received is None:
         return "?", "NO DATA", OLD
-    if battery.health == "replace":
+    if health(snapshot) == "replace":
         return "✗", "REPLACE", BAD
     if battery.unreadable:
         return "?", f"UNREADABLE {battery.unreadable}", WARN
@@ -58,8 +58,8 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
         return "↯", "CHARGING", STRONG
     if is_low(snapshot):
         return "▲", "LOW", WARN
-    if battery.health not in (None, *HEALTH):
-        return "?", battery.health or "", WARN
+    if battery.health and not health(snapshot):
+        return "?", battery.health, WARN
     return "●", "GOOD", PLAIN
 
 
@@ -78,7 +78,7 @@ def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
     return (f"{glyph} {word:<8}", tone), (f" {charge}{volts}", PLAIN)
 
 
-def gauge(percentage: float | None, threshold: float, width: int) -> str:
+def gauge(percentage: float | None, threshold: float | None, width: int) -> str:
     """A bar of `width` cells with eighths, and the threshold's mark where it is not filled."""
     filled = 0.0 if percentage is None else percentage / 100 * width
     whole, rest = int(filled), filled - int(filled)
@@ -86,33 +86,62 @@ def gauge(percentage: float | None, threshold: float, width: int) -> str:
     if len(cells) < width:
         cells.append(" ▏▎▍▌▋▊▉"[int(rest * 8)] if int(rest * 8) else "░")
     cells += ["░"] * (width - len(cells))
-    mark = min(int(threshold / 100 * width), width - 1)
-    cells[mark] = "╎" if cells[mark] != "█" else "┃"
+    if threshold is not None:
+        mark = min(int(threshold / 100 * width), width - 1)
+        cells[mark] = "╎" if cells[mark] != "█" else "┃"
     return "".join(cells[:width])
 
 
-def motor_line(snapshot: Snapshot, now: float) -> Spans:
-    """`15 420 ticks   0.80 m/s`."""
-    motor = snapshot.motor
-    text = f"{thousands(motor.ticks):>9} ticks {number(motor.speed, '4.2f')} m/s"
-    return ((text, OLD if motor.received is None or motor.is_old(now) else PLAIN),)
+def motion_line(snapshot: Snapshot, now: float) -> Spans:
+    """`15 420 ticks   0.80 m/s`: what of it the robot file names."""
+    motion, parts = snapshot.motion, []
+    count, speed = _unit(snapshot, "count"), _unit(snapshot, "speed")
+    if count is not None:
+        parts.append(f"{thousands(motion.count):>9} {count}".rstrip())
+    if speed is not None:
+        parts.append(f"{number(motion.speed, '4.2f')} {speed}".rstrip())
+    return ((" ".join(parts), OLD if motion.received is None or motion.is_old(now) else PLAIN),)
 
 
-def motor_word(snapshot: Snapshot, now: float, width: int) -> Spans:
+def _unit(snapshot: Snapshot, name: str) -> str | None:
+    """The unit of one of the motion's readings; None: the robot file does not name it."""
+    types = {} if snapshot.robot.motion is None else snapshot.robot.motion.types
+    fields = [getattr(given, name) for given in types.values()]
+    return next((field.unit for field in fields if field is not None), None)
+
+
+def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     """IDLE, MOVING, STOPPED, or a STOP that the robot has not confirmed."""
-    motor = snapshot.motor
+    motion, described = snapshot.motion, snapshot.robot.motion
     if snapshot.stop_asked is not None:
         return ((stop_unconfirmed(now - snapshot.stop_asked, width), BAD),)
-    if motor.received is None:
-        if MOTOR in snapshot.faults:
-            return ((snapshot.faults[MOTOR], WARN),)
-        offered = MOTOR in snapshot.offered
+    if described is None:
+        return (("the robot file names no motion", OLD),)
+    if motion.received is None:
+        if described.topic in snapshot.faults:
+            return ((snapshot.faults[described.topic], WARN),)
+        offered = described.topic in snapshot.offered
         return (("? NO DATA" if offered else "not offered by any node", OLD),)
-    if motor.is_old(now):
-        return ((f"? silent, {age(now - motor.received)}", OLD),)
-    if motor.stopped:
+    if motion.is_old(now):
+        return ((f"? silent, {age(now - motion.received)}", OLD),)
+    if motion.stopped:
         return STOPPED
-    return (("▶ MOVING" if motor.moving else "● IDLE", PLAIN),)
+    if motion.moving is None:
+        return (("? not reported", OLD),)
+    return (("▶ MOVING" if motion.moving else "● IDLE", PLAIN),)
+
+
+def gauge_line(reading: Reading, now: float) -> Spans:
+    """`Temperature 41.2 °C`, marked when it is beyond a limit, old or no number."""
+    name, unit = reading.gauge.title, reading.gauge.unit
+    if reading.received is None:
+        return ((f"{name} -- {unit}".rstrip(), OLD),)
+    if reading.unreadable:
+        return ((f"? {name} UNREADABLE {reading.unreadable}", WARN),)
+    text = f"{name} {reading.value:g} {unit}".rstrip()
+    if reading.is_old(now):
+        return ((f"{text} (old, {age(now - reading.received)})", OLD),)
+    return ((f"▲ {text}, {reading.warns}", WARN),) if reading.warns else ((text, PLAIN),)
 
 
 def stop_unconfirmed(waited: float, width: int) -> str:
@@ -129,6 +158,10 @@ def stop_unconfirmed(waited: float, width: int) -> str:
 
 def battery_source(snapshot: Snapshot) -> str:
     """Why there is no reading yet."""
-    if BATTERY in snapshot.faults:
-        return snapshot.faults[BATTERY]
-    return "waiting for battery_level" if BATTERY in snapshot.offered else "not offered by any node"
+    described = snapshot.robot.battery
+    if described is None:
+        return "the robot file names no battery"
+    topic = described.topic
+    if topic in snapshot.faults:
+        return snapshot.faults[topic]
+    return f"waiting for {topic}" if topic in snapshot.offered else "not offered by any node"

@@ -57,7 +57,7 @@ def test_lost_contact_hides_what_was_last_heard() -> None:
     snapshot = replace(
         NORMAL,
         battery=replace(BATTERY, health="warning", received=NOW - 9),
-        motor=replace(MOTOR, stopped=True, received=NOW - 9),
+        motion=replace(MOTOR, stopped=True, received=NOW - 9),
     )
     assert list(conditions(snapshot, NOW)) == [CONTACT_LOST]
 
@@ -157,13 +157,13 @@ def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
 
 
 def test_a_motor_that_falls_silent_in_a_move_is_an_alarm_of_its_own() -> None:
-    silent = replace(STATES["motor moving"], motor=replace(MOTOR, received=NOW - 3))
+    silent = replace(STATES["motor moving"], motion=replace(MOTOR, received=NOW - 3))
     found = conditions(silent, NOW)
     assert list(found) == [SILENT]
     assert found[SILENT] == (
         "motor_status silent for 3 s while moving: the robot may still be driving"
     )
-    resting = replace(NORMAL, motor=replace(MOTOR, received=NOW - 3))
+    resting = replace(NORMAL, motion=replace(MOTOR, received=NOW - 3))
     assert list(conditions(resting, NOW)) == []
 
 
@@ -218,7 +218,7 @@ def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
 
 
 def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
-    silent = replace(NORMAL, motor=replace(MOTOR, received=NOW - 4))
+    silent = replace(NORMAL, motion=replace(MOTOR, received=NOW - 4))
     view = View(silent, NOW, NOW, 0.0, "embedded", "/")
     assert "▲ motor_status silent, 4 s" in header(view, 80).plain
     assert "online" not in header(view, 80).plain

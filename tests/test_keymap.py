@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from archo_tui.commands import COMMANDS, keymap
+from archo_tui.commands import keymap, registry
 from archo_tui.errors import ArchoError
 from tests.console.states import NORMAL
+from tests.support.archo import ARCHO
 from tests.support.stub import stub_app
+
+COMMANDS = registry(ARCHO)
 
 
 def load(tmp_path: Path, text: str) -> dict[str, str]:
     file = tmp_path / "keymap.yaml"
     file.write_text(text)
-    return keymap.load(file, COMMANDS)
+    return keymap.load(file, COMMANDS)[0]
 
 
 def test_without_a_file_the_registry_decides(tmp_path: Path) -> None:
-    keys = keymap.load(tmp_path / "none.yaml", COMMANDS)
+    keys, _ = keymap.load(tmp_path / "none.yaml", COMMANDS)
     assert keys == {command.id: command.key for command in COMMANDS}
 
 
@@ -38,7 +42,6 @@ def test_two_commands_may_swap_their_keys(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
-        ("stop: ctrl+x\nstpo: f5\n", 2, "no command 'stpo' (nearest: stop)"),
         ("\nstop: s\n", 2, "stop must work while typing too: s would be text"),
         ("stop: space\n", 1, "would be text"),
         ("stop: ctrl+i\n", 1, "a terminal sends ctrl+i as tab: choose another"),
@@ -63,14 +66,48 @@ def test_a_mistake_names_its_line(tmp_path: Path, text: str, line: int, said: st
     assert said in str(caught.value)
 
 
+def test_ids_that_this_robot_lacks_are_left_out_and_said(tmp_path: Path) -> None:
+    file = tmp_path / "keymap.yaml"
+    file.write_text("stop: f5\nundock: f6\nstpo: f7\n")
+    keys, others = keymap.load(file, COMMANDS)
+    assert keys["stop"] == "f5"
+    assert others == [
+        f"{file}:2: no command 'undock' here (nearest: undo): left out",
+        f"{file}:3: no command 'stpo' here (nearest: stop): left out",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"key": "ctrl+x"}, "ctrl+x is the key of stop: choose another"),
+        ({"key": "q"}, "q is the key of quit: choose another"),
+        ({"key": "c"}, "c is the key of charge: choose another"),
+        ({"key": "tab"}, "tab is needed in fields and dialogs: choose another"),
+        ({"key": "warp"}, "no key 'warp': like x, ctrl+x, f5, question_mark"),
+        ({"id": "quit"}, "the id quit is the console's own"),
+    ],
+)
+def test_the_consoles_own_keys_are_not_a_robot_files_to_take(
+    tmp_path: Path, change: dict[str, str], said: str
+) -> None:
+    charge = ARCHO.commands[1]
+    given = {"id": "beep", "key": "b", "where": "mine.yaml:7", **change}
+    beep = replace(charge, id=given["id"], key=given["key"], where=given["where"])
+    robot = replace(ARCHO, commands=(charge, beep))
+    with pytest.raises(ArchoError) as caught:
+        keymap.load(tmp_path / "none.yaml", registry(robot))
+    assert str(caught.value) == f"mine.yaml:7: {said}"
+
+
 async def test_the_screen_says_and_takes_the_chosen_keys(tmp_path: Path) -> None:
     keys = load(tmp_path, "go: x\nhelp: f1\n")
     app = stub_app(NORMAL, keys=keys)
     async with app.run_test(size=(120, 36)) as pilot:
         await pilot.press("x", "7", "escape", "f1")
         await pilot.pause()
-        assert app.main.goal.query_one("#shelf").value == "7"  # type: ignore[attr-defined]
+        assert app.main.goal.query_one("#goal-0").value == "7"  # type: ignore[attr-defined]
         assert app.screen is not app.main
         lines = [strip.text for strip in app.main._compositor.render_strips()]
         assert " x Go  ^c Cancel  ^x STOP  r Reset  1-6 Panels  f1 Help" in lines[-1]
-        assert any("Press x, type a shelf number" in line for line in lines)
+        assert any("Press x, type the shelf" in line for line in lines)

@@ -124,8 +124,8 @@ def test_a_refused_goal_may_be_tried_again() -> None:
 def test_what_cannot_be_done_is_one_line_and_exit_code_1() -> None:
     wrong = {
         "go 99": "failed: go: shelf 99 is not in 1 .. 40",
-        "go there": "failed: go: not a shelf number: there",
-        "go": "failed: go: type a shelf number",
+        "go there": "failed: go: Shelf: not a whole number: there",
+        "go": "failed: go: Shelf: type a value",
         "jump": "failed: jump: no command 'jump' (help lists them)",
         "set motor_controller max_speed 9": "failed: set: allowed 0.05 .. 2, not 9",
         "set motor_controller max_speed nan": "failed: set: not a finite number: nan",

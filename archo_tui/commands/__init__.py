@@ -3,34 +3,49 @@
 from __future__ import annotations
 
 from archo_tui.commands import console, events, nodes, parameters, robot
-from archo_tui.commands.base import PANELS, Command
+from archo_tui.commands.base import Command
+from archo_tui.robots.model import Robot
 
-COMMANDS: tuple[Command, ...] = (
-    robot.Go(),
-    robot.Cancel(),
-    robot.Stop(),
-    robot.Release(),
-    robot.Reset(),
-    robot.Charge(),
-    console.Acknowledge(),
-    console.ShowAlarms(),
-    *(console.Panel(number) for number in range(1, len(PANELS) + 1)),
-    parameters.Edit(),
-    parameters.Filter(),
-    parameters.Undo(),
-    parameters.Save(),
-    parameters.Load(),
-    nodes.StartStop(),
-    nodes.Copy(),
-    nodes.Details(),
-    events.Level(),
-    events.Search(),
-    events.CopyCommand(),
-    events.FullScreen(),
-    events.WholeEvent(),
-    console.ShowHelp(),
-    console.Palette(),
-    console.Suspend(),
-    console.Quit(),
-    console.QuitEverywhere(),
-)
+
+def registry(described: Robot) -> tuple[Command, ...]:
+    """Every command of the console for the robot that a file describes."""
+    first, *others = described.goals or (None,)
+    titles = (
+        "Battery",
+        "Motion" if described.motion is None else described.motion.title,
+        "Goal" if first is None else first.title,
+        "Parameters",
+        "Nodes",
+        "Events",
+    )
+    return (
+        robot.Go(first),
+        robot.Cancel(),
+        robot.StopNow(described.stop),
+        robot.Release(described.stop),
+        *(robot.Give(command) for command in described.commands),
+        *(robot.SendGoal(kind) for kind in others if kind is not None),
+        robot.AnyGoal(),
+        robot.AnyService(),
+        console.Acknowledge(),
+        console.ShowAlarms(),
+        *(console.Panel(number, title) for number, title in enumerate(titles, 1)),
+        parameters.Edit(),
+        parameters.Filter(),
+        parameters.Undo(),
+        parameters.Save(),
+        parameters.Load(),
+        nodes.StartStop(),
+        nodes.Copy(),
+        nodes.Details(),
+        events.Level(),
+        events.Search(),
+        events.CopyCommand(),
+        events.FullScreen(),
+        events.WholeEvent(),
+        console.ShowHelp(),
+        console.Palette(),
+        console.Suspend(),
+        console.Quit(),
+        console.QuitEverywhere(),
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Coroutine, Sequence
-from typing import Any, ClassVar, Protocol
+from typing import Any, Protocol
 
 from textual.screen import Screen
 
@@ -15,8 +15,8 @@ from archo_tui.station import Station, View
 Work = Coroutine[Any, Any, None]  # what may wait for the robot
 Answered = Callable[[str], Work | None]
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
-PANELS = ("Battery", "Motor", "Go to shelf", "Parameters", "Nodes", "Events")
 PARAMETERS, NODES, EVENTS = 4, 5, 6
+_PANELS = {PARAMETERS: "Parameters", NODES: "Nodes", EVENTS: "Events"}  # that have own commands
 
 
 class Console(Protocol):
@@ -26,6 +26,7 @@ class Console(Protocol):
     view: View  # what is shown now
     main: MainScreen
     repeated: bool  # the key of the command is being held down
+    typed: dict[str, dict[str, str]]  # what was last typed into each form, by path
 
     @property
     def registry(self) -> Sequence[Command]:
@@ -72,23 +73,24 @@ class Console(Protocol):
 class Command:
     """One thing the operator can do."""
 
-    id: ClassVar[str]
-    key: ClassVar[str]  # Textual's name of the key, when the keymap names no other
-    help: ClassVar[str]  # one sentence for `?`, the palette and the README
-    footer: ClassVar[str] = ""  # one word; empty: not in the footer
-    footer_key: ClassVar[str] = ""  # the key in the footer where it stands for several
-    where: ClassVar[str] = NOT_TYPING
-    panel: ClassVar[int] = 0  # the panel's number, for IN_PANEL
-    service: ClassVar[str] = ""  # what somebody must offer
-    runs_blocked: ClassVar[bool] = False  # says why, and does its harmless part all the same
-    insists: ClassVar[bool] = False  # tried in any case: what is in the way may be over
-    once: ClassVar[bool] = False  # a held key gives it once; not again before the answer
-    every: ClassVar[float] = 0.0  # s until it is sent again while there is no answer
+    id: str
+    key: str = ""  # Textual's name of the key, when the keymap names no other; empty: none
+    help: str  # one sentence for `?`, the palette and the README
+    footer: str = ""  # one word; empty: not in the footer
+    footer_key: str = ""  # the key in the footer where it stands for several
+    where: str = NOT_TYPING
+    panel: int = 0  # the panel's number, for IN_PANEL
+    service: str = ""  # what somebody must offer
+    runs_blocked: bool = False  # says why, and does its harmless part all the same
+    insists: bool = False  # tried in any case: what is in the way may be over
+    once: bool = False  # a held key gives it once; not again before the answer
+    every: float = 0.0  # s until it is sent again while there is no answer
+    from_file: str = ""  # file and line of the robot file that it comes from
 
     @property
     def place(self) -> str:
         """Where the key works, in words."""
-        return f"in {PANELS[self.panel - 1]}" if self.where == IN_PANEL else self.where
+        return f"in {_PANELS[self.panel]}" if self.where == IN_PANEL else self.where
 
     def blocked(self, console: Console) -> str:
         """Why the command cannot run now, or an empty string."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVERYWHERE, NOT_TYPING, PANELS, Command, Console, Work
+from archo_tui.commands.base import EVERYWHERE, NOT_TYPING, Command, Console, Work
+from archo_tui.goal_text import way
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.help import Entry, Help
@@ -32,13 +33,12 @@ class ShowAlarms(Command):
 
 
 class Panel(Command):
-    def __init__(self, number: int) -> None:
+    def __init__(self, number: int, title: str) -> None:
         self.number = number
-        self.id = f"panel_{number}"  # type: ignore[misc]
-        self.key = str(number)  # type: ignore[misc]
-        self.help = f"Go to panel {number}, {PANELS[number - 1]}"  # type: ignore[misc]
+        self.id, self.key = f"panel_{number}", str(number)
+        self.help = f"Go to panel {number}, {title}"
         if number == 1:
-            self.footer, self.footer_key = "Panels", "1-6"  # type: ignore[misc]
+            self.footer, self.footer_key = "Panels", "1-6"
 
     def run(self, console: Console) -> None:
         console.main.focus_panel(self.number)
@@ -82,7 +82,7 @@ class Suspend(Command):
         if goal is None or not goal.is_running or console.station.attached:
             console.action_suspend_process()
             return
-        question = f"The robot is on its way to shelf {goal.shelf}; its nodes would pause."
+        question = f"The robot is {way(goal)}; its nodes would pause."
         console.ask(Confirm("Suspend", question, "Stay", "Suspend"), then)
 
 
@@ -108,9 +108,7 @@ class Quit(Command):
             await let_go(station.robot, station.clock, choice, "quit")
             console.exit()
 
-        console.ask(
-            Confirm("Quit", f"The robot is on its way to shelf {goal.shelf}.", *answers), then
-        )
+        console.ask(Confirm("Quit", f"The robot is {way(goal)}.", *answers), then)
 
 
 class QuitEverywhere(Quit):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import yaml
@@ -32,28 +32,52 @@ _SENT_AS = {
 }
 
 
-def load(path: Path, commands: Iterable[Command]) -> dict[str, str]:
-    """The key of every command by its id. Raises ArchoError that names the line."""
+def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], list[str]]:
+    """The key of every command by its id, and a line for each that this robot does not have.
+
+    One keymap serves several robots. Raises ArchoError that names the line.
+    """
+    commands = list(commands)
+    keys = _robots_keys(commands)
     known = {command.id: command for command in commands}
-    keys = {command.id: command.key for command in known.values()}
     lines: dict[str, int] = {}
+    others: list[str] = []
     for line, name, key in _entries(path):
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
-            hint = f" (nearest: {near[0]})" if near else f": one of {', '.join(known)}"
-            raise ArchoError(f"{path}:{line}: no command {name!r}{hint}")
-        keys[name] = _checked(path, line, known[name], key)
+            hint = f" (nearest: {near[0]})" if near else ""
+            others.append(f"{path}:{line}: no command {name!r} here{hint}: left out")
+            continue
+        keys[name] = _checked(f"{path}:{line}", known[name], key)
         lines[name] = line
     for name, line in lines.items():
         for other in known.values():
             if other.id != name and keys[other.id] == keys[name] and _meet(known[name], other):
                 raise ArchoError(f"{path}:{line}: {keys[name]} is already the key of {other.id}")
+    return keys, others
+
+
+def _robots_keys(commands: Sequence[Command]) -> dict[str, str]:
+    """The keys that commands come with; those of a robot file are checked, and take no other's."""
+    keys = {command.id: command.key for command in commands if not command.from_file}
+    core = {key: name for name, key in keys.items() if key}
+    for command in commands:
+        if not command.from_file:
+            continue
+        if command.id in keys:
+            raise ArchoError(f"{command.from_file}: the id {command.id} is the console's own")
+        keys[command.id] = command.key and _checked(command.from_file, command, command.key)
+        owner = core.get(keys[command.id])
+        if owner:
+            raise ArchoError(f"{command.from_file}: {command.key} is the key of {owner}: {_OTHER}")
+        if keys[command.id]:
+            core[keys[command.id]] = command.id
     return keys
 
 
 def shown(key: str) -> str:
     """A key as a person reads it: `^x`, `?`, `enter`."""
-    if key == "enter":
+    if key in ("", "enter"):
         return key
     return format_key(key).replace("ctrl+", "^")
 
@@ -78,18 +102,18 @@ def _entries(path: Path) -> Iterable[tuple[int, str, str]]:
         yield line, name.value, key.value
 
 
-def _checked(path: Path, line: int, command: Command, key: str) -> str:
+def _checked(where: str, command: Command, key: str) -> str:
     name = _character_to_key(key) if len(key) == 1 else key.lower()
     types = _types_text(name)
     if name in _SENT_AS:
-        raise ArchoError(f"{path}:{line}: a terminal sends {key} as {_SENT_AS[name]}: {_OTHER}")
+        raise ArchoError(f"{where}: a terminal sends {key} as {_SENT_AS[name]}: {_OTHER}")
     if not types and name not in _SENT:
-        raise ArchoError(f"{path}:{line}: no key {key!r}: like x, ctrl+x, f5, question_mark")
-    if name in _RESERVED and command.key != name:
-        raise ArchoError(f"{path}:{line}: {key} is needed in fields and dialogs: {_OTHER}")
+        raise ArchoError(f"{where}: no key {key!r}: like x, ctrl+x, f5, question_mark")
+    if name in _RESERVED and (command.key != name or command.from_file):
+        raise ArchoError(f"{where}: {key} is needed in fields and dialogs: {_OTHER}")
     if types and command.where == EVERYWHERE:
         raise ArchoError(
-            f"{path}:{line}: {command.id} must work while typing too: "
+            f"{where}: {command.id} must work while typing too: "
             f"{key} would be text, choose one like ctrl+{key[0]} or f5"
         )
     return name

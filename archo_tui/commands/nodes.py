@@ -6,7 +6,8 @@ import asyncio
 from collections.abc import Callable
 
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
-from archo_tui.robot.state import MOVE, STOP, Hosted, Life, Outcome
+from archo_tui.goal_text import way
+from archo_tui.robot.state import Hosted, Life, Outcome
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.text import ShowText
 from archo_tui.widgets.nodes_panel import NodeRow
@@ -39,7 +40,17 @@ class _InNodes(Command):
 
 def _short(hosted: Hosted) -> list[str]:
     """What a node serves, without the namespace."""
-    return [name.rpartition("/")[2] for name in hosted.serves]
+    return [_last(name) for name in hosted.serves]
+
+
+def _last(name: str) -> str:
+    return name.rpartition("/")[2]
+
+
+def _stop(console: Console) -> str:
+    """The service of the robot's STOP, without the namespace."""
+    stop = console.view.snapshot.robot.stop
+    return "" if stop is None else _last(stop.service)
 
 
 class StartStop(_InNodes):
@@ -52,13 +63,13 @@ class StartStop(_InNodes):
         host, goal = console.station.host, console.view.snapshot.goal
         if hosted.life != Life.UP:
             return self._do(console, "start", host.start_node, hosted)
-        needed = " and ".join(name for name in _short(hosted) if name in (MOVE, STOP))
-        if not needed or goal is None or not goal.is_running:
+        if goal is None or not goal.is_running:
             return self._do(console, "stop", host.stop_node, hosted)
-        question = (
-            f"The robot is on its way to shelf {goal.shelf}, and {row.name} serves {needed}. "
-            "Stop the node?"
-        )
+        grave = (_last(goal.kind.action), _stop(console))
+        needed = " and ".join(name for name in _short(hosted) if name in grave)
+        if not needed:
+            return self._do(console, "stop", host.stop_node, hosted)
+        question = f"The robot is {way(goal)}, and {row.name} serves {needed}. Stop the node?"
 
         def then(answer: str) -> Work | None:
             wanted = answer == "Stop it"
@@ -79,7 +90,7 @@ class Copy(_InNodes):
         if not hosted.serves:
             return self._do(console, "copy", copy, hosted)
         names = ", ".join(_short(hosted))
-        stop = " STOP may not stop the robot." if STOP in _short(hosted) else ""
+        stop = " STOP may not stop the robot." if _stop(console) in _short(hosted) else ""
         question = (
             f"{row.name} serves {names}: a call may reach only one of the two.{stop} "
             "Run another copy?"

@@ -9,7 +9,7 @@ from pathlib import Path
 from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Work
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
-from archo_tui.robot.parameter_values import text_of
+from archo_tui.robot.values import text_of
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.edit_parameter import EditParameter

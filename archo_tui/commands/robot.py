@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
+from collections.abc import Mapping
+from typing import Any
+
 from archo_tui.commands.base import EVERYWHERE, Command, Console, Work
-from archo_tui.robot.state import CHARGE, MOVE, RELEASE, RESET, RUNNING, STOP, Phase
+from archo_tui.goal_text import way
+from archo_tui.robot.state import RUNNING, Outcome, Phase
+from archo_tui.robots.check import missing
+from archo_tui.robots.model import GoalKind, Service, Stop
+from archo_tui.screens.choose import Choose
 from archo_tui.screens.confirm import Confirm
+from archo_tui.screens.message_form import MessageForm, Send
 
 # a cancel was asked for, or there is nothing to cancel any more
 _CANCELLED = {Phase.CANCELLING} | (set(Phase) - set(RUNNING))
@@ -12,12 +21,45 @@ _CANCELLED = {Phase.CANCELLING} | (set(Phase) - set(RUNNING))
 
 class Go(Command):
     id, key, footer = "go", "g", "Go"
-    help = "Type a shelf number; enter sends the robot there"
-    service = MOVE
     runs_blocked = True  # what is typed next is meant for the field, not for the panels
+
+    def __init__(self, kind: GoalKind | None) -> None:
+        labels = [] if kind is None else [given.label or p for p, given in kind.form.items()]
+        title = "Send a goal" if kind is None else kind.title
+        what = labels[0].lower() if len(labels) == 1 else ", ".join(labels)
+        does = "enter sends the robot there" if kind and kind.noun else "enter sends it"
+        self.help = f"{title}: type the {what}; {does}" if labels else title
+        self.service = "" if kind is None else kind.action
 
     def run(self, console: Console) -> None:
         console.main.focus_panel(3)
+
+
+class SendGoal(Command):
+    """A goal of the robot file beside the first one."""
+
+    once = True
+
+    def __init__(self, kind: GoalKind) -> None:
+        self._kind = kind
+        self.id, self.key, self.from_file = kind.id, kind.key, kind.where
+        self.help = kind.title
+        self.service = kind.action
+
+    def run(self, console: Console) -> Work | None:
+        kind = self._kind
+
+        async def send(values: Mapping[str, Any]) -> Outcome:
+            return await console.station.robot.send(kind, values)
+
+        async def now() -> None:
+            console.tell(await send({}))
+
+        if not kind.form:
+            return now()
+        leaves, typed = console.view.snapshot.forms[kind.id], console.typed.setdefault(kind.id, {})
+        console.open(MessageForm(kind.title, leaves, send, typed, kind.form))
+        return None
 
 
 class Cancel(Command):
@@ -41,16 +83,18 @@ class Cancel(Command):
             console.say(f"No goal is running. Press {keys} to quit.")
 
 
-class Stop(Command):
+class StopNow(Command):
     id, key, footer = "stop", "ctrl+x", "STOP"
     help = "STOP: software stop, at once and latched; does not replace the hardware one"
     where = EVERYWHERE
-    service = STOP
     insists = True  # never dropped: the robot may only just have been found
     every = 0.5
 
+    def __init__(self, stop: Stop | None) -> None:
+        self.service = "" if stop is None else stop.service
+
     def run(self, console: Console) -> Work | None:
-        if console.repeated and console.view.snapshot.motor.stopped:
+        if console.repeated and console.view.snapshot.motion.stopped:
             return None  # the key is held, and the robot has stopped
         return self._run(console)
 
@@ -61,11 +105,15 @@ class Stop(Command):
 class Release(Command):
     id, key = "release", "R"
     help = "Release the stop (asks first); nothing resumes by itself"
-    service = RELEASE
     once = True
 
+    def __init__(self, stop: Stop | None) -> None:
+        self.service = "" if stop is None else stop.release
+
     def blocked(self, console: Console) -> str:
-        stopped = console.view.snapshot.motor.stopped
+        if not self.service:
+            return f"{console.view.snapshot.robot.name} has no service to release a stop"
+        stopped = console.view.snapshot.motion.stopped
         return super().blocked(console) or ("" if stopped else "the robot is not stopped")
 
     def run(self, console: Console) -> None:
@@ -80,33 +128,105 @@ class Release(Command):
         console.ask(Confirm("Release", question, "Stay stopped", "Release"), then)
 
 
-class Reset(Command):
-    id, key, footer = "reset", "r", "Reset"
-    help = "Reset the encoder to zero; asks first while a goal runs"
-    service = RESET
+class Give(Command):
+    """A command of the robot file."""
+
     once = True
 
+    def __init__(self, given: Service) -> None:
+        self._given = given
+        self.id, self.key, self.service = given.id, given.key, given.service
+        self.from_file = given.where
+        asks = {"moving": "; asks first while a goal runs", "always": "; asks first"}
+        self.help = (given.help or given.title) + asks.get(given.ask, "")
+        self._word = given.title.partition(" ")[0]
+        self.footer = "" if given.is_about("battery") else self._word
+
     def run(self, console: Console) -> Work | None:
-        async def reset() -> None:
-            console.tell(await console.station.robot.reset_encoder())
+        given, goal = self._given, console.view.snapshot.goal
 
-        def then(answer: str) -> Work | None:
-            return reset() if answer == "Reset" else None
+        async def give() -> None:
+            on = not any(_reading(console, name) for name in given.toggle.values())
+            console.tell(await console.station.robot.command(given, on))
 
-        goal = console.view.snapshot.goal
-        if goal is None or not goal.is_running:
-            return reset()
-        question = f"The robot is on its way to shelf {goal.shelf}. Reset the encoder now?"
-        console.ask(Confirm("Reset encoder", question, "Leave it", "Reset"), then)
+        runs = goal is not None and goal.is_running
+        if given.ask == "never" or (given.ask == "moving" and not runs):
+            return give()
+        now = f"The robot is {way(goal)}. " if goal is not None and runs else ""
+        question = Confirm(given.title, f"{now}{given.title} now?", "Leave it", self._word)
+        console.ask(question, lambda answer: give() if answer == self._word else None)
         return None
 
 
-class Charge(Command):
-    id, key = "charge", "c"
-    help = "Charge the battery, or stop charging"
-    service = CHARGE
-    once = True
+def _reading(console: Console, name: str) -> bool:
+    """What a toggle inverts: `battery.charging`, `motion.moving`, `motion.stopped`."""
+    topic, _, reading = name.partition(".")
+    return bool(getattr(getattr(console.view.snapshot, topic), reading))
 
-    async def run(self, console: Console) -> None:
-        charging = console.view.snapshot.battery.charging
-        console.tell(await console.station.robot.set_charging(not charging))
+
+class _AnyOf(Command):
+    """Lists what is on the graph, then makes a form of its type."""
+
+    what = ""
+
+    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
+        """Names with their types."""
+        raise NotImplementedError
+
+    def blocked(self, console: Console) -> str:
+        return "" if self.found(console) else f"no {self.what} is on the graph"
+
+    def run(self, console: Console) -> None:
+        found = self.found(console)
+        rows = [(name, ", ".join(found[name])) for name in sorted(found)]
+        console.open(Choose(self.help, rows, lambda name: self._form(console, name)))
+
+    async def _form(self, console: Console, name: str) -> None:
+        kinds = self.found(console).get(name, ())
+        if len(kinds) != 1:
+            console.say(f"{name} has several types: {', '.join(kinds)}")
+            return
+        # reads files: not on this thread
+        leaves = await asyncio.to_thread(console.station.robot.form, kinds[0])
+        if leaves is None:
+            console.say(missing(name, kinds[0]))
+            return
+        typed = console.typed.setdefault(name, {})
+        send = self.sender(console, name, kinds[0])
+        console.open(MessageForm(f"{name}  {kinds[0]}", leaves, send, typed))
+
+    def sender(self, console: Console, name: str, kind: str) -> Send:
+        """What is done with the values."""
+        raise NotImplementedError
+
+
+class AnyGoal(_AnyOf):
+    id, key = "any_goal", "G"
+    help = "Send a goal to any action on the graph"
+    what = "action"
+
+    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
+        return console.view.snapshot.actions
+
+    def sender(self, console: Console, name: str, kind: str) -> Send:
+        short = name.rpartition("/")[2]
+        goal = GoalKind(id=short, title=short, action=name, type=kind)
+        return lambda values: console.station.robot.send(goal, values)
+
+
+class AnyService(_AnyOf):
+    id, key = "any_service", "C"
+    help = "Call any service on the graph"
+    what = "service"
+
+    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
+        return console.view.snapshot.services
+
+    def sender(self, console: Console, name: str, kind: str) -> Send:
+        async def call(values: Mapping[str, Any]) -> Outcome:
+            outcome = await console.station.robot.call(name, kind, values)
+            if outcome.ok:
+                console.say(outcome.text, name)
+            return outcome
+
+        return call

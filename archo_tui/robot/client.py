@@ -5,7 +5,7 @@ Verbs are called on the asyncio loop. Each ends: done, refused with the reason, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Iterable, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 from typing import Any
 
 from rcl_interfaces.msg import Log
@@ -15,31 +15,20 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from archo_tui.clock import Clock
-from archo_tui.robot import interfaces, ros2_command, services
+from archo_tui.robot import interfaces, messages, ros2_command, services
 from archo_tui.robot.events import EventLog
-from archo_tui.robot.goals import FARTHEST, MOVE_TYPE, Goals
+from archo_tui.robot.goals import FARTHEST, Goals
 from archo_tui.robot.graph import Graph, logger_node
 from archo_tui.robot.mailbox import Mailbox, Receiver
-from archo_tui.robot.parameter_values import text_of
+from archo_tui.robot.offers import Offers
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import (
-    CHARGE,
-    MOTOR,
-    MOTOR_NODE,
-    MOVE,
-    RELEASE,
-    RESET,
-    STOP,
-    Event,
-    Outcome,
-    Snapshot,
-    in_namespace,
-    number_of,
-)
+from archo_tui.robot.state import Event, Leaf, Outcome, Snapshot, linked, target
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
+from archo_tui.robot.values import text_of
+from archo_tui.robots import check, model
 
 NODE_NAME = "archo_console"
 FLUSH_PERIOD = 0.125  # s between two snapshots while data streams in: 8 a second
@@ -47,18 +36,20 @@ WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
 _FIND_PERIOD = 0.1  # s between two looks for a server that STOP needs
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
-_REFUSAL = "Goal refused: "
-# what each needs in its request
-_SERVICES: dict[str, tuple[str, ...]] = {RESET: (), STOP: (), RELEASE: (), CHARGE: ("data",)}
 
 
 class Robot:
     """Operates whatever robot is on the graph of `context`."""
 
     def __init__(
-        self, context: Context, clock: Clock, happened: Callable[[Event], None] = lambda _: None
+        self,
+        context: Context,
+        description: model.Robot,
+        clock: Clock,
+        happened: Callable[[Event], None] = lambda _: None,
     ) -> None:
         """`happened(event)` is called on the ROS thread for each event, and when one repeats."""
+        self.description = description
         self._clock, self._happened = clock, happened
         self._mailbox = Mailbox()
         self._log = EventLog()
@@ -68,12 +59,13 @@ class Robot:
         self._faults: dict[str, str] = {}
         node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
         self._services = Services(node, clock)
-        self._telemetry = Telemetry(node, clock, self._on_telemetry, self._warn)
+        self._telemetry = Telemetry(node, description, clock, self._on_telemetry, self._warn)
         self._goals = Goals(node, clock, self._services, self._goal_changed, self._say)
         self._parameters = Parameters(
             node, clock, self._services, self._mark, self._telemetry.measure_anew
         )
-        self._graph = Graph(node)
+        self._graph = Graph(node, description)
+        self._offers = Offers(node, description, self._graph)
         node.create_subscription(Log, "/rosout", self._on_log, 1000)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
         self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
@@ -81,10 +73,10 @@ class Robot:
         node.create_timer(LOOK_PERIOD, self._look, clock=steady)
         self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._watcher.cancel()
-        self._names = {
-            name: node.resolve_service_name(name) for name in (RESET, STOP, RELEASE, CHARGE, MOVE)
-        }
+        for kind in description.goals:
+            self._goals.open(kind)
         self._thread = RosThread(node, context, clock, self._on_error)
+        self._flush()  # what the robot's file says is known before anything is heard
 
     # life
 
@@ -110,52 +102,83 @@ class Robot:
 
     # verbs
 
-    async def reset_encoder(self) -> Outcome:
-        """Set the encoder's ticks to zero."""
-        return await self._service("reset encoder", RESET)
-
     async def emergency_stop(self) -> Outcome:
         """Stop at once; stays stopped until released."""
+        stop = self.description.stop
+        if stop is None:
+            return Outcome(False, f"{self.description.name} {model.NO_STOP}")
 
-        async def stop() -> Outcome:
+        async def call() -> Outcome:
             self._stop_asked = self._clock.monotonic()
             self._flush()
-            await self._found(STOP)
-            outcome = await self._call(STOP)
+            await self._found(stop.service)
+            outcome = await self._call(stop.service, {})
             if outcome.ok:
                 self._stop_asked = None
                 return outcome
             return Outcome(False, f"{outcome.text}: use the hardware stop")
 
-        return await self._do("STOP", self._command(STOP), stop)
+        return await self._do("STOP", self._offers.call_command(stop.service, {}), call)
 
     async def release_emergency_stop(self) -> Outcome:
         """Allow moves again; none resumes by itself."""
-        return await self._service("release stop", RELEASE)
+        stop = self.description.stop
+        if stop is None or not stop.release:
+            return Outcome(False, f"{self.description.name} has no service to release a stop")
+        return await self._service("release stop", stop.release, {})
 
-    async def set_charging(self, charge: bool) -> Outcome:
-        """Begin or end charging."""
-        return await self._service("charge" if charge else "stop charging", CHARGE, data=charge)
+    async def command(self, command: model.Service, on: bool = True) -> Outcome:
+        """Give one of the robot file's commands; `on` is what a toggle is set to."""
+        title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
+        return await self._service(title, command.service, dict.fromkeys(command.toggle, on))
 
-    async def go_to_shelf(self, shelf: int) -> Outcome:
-        """Send the robot to a shelf; ends when it has accepted or refused."""
-        length = self._route_length()
-        command = ros2_command.send_goal(self._names[MOVE], shelf)
+    async def send(self, kind: model.GoalKind, values: Mapping[str, Any]) -> Outcome:
+        """Send a goal, with values by dotted path; ends when the robot has accepted or refused."""
+        length = self._way(kind)
+        title = " ".join(filter(None, (kind.title.lower(), target(kind, values))))
 
         async def go() -> Outcome:
             sent = self._clock.monotonic()
-            if MOVE in self._faults:
-                return Outcome(False, self._faults[MOVE])
-            outcome = await self._goals.send(shelf, length)
+            if kind.action in self._faults:
+                return Outcome(False, self._faults[kind.action])
+            outcome = await self._goals.send(kind, values, length)
             if outcome.ok and self._stop_asked is not None and sent > self._stop_asked:
                 self._stop_asked = None  # sent after it and accepted: the stop is past
             return outcome
 
-        return await self._do(f"go to shelf {shelf}", command, go)
+        return await self._do(title, self._offers.goal_command(kind, values), go)
+
+    async def call(self, service: str, type_name: str, values: Mapping[str, Any]) -> Outcome:
+        """Call any service, with values by dotted path; the outcome holds what it answered."""
+        srv_type = interfaces.load(type_name)
+        if srv_type is None:
+            return Outcome(False, check.missing(service, type_name))
+        try:
+            request = messages.filled(srv_type.Request(), values)
+        except ValueError as error:
+            return Outcome(False, str(error))
+
+        async def work() -> Outcome:
+            answer = await self._services.call(srv_type, service, request)
+            if answer is None:
+                return Outcome(False, f"no answer in {services.DEADLINE:g} s")
+            said = interfaces.outcome(answer)
+            return Outcome(getattr(answer, "success", True), messages.text(answer) or said.text)
+
+        command = ros2_command.service_call(service, type_name, request)
+        return await self._do(f"call {service.lstrip('/')}", command, work)
+
+    def form(self, type_name: str) -> tuple[Leaf, ...] | None:
+        """The fields of an action's goal or a service's request; None: it is not installed here."""
+        found = interfaces.load(type_name)
+        if found is None:
+            return None
+        return tuple(messages.leaves(found.Goal() if "/action/" in type_name else found.Request()))
 
     async def cancel(self) -> Outcome:
         """Ask to cancel the running goal."""
-        command = ros2_command.cancel(self._names[MOVE])
+        goal = self._goals.goal
+        command = "" if goal is None else ros2_command.cancel(self._offers.full(goal.kind.action))
         return await self._do("cancel", command, self._goals.cancel)
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
@@ -173,55 +196,17 @@ class Robot:
 
     # on the ROS thread
 
-    def _route_length(self) -> float | None:
-        node = in_namespace(self._graph.namespace, MOTOR_NODE)
-        return number_of(self._parameters.all(), node, "route_length", 0.0, FARTHEST)
+    def _way(self, kind: model.GoalKind) -> float | None:
+        """The length of the whole way to a goal, where a node of the robot has it."""
+        link = None if kind.remaining is None else kind.remaining.length
+        if link is None:
+            return None
+        return linked(self._parameters.all(), self._graph.namespace, link, 0.0, FARTHEST)
 
-    async def _service(self, title: str, name: str, **fields: Any) -> Outcome:
+    async def _service(self, title: str, name: str, fields: Mapping[str, Any]) -> Outcome:
         return await self._do(
-            title, self._command(name, **fields), lambda: self._call(name, **fields)
+            title, self._offers.call_command(name, fields), lambda: self._call(name, fields)
         )
-
-    def _type(self, name: str) -> str:
-        """The type that the servers of a service have, empty when they have none or several."""
-        full = self._names[name]
-        types = self._graph.services.get(full, [])
-        if len(types) > 1:  # clients are in that list too
-            types = self._graph.served_types(full)
-        return types[0] if len(types) == 1 else ""
-
-    def _fitting(self, name: str, fields: Iterable[str]) -> tuple[Any, str]:
-        """The class of a service whose request has just those fields, or None and why not."""
-        full, kind = self._names[name], self._type(name)
-        if not kind:
-            return None, f"{full} has servers of different types: not called"
-        srv_type = interfaces.load(kind)
-        if srv_type is None:
-            return None, f"{full}: type {kind} is not installed here"
-        if interfaces.fields(srv_type.Request) != set(fields):
-            return None, f"{full} is {kind}, whose request is another: not called"
-        return srv_type, ""
-
-    def _misfits(self) -> dict[str, str]:
-        """Why what is offered is not called: its type is not what is meant."""
-        found = {
-            name: self._fitting(name, fields)[1]
-            for name, fields in _SERVICES.items()
-            if name in self._graph.offered
-        }
-        if self._graph.move_types - {MOVE_TYPE}:
-            kinds = ", ".join(sorted(self._graph.move_types))
-            found[MOVE] = f"{MOVE} is {kinds}: expected {MOVE_TYPE}"
-        return {name: reason for name, reason in found.items() if reason}
-
-    def _command(self, name: str, **fields: Any) -> str:
-        """The command line for a call, empty when its type is not known, or another one."""
-        full = self._names[name]
-        types = self._graph.services.get(full, [])
-        srv_type = interfaces.load(types[0]) if len(types) == 1 else None
-        if srv_type is None or interfaces.fields(srv_type.Request) != set(fields):
-            return ""
-        return ros2_command.service_call(full, types[0], srv_type.Request(**fields))
 
     async def _found(self, name: str) -> None:
         """Wait up to DEADLINE for a server, at the start or after a restart of its node."""
@@ -230,11 +215,11 @@ class Robot:
             await self._services.pause(_FIND_PERIOD)
             self._look()
 
-    async def _call(self, name: str, **fields: Any) -> Outcome:
+    async def _call(self, name: str, fields: Mapping[str, Any]) -> Outcome:
         """Call a service with the type that its server has, if its request is what is meant."""
         if name not in self._graph.offered:
-            return Outcome(False, f"{self._names[name]} is not offered by any node")
-        srv_type, reason = self._fitting(name, fields)
+            return Outcome(False, f"{self._offers.full(name)} is not offered by any node")
+        srv_type, reason = self._offers.fitting(name, fields)
         if srv_type is None:
             return Outcome(False, reason)
         answer = await self._services.call(srv_type, name, srv_type.Request(**fields))
@@ -271,17 +256,19 @@ class Robot:
     def _look(self) -> None:
         changed = self._graph.look()
         self._telemetry.look()
-        faults = {**self._telemetry.faults, **self._misfits()}
+        faults = {**self._telemetry.faults, **self._offers.misfits()}
         if changed or faults != self._faults or self._unseen:
             self._faults = faults
             self._mark()
         self._parameters.follow(self._graph.names, self._graph.services)
 
     def _watch(self) -> None:
-        self._goals.route_is(self._route_length())
-        self._goals.check(self._clock.monotonic(), self._telemetry.motor.received)
-        if self._goals.goal is None or not self._goals.goal.is_running:
+        goal = self._goals.goal
+        if goal is None or not goal.is_running:
             self._watcher.cancel()
+            return
+        self._goals.way_is(self._way(goal.kind))
+        self._goals.check(self._clock.monotonic(), self._telemetry.motion)
 
     def _goal_changed(self) -> None:
         if self._watcher.is_canceled():
@@ -290,9 +277,10 @@ class Robot:
 
     def _on_telemetry(self, topic: str, news: bool) -> None:
         self._graph.heard_topic(topic, self._clock.monotonic())
-        if topic == MOTOR:
+        motion = self.description.motion
+        if motion is not None and topic == motion.topic:
             self._goals.heard()
-            if self._telemetry.motor.stopped:
+            if self._telemetry.motion.stopped:
                 self._stop_asked = None
         self._unseen = True
         if news:
@@ -303,8 +291,10 @@ class Robot:
         node = logger_node(message.name)
         if not self._graph.is_ours(node):
             return  # another robot's
-        if message.msg.startswith(_REFUSAL) and node in self._graph.movers:
-            self._goals.refused(message.msg.removeprefix(_REFUSAL))
+        for kind in self.description.goals:
+            servers = self._graph.servers.get(kind.action, ())
+            if kind.refusals and node in servers and message.msg.startswith(kind.refusals):
+                self._goals.refused(message.msg.removeprefix(kind.refusals))
         self._graph.heard_log(node, self._clock.monotonic())
         # by this clock and not the stamp: the robot's may be another, and the list is in order
         self._add_event(Event(self._clock.now(), level, message.name, message.msg))
@@ -334,8 +324,10 @@ class Robot:
         self._flusher.cancel()
         self._mailbox.put(
             Snapshot(
+                robot=self.description,
                 battery=self._telemetry.battery,
-                motor=self._telemetry.motor,
+                motion=self._telemetry.motion,
+                gauges=self._telemetry.gauges,
                 goal=self._goals.goal,
                 history=tuple(self._goals.history),
                 parameters=self._parameters.all(),
@@ -349,5 +341,8 @@ class Robot:
                 publishers=self._graph.publishers,
                 twice=self._graph.twice,
                 elsewhere=self._graph.elsewhere,
+                forms=self._offers.forms,
+                actions=self._graph.actions,
+                services=self._graph.served,
             )
         )

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import uuid
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -20,15 +20,20 @@ from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
-from archo_tui.robot import interfaces, services
+from archo_tui.robot import interfaces, messages, services
+from archo_tui.robot.period import Period
+from archo_tui.robot.readings import as_received, number, read
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import MOVE, Goal, Outcome, Phase
+from archo_tui.robot.state import Goal, Motion, Outcome, Phase
 from archo_tui.robot.text import harmless
+from archo_tui.robot.values import text_of
+from archo_tui.robots import check
+from archo_tui.robots.model import Field, GoalKind
 
-MOVE_TYPE = "archo_interfaces/action/MoveToShelf"
-FARTHEST = 1e6  # m; a way left beyond that is no reading
-SILENCE = 3.0  # s without feedback or motor status until a moving goal counts as lost
+FARTHEST = 1e6  # a remainder beyond that is no reading
+SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 HISTORY = 20  # ended goals that are kept
+_FIND_PERIOD = 0.05  # s between two looks for the server of an action
 _REASON_WAIT = 0.3  # s that the log line with a refusal's reason may come after the refusal
 
 _ENDS = {
@@ -38,6 +43,24 @@ _ENDS = {
 }
 _NO_REASON = "the robot gave no reason"
 _FORGOTTEN = "the robot no longer knows this goal (was it restarted?)"
+
+
+class _Action:
+    """The client of one action, and what its goals report."""
+
+    def __init__(self, node: Node, kind: GoalKind, on_feedback: Callable[[Any], None]) -> None:
+        self.type = interfaces.load(kind.type)  # None: not installed here, all else works
+        if self.type is None:
+            return
+        self.client: Any = ActionClient(node, self.type, kind.action)
+        # not by the client: it forgets a goal's feedback when the result is asked for anew
+        feedback = self.type.Impl.FeedbackMessage
+        node.create_subscription(feedback, f"{kind.action}/_action/feedback", on_feedback, 10)
+
+    @property
+    def is_served(self) -> bool:
+        """True when a server can be reached."""
+        return self.type is not None and bool(self.client.server_is_ready())
 
 
 class Goals:
@@ -56,12 +79,9 @@ class Goals:
         self._services = pending
         self._changed = changed
         self._say = say
-        self._type = interfaces.load(MOVE_TYPE)  # None: not installed here, all else works
-        self._client: Any = None if self._type is None else ActionClient(node, self._type, MOVE)
-        if self._type is not None:
-            # not by the client: it forgets a goal's feedback when the result is asked for anew
-            feedback = self._type.Impl.FeedbackMessage
-            node.create_subscription(feedback, f"{MOVE}/_action/feedback", self._on_feedback, 10)
+        self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
+        self._action: Any = None  # that of the last goal
+        self._pace = Period()  # of its feedback
         self._goal_id = b""
         self._handle: Any = None
         self._result: Any = None  # the future of the last question for the result
@@ -70,20 +90,37 @@ class Goals:
         self.goal: Goal | None = None
         self.history: deque[Goal] = deque(maxlen=HISTORY)
 
-    async def send(self, shelf: int, route_length: float | None) -> Outcome:
+    def open(self, kind: GoalKind) -> _Action:
+        """The client of an action, from now on."""
+        key = (kind.action, kind.type)
+        if key not in self._actions:
+            self._actions[key] = _Action(self._node, kind, self._on_feedback)
+        return self._actions[key]
+
+    async def send(
+        self, kind: GoalKind, values: Mapping[str, Any], length: float | None
+    ) -> Outcome:
         """Send a goal; ends when it was accepted, refused, or nobody answered in time."""
+        known = (kind.action, kind.type) in self._actions
+        action = self.open(kind)
+        if action.type is None:
+            return Outcome(False, check.missing(kind.action, kind.type))
+        if not known:
+            await self._found(action)
         if self.goal is not None and self.goal.phase in (Phase.UNKNOWN, Phase.LOST):
-            doubt = f"nothing is heard of the goal to shelf {self.goal.shelf}"
+            doubt = f"nothing is heard of the goal to {self.goal.name}"
             return Outcome(False, f"{doubt}: cancel it, or wait until the robot is heard")
         if self.goal is not None and self.goal.is_running:
             return Outcome(False, "a goal is already running: cancel it first")
-        if self._client is None:
-            return Outcome(False, f"{MOVE_TYPE} is not installed here")
-        if not self._client.server_is_ready():
-            return Outcome(False, f"{MOVE} is not offered by any node")
-        goal = Goal(
-            shelf, Phase.SENT, self._clock.monotonic(), self._clock.now(), length=route_length
-        )
+        if not action.is_served:
+            return Outcome(False, f"{kind.action} is not offered by any node")
+        try:
+            request = messages.goal(action.type, kind, values)
+        except ValueError as error:
+            return Outcome(False, str(error))
+        now, time = self._clock.monotonic(), self._clock.now()
+        goal = Goal(kind, values, Phase.SENT, now, time, length=length)
+        self._action, self._pace = action, Period()
         self._set(goal)
         self._refusals.clear()
         self._handle = self._result = None
@@ -97,8 +134,7 @@ class Goals:
             answered.set_result(True)
             self._wake()
 
-        request = self._type.Goal(shelf_number=shelf)
-        future = self._client.send_goal_async(request, goal_uuid=goal_id)
+        future = action.client.send_goal_async(request, goal_uuid=goal_id)
         future.add_done_callback(on_answer)
         self._services.watch(answered)
         if await answered is None:
@@ -109,6 +145,12 @@ class Goals:
             self._end(Phase.REFUSED, reason)
             return Outcome(False, reason)
         return Outcome(True, "accepted")
+
+    async def _found(self, action: _Action) -> None:
+        """Wait for the server of a client that was made just now."""
+        end = self._clock.monotonic() + services.DEADLINE
+        while not action.is_served and self._clock.monotonic() < end:
+            await self._services.pause(_FIND_PERIOD)
 
     async def cancel(self) -> Outcome:
         """Ask to cancel the running goal; how it ends is the robot's to say."""
@@ -138,8 +180,8 @@ class Goals:
             return Outcome(False, f"no answer to the cancel in {services.DEADLINE:g} s")
         return Outcome(False, "the robot rejected the cancel: the goal continues or has ended")
 
-    def route_is(self, length: float | None) -> None:
-        """The route's length (m) became known, maybe only after the goal was sent."""
+    def way_is(self, length: float | None) -> None:
+        """The length of the whole way became known, maybe only after the goal was sent."""
         if length is not None and self.goal is not None and self.goal.length is None:
             self._update(length=length)
 
@@ -153,21 +195,27 @@ class Goals:
             self._update(phase=Phase.UNKNOWN)
             self._asked = 0.0
 
-    def check(self, now: float, last_heard: float | None) -> None:
-        """A moving goal silent for SILENCE is lost; ask the robot about a doubtful one."""
+    def check(self, now: float, motion: Motion) -> None:
+        """A goal that runs and is silent is lost; ask the robot about a doubtful one."""
         goal = self.goal
         if goal is None or not goal.is_running:
             return
-        silent = now - max(last_heard or 0.0, goal.heard or goal.sent) > SILENCE
-        if goal.phase in (Phase.MOVING, Phase.CANCELLING) and silent:
+        if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(goal, now, motion):
             self._update(phase=Phase.LOST)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST) and self._handle is not None
-        if doubtful and now - self._asked > services.DEADLINE and self._is_served:
+        if doubtful and now - self._asked > services.DEADLINE and self._action.is_served:
             self._ask_result()
 
-    @property
-    def _is_served(self) -> bool:
-        return self._client is not None and self._client.server_is_ready()
+    def _is_silent(self, goal: Goal, now: float, motion: Motion) -> bool:
+        """By feedback or motion, whichever came last; without motion by the feedback's own pace."""
+        heard = goal.heard or goal.sent
+        if motion.received is not None:
+            longest = max(SILENCE, 3 * (motion.period or 0.0))
+            return now - max(motion.received, heard) > longest
+        promised = goal.kind.remaining is not None
+        if self._action.is_served and self._pace.seconds is None and not promised:
+            return False  # an action may give no feedback at all
+        return now - heard > max(SILENCE, 3 * (self._pace.seconds or 0.0))
 
     def _answered(self, handle: Any) -> None:
         """The server accepted or refused, in time or later."""
@@ -181,8 +229,8 @@ class Goals:
 
     def _unanswered(self, goal_id: UUID) -> None:
         """Nobody accepted or refused: go on as if accepted, and ask how it ended."""
-        accepted = self._type.Impl.SendGoalService.Response(accepted=True)
-        self._handle = ClientGoalHandle(self._client, goal_id, accepted)
+        accepted = self._action.type.Impl.SendGoalService.Response(accepted=True)
+        self._handle = ClientGoalHandle(self._action.client, goal_id, accepted)
         self._update(phase=Phase.UNKNOWN)
 
     def _ask_result(self) -> None:
@@ -202,32 +250,55 @@ class Goals:
         if answer.status == GoalStatus.STATUS_UNKNOWN:
             self._end(Phase.ABORTED, _FORGOTTEN)
             return
-        phase = _ENDS.get(answer.status, Phase.ABORTED)
-        succeeded = bool(answer.result.success)
-        if succeeded != (phase == Phase.ARRIVED):
+        phase, result = _ENDS.get(answer.status, Phase.ABORTED), answer.result
+        succeeded = getattr(result, "success", None)
+        if isinstance(succeeded, bool) and succeeded != (phase == Phase.ARRIVED):
             said = "succeeded" if phase == Phase.ARRIVED else phase.value.lower()
             but = "says not" if not succeeded else "says success"
             disagreement = f"the action says {said}, its result {but}"
             self._end(Phase.DISPUTED, disagreement)
             return
-        if phase == Phase.ARRIVED and self.goal is not None:
+        if phase == Phase.ARRIVED and self.goal is not None and self.goal.kind.remaining:
             self.goal = replace(self.goal, remaining=0.0, unreadable="")
-        self._end(phase, answer.result.final_message or _NO_REASON)
+        said = self._said(result)
+        self._end(phase, said if said or phase == Phase.ARRIVED else _NO_REASON)
+
+    def _said(self, result: Any) -> str:
+        """The robot's own words in a result; without a field for them, all its fields."""
+        assert self.goal is not None
+        kind = self.goal.kind
+        if kind.message:
+            return text_of(getattr(result, kind.message, "")) or _NO_REASON
+        return messages.text(result)
 
     def _on_feedback(self, message: Any) -> None:
         goal = self.goal
         if goal is None or not goal.is_running or bytes(message.goal_id.uuid) != self._goal_id:
             return  # another client's
-        remaining = float(message.feedback.distance_remaining)
+        now = self._clock.monotonic()
+        self._pace = self._pace.heard(now)
+        changes = self._remainder(goal, message.feedback)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
-        readable = 0.0 <= remaining <= FARTHEST  # False for nan too
         self._update(
             phase=Phase.MOVING if doubtful else goal.phase,
-            remaining=remaining if readable else goal.remaining,
-            unreadable="" if readable else f"{remaining:g}",
-            heard=self._clock.monotonic(),
+            heard=now,
             started=goal.sent if goal.started is None else goal.started,
+            **changes,
         )
+
+    def _remainder(self, goal: Goal, feedback: Any) -> dict[str, Any]:
+        """What a feedback says: how much is left where the robot file knows, else every field."""
+        remaining = goal.kind.remaining
+        if remaining is None:
+            return {"feedback": messages.text(feedback)}
+        said = read(Field(remaining.field), feedback)
+        left = number(said, 0.0, FARTHEST)
+        if left is None:
+            return {"unreadable": as_received(said)}
+        changes = {"remaining": left, "unreadable": ""}
+        if remaining.length is None:  # the longest that was left is the way
+            changes["length"] = max(left, goal.length or 0.0)
+        return changes
 
     async def _reason(self) -> str:
         """Why the goal was refused: an action has no field for the reason, the log has it."""
@@ -251,7 +322,7 @@ class Goals:
             )
             self.history.appendleft(ended)
             if phase != Phase.REFUSED or self.goal.phase != Phase.SENT:  # else the verb says it
-                self._say("GOAL", f"shelf {ended.shelf} {phase.value.lower()}: {message}")
+                self._say("GOAL", f"{ended.name} {ended.word.lower()}: {message}".rstrip(": "))
             self._set(ended)
 
     def _update(self, **changes: Any) -> None:

@@ -9,33 +9,30 @@ from typing import Any
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # rclpy has no public name for it
 from rclpy.node import Node
 
-from archo_tui.robot.state import (
-    BATTERY,
-    CHARGE,
-    MOTOR,
-    MOVE,
-    RELEASE,
-    RESET,
-    STOP,
-    NodeState,
-    in_namespace,
-)
+from archo_tui.robot.state import NodeState, in_namespace
+from archo_tui.robots.model import Robot
 
+_SEND = "/_action/send_goal"
+_OF_NODES = ("rcl_interfaces", "type_description_interfaces")  # services that every node has
 _SMOOTHING = 0.2  # weight of the newest interval in a rate
 
 
 class Graph:
     """Looks at the graph when asked to, and keeps when each node last gave a sign of life."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, robot: Robot) -> None:
+        """Looks for the names of the robot's file."""
         self._node = node
+        self._topics = robot.topics
+        self._services = robot.services
+        self._actions = tuple(dict.fromkeys(kind.action for kind in robot.goals))
         self.namespace = node.get_namespace()
         self._below = in_namespace(self.namespace, "")
         self.publishers: dict[str, tuple[str, ...]] = {}  # nodes, by topic, where there are several
         self.twice: tuple[str, ...] = ()  # names that several nodes have
         self.elsewhere: tuple[str, ...] = ()  # other namespaces with nodes
-        self.movers: frozenset[str] = frozenset()  # the nodes that serve the action
-        self.move_types: frozenset[str] = frozenset()
+        self.servers: dict[str, frozenset[str]] = {}  # the nodes that serve each action
+        self.action_types: dict[str, tuple[str, ...]] = {}
         self._seen: object = None  # at the last look, of what a snapshot shows
         self._heard: dict[str, float] = {}
         self._interval: dict[str, float] = {}
@@ -44,6 +41,8 @@ class Graph:
         self.names: list[str] = []
         self.services: dict[str, list[str]] = {}  # types by name, of clients too
         self.offered: frozenset[str] = frozenset()
+        self.actions: dict[str, tuple[str, ...]] = {}  # types, of every action that is served
+        self.served: dict[str, tuple[str, ...]] = {}  # types, of every service but ROS's own
 
     def look(self) -> bool:
         """Ask what is on the graph now; True when something came or went."""
@@ -55,30 +54,48 @@ class Graph:
         services = dict(self._node.get_service_names_and_types())
         # a name alone may be that of a client, our own for one: servers are counted
         count = self._node.count_services
-        offered = {name for name in (RESET, STOP, RELEASE, CHARGE) if count(name)}
-        if count(f"{MOVE}/_action/send_goal"):
-            offered.add(MOVE)
+        offered = {name for name in self._services if count(name)}
         self.publishers = {}
-        for topic in (BATTERY, MOTOR):
+        for topic in self._topics:
             nodes = [_full(*_of(i)) for i in self._node.get_publishers_info_by_topic(topic)]
             if nodes:
                 self._publisher[topic] = nodes[0]
                 offered.add(topic)
             if len(nodes) > 1:
                 self.publishers[topic] = tuple(sorted(nodes))
-        movers = self._node.get_publishers_info_by_topic(f"{MOVE}/_action/feedback")
-        self.movers = frozenset(_full(*_of(info)) for info in movers)
-        self.move_types = frozenset(
-            info.topic_type.removesuffix("_FeedbackMessage") for info in movers
-        )
+        for action in self._actions:
+            if count(f"{action}/_action/send_goal"):
+                offered.add(action)
+            self._look_at_action(action)
+        if services != self.services:
+            self._look_at_services(services)
         for name in set(self._last) - set(names):  # its rate starts over when it comes back
             del self._last[name]
             self._interval.pop(name, None)
-        seen = names, offered, self.publishers, self.twice, self.elsewhere
+        here = names, offered, self.actions, self.served
+        seen = here, self.publishers, self.twice, self.elsewhere
         changed = seen != self._seen
         self._seen = seen
         self.names, self.services, self.offered = names, services, frozenset(offered)
         return changed
+
+    def _look_at_action(self, action: str) -> None:
+        infos = self._node.get_publishers_info_by_topic(f"{action}/_action/feedback")
+        self.servers[action] = frozenset(_full(*_of(info)) for info in infos)
+        self.action_types[action] = _action_types(infos)
+
+    def _look_at_services(self, services: dict[str, list[str]]) -> None:
+        """Which services and actions of any kind are served; those of every node are left out."""
+        count, self.actions, self.served = self._node.count_services, {}, {}
+        for name, kinds in services.items():
+            if not name.startswith(self._below) or _is_hidden(name.removesuffix(_SEND)):
+                continue
+            action = name.removesuffix(_SEND)
+            if action != name and count(name):
+                types = sorted(kind.removesuffix("_SendGoal") for kind in kinds)
+                self.actions[action] = tuple(types)
+            elif action == name and kinds[0].partition("/")[0] not in _OF_NODES and count(name):
+                self.served[name] = tuple(kinds)
 
     def is_ours(self, name: str) -> bool:
         """True for a node of the robot's namespace, or below it, that is not hidden."""
@@ -130,6 +147,10 @@ def logger_node(logger: str) -> str:
 def _is_hidden(name: str) -> bool:
     """True when a part of it begins with `_`: tools of ROS that come and go."""
     return "/_" in name
+
+
+def _action_types(infos: Any) -> tuple[str, ...]:
+    return tuple(sorted({info.topic_type.removesuffix("_FeedbackMessage") for info in infos}))
 
 
 def _of(info: Any) -> tuple[str, str]:

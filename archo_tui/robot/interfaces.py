@@ -7,7 +7,7 @@ from typing import Any
 
 from archo_tui.robot.state import Outcome
 
-_EMPTY = "structure_needs_at_least_one_member"  # rosidl's filler of an empty message
+EMPTY = "structure_needs_at_least_one_member"  # rosidl's filler of an empty message
 
 
 def load(type_name: str) -> Any:
@@ -21,7 +21,7 @@ def load(type_name: str) -> Any:
 
 def fields(message_class: Any) -> set[str]:
     """The names of a message's fields."""
-    return set(message_class.get_fields_and_field_types()) - {_EMPTY}
+    return set(message_class.get_fields_and_field_types()) - {EMPTY}
 
 
 def outcome(answer: Any) -> Outcome:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import yaml
 
 from archo_tui.robot.state import Parameter
+from archo_tui.robot.values import parse_bool, parse_integer, parse_number, text_of
 
 # rcl_interfaces/ParameterType's numbers, in words
 TYPES = {
@@ -15,17 +15,7 @@ TYPES = {
     6: "bool[]", 7: "integer[]", 8: "double[]", 9: "string[]",
 }  # fmt: skip
 
-_INTEGER_MIN, _INTEGER_MAX = -(2**63), 2**63 - 1
 _LONGEST = 10_000  # characters of a typed value
-
-
-def text_of(value: Any) -> str:
-    """A value as a person writes it."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, (list, tuple)):
-        return f"[{', '.join(text_of(item) for item in value)}]"
-    return str(value)
 
 
 def as_python(message: Any) -> Any:
@@ -95,41 +85,14 @@ def _value(kind: str, text: str) -> Any:
     if not stripped:
         raise ValueError(f"a value is needed ({kind})")
     if kind == "bool":
-        return _bool(stripped)
+        return parse_bool(stripped)
     if kind == "integer":
-        return _integer(stripped)
+        return parse_integer(stripped)
     if kind == "double":
-        return _double(stripped)
+        return parse_number(stripped)
     if kind.endswith("[]") and kind != "byte[]":
         return _sequence(kind.removesuffix("[]"), stripped)
     raise ValueError(f"a parameter of type {kind} cannot be edited here")
-
-
-def _bool(text: str) -> bool:
-    words = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
-    if text.lower() not in words:
-        raise ValueError(f"not true or false: {text}")
-    return words[text.lower()]
-
-
-def _integer(text: str) -> int:
-    try:
-        value = int(text, 10)
-    except ValueError:
-        raise ValueError(f"not a whole number: {text}") from None
-    if not _INTEGER_MIN <= value <= _INTEGER_MAX:
-        raise ValueError(f"too large for an integer: {text}")
-    return value
-
-
-def _double(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        raise ValueError(f"not a number: {text}") from None
-    if not math.isfinite(value):
-        raise ValueError(f"not a finite number: {text}")
-    return value
 
 
 def _sequence(element: str, text: str) -> list[Any]:

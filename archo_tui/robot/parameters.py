@@ -17,10 +17,11 @@ from rclpy.parameter import Parameter as RosParameter
 
 from archo_tui.clock import Clock
 from archo_tui.robot import services
-from archo_tui.robot.parameter_values import TYPES, as_python, text_of
+from archo_tui.robot.parameter_values import TYPES, as_python
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.text import harmless
+from archo_tui.robot.values import text_of
 
 _RETRY, _LONGEST_RETRY = 2.0, 60.0  # s until a node that did not answer is asked again
 _DEPTH = 1000  # parameter events kept while the thread is busy

@@ -5,24 +5,29 @@ from __future__ import annotations
 import math
 from typing import Any
 
-BATTERY_TYPES = {  # field of each by what it means; of another type nothing is guessed
-    "archo_interfaces/msg/BatteryStatus": {
-        "percentage": "percentage",
-        "voltage": "voltage",
-        "charging": "is_charging",
-        "health": "battery_health",
-    },
-    "std_msgs/msg/Float32": {"percentage": "data"},
-}
-MOTOR_TYPES = {
-    "archo_interfaces/msg/MotorStatus": {
-        "ticks": "encoder_ticks",
-        "speed": "speed",
-        "moving": "moving",
-        "stopped": "emergency_stopped",
-    },
-}
+from archo_tui.robots.model import Field
+
 _INT64 = 2**63
+
+
+def read(field: Field | None, message: Any) -> Any:
+    """What the field of a robot file says about a message; None when there is no such field."""
+    if field is None:
+        return None
+    value = message
+    for name in field.field.split("."):
+        value = getattr(value, name, None)
+    if value is None:
+        return None
+    if field.equals is not None:
+        return bool(value == field.equals)
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return value
+    if field.beyond is not None:
+        return abs(value) > field.beyond if math.isfinite(value) else None
+    if (field.scale, field.offset) == (1.0, 0.0):
+        return value  # a count stays a whole number
+    return value * field.scale + field.offset
 
 
 def number(value: Any, low: float, high: float) -> float | None:

@@ -5,27 +5,18 @@ from __future__ import annotations
 from shlex import quote
 from typing import Any
 
-from archo_tui.robot.parameter_values import text_of
-
-
-def _fields(message: Any) -> str:
-    values = (
-        f"{name}: {text_of(getattr(message, name))}"
-        for name in message.get_fields_and_field_types()
-        if name != "structure_needs_at_least_one_member"
-    )
-    return "{" + ", ".join(values) + "}"
+from archo_tui.robot import messages
+from archo_tui.robot.values import text_of
 
 
 def service_call(name: str, type_name: str, request: Any) -> str:
     """Call a service of that type with that request."""
-    return f"ros2 service call {name} {type_name} {quote(_fields(request))}"
+    return f"ros2 service call {name} {type_name} {quote(messages.as_yaml(request))}"
 
 
-def send_goal(name: str, shelf: int) -> str:
-    """Send a move_to_shelf goal."""
-    kind = "archo_interfaces/action/MoveToShelf"
-    return f"ros2 action send_goal {name} {kind} {quote(f'{{shelf_number: {shelf}}}')} --feedback"
+def send_goal(name: str, type_name: str, goal: Any) -> str:
+    """Send that goal to an action of that type."""
+    return f"ros2 action send_goal {name} {type_name} {quote(messages.as_yaml(goal))} --feedback"
 
 
 def cancel(name: str) -> str:

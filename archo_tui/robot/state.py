@@ -9,17 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Any
+from typing import Any, NamedTuple
 
 from archo_tui.robot.period import is_silent
 from archo_tui.robot.readings import number
-
-# the names on the graph that the console operates
-BATTERY, MOTOR = "battery_level", "motor_status"
-RESET, STOP, RELEASE = "reset_encoder", "emergency_stop", "release_emergency_stop"
-CHARGE, MOVE = "set_charging", "move_to_shelf"
-BATTERY_NODE, MOTOR_NODE = "battery_monitor", "motor_controller"
-HEALTH = ("good", "warning", "replace")  # the words that are understood
+from archo_tui.robot.values import text_of
+from archo_tui.robots.model import Gauge, GoalKind, Link, Robot
 
 
 @dataclass(frozen=True)
@@ -40,19 +35,44 @@ class Battery:
 
 
 @dataclass(frozen=True)
-class Motor:
-    """The last motor status."""
+class Motion:
+    """How the robot last said that it moves."""
 
-    ticks: int | None = None
-    speed: float | None = None  # m/s
+    count: int | None = None
+    speed: float | None = None
     moving: bool | None = None
-    stopped: bool | None = None  # latched by the emergency stop
+    stopped: bool | None = None  # latched by the software stop
     received: float | None = None
     period: float | None = 0.2  # s; None before two readings
 
     def is_old(self, now: float) -> bool:
         """True when nothing was heard for three of its periods."""
         return is_silent(self.received, self.period, now)
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The last number of one of the robot's gauges."""
+
+    gauge: Gauge
+    value: float | None = None
+    received: float | None = None
+    period: float | None = None  # s; None before two readings
+    unreadable: str = ""  # what came instead of a number
+
+    def is_old(self, now: float) -> bool:
+        """True when nothing was heard for three of its periods."""
+        return is_silent(self.received, self.period, now)
+
+    @property
+    def warns(self) -> str:
+        """`above 60` when the number is beyond a limit of the robot file, else an empty string."""
+        value, below, above = self.value, self.gauge.warn_below, self.gauge.warn_above
+        if value is not None and below is not None and value < below:
+            return f"below {below:g}"
+        if value is not None and above is not None and value > above:
+            return f"above {above:g}"
+        return ""
 
 
 class Phase(Enum):
@@ -73,22 +93,48 @@ class Phase(Enum):
 RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST)
 
 
+def target(kind: GoalKind, values: Mapping[str, Any]) -> str:
+    """The values of a goal as they are called: `12`, or `x 1.5, y 2`."""
+    if len(values) == 1:
+        return text_of(*values.values())
+    labels = {path: kind.form[path].label or path for path in values if path in kind.form}
+    return ", ".join(f"{labels.get(path, path)} {text_of(v)}" for path, v in values.items())
+
+
 @dataclass(frozen=True)
 class Goal:
     """One goal that was sent from here."""
 
-    shelf: int
+    kind: GoalKind
+    fields: Mapping[str, Any]  # what was typed, by dotted path
     phase: Phase
     sent: float
     time: float  # Unix time of the last change of phase
-    length: float | None = None  # m of the whole route
-    remaining: float | None = None  # m
+    length: float | None = None  # of the whole way, in the unit of the kind's remainder
+    remaining: float | None = None
     heard: float | None = None  # last feedback or answer
     started: float | None = None  # when it was accepted
     ended: float | None = None
     cancel_asked: float | None = None
-    unreadable: str = ""  # the last feedback as received, when it is no distance
+    unreadable: str = ""  # the last remainder as received, when it is none
+    feedback: str = ""  # the last feedback, field by field
     message: str = ""  # the robot's own words for the end, or the reason of a refusal
+
+    @property
+    def target(self) -> str:
+        """What was typed: `12`, or `x 1.5, y 2`."""
+        return target(self.kind, self.fields)
+
+    @property
+    def name(self) -> str:
+        """What it is called in a sentence: `shelf 12`, `fibonacci 10`."""
+        return f"{self.kind.noun or self.kind.title.lower()} {self.target}".rstrip()
+
+    @property
+    def word(self) -> str:
+        """Its phase; one that leads nowhere runs and succeeds."""
+        words = {} if self.kind.noun else {Phase.MOVING: "RUNNING", Phase.ARRIVED: "SUCCEEDED"}
+        return words.get(self.phase, str(self.phase.value))
 
     @property
     def is_running(self) -> bool:
@@ -115,6 +161,14 @@ class Goal:
         if not self.length or self.remaining is None:
             return 0.0
         return min(max(1 - self.remaining / self.length, 0.0), 1.0)
+
+
+class Leaf(NamedTuple):
+    """One field of a message that is no message itself."""
+
+    path: str  # dotted
+    type: str  # as rclpy names it: int32, double, string<10>, sequence<int32>
+    default: Any
 
 
 @dataclass(frozen=True)
@@ -198,32 +252,36 @@ class Outcome:
 class Snapshot:
     """Everything a screen can show, at one moment."""
 
+    robot: Robot = field(default_factory=Robot)  # its file
     battery: Battery = field(default_factory=Battery)
-    motor: Motor = field(default_factory=Motor)
+    motion: Motion = field(default_factory=Motion)
+    gauges: tuple[Reading, ...] = ()
     goal: Goal | None = None
     history: tuple[Goal, ...] = ()  # ended goals, newest first
     parameters: tuple[Parameter, ...] = ()
     nodes: tuple[NodeState, ...] = ()
-    offered: frozenset[str] = frozenset()  # which of the names above somebody serves
+    offered: frozenset[str] = frozenset()  # which names of the robot file somebody serves
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     stop_asked: float | None = None  # a STOP was sent then, and the robot has not confirmed it
     namespace: str = "/"  # of the robot that is operated
-    faults: Mapping[str, str] = field(default_factory=dict)  # why one of the names is not used
+    faults: Mapping[str, str] = field(default_factory=dict)  # why one of these is not used
     publishers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # nodes, by topic
     twice: tuple[str, ...] = ()  # names that several nodes have
     elsewhere: tuple[str, ...] = ()  # namespaces with nodes, beside this one
+    forms: Mapping[str, tuple[Leaf, ...]] = field(default_factory=dict)  # by id of the goal
+    actions: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # types, of all served
+    services: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # types, of all served
 
     def parameter(self, name: str) -> Parameter | None:
         """The first parameter of that name on any node."""
         return next((p for p in self.parameters if p.name == name), None)
 
     @property
-    def threshold(self) -> float:
-        """The low-battery threshold in %: the robot's own parameter, else the textbook's 20."""
-        node = in_namespace(self.namespace, BATTERY_NODE)
-        found = number_of(self.parameters, node, "low_battery_threshold", 0.0, 100.0)
-        return 20.0 if found is None else found
+    def threshold(self) -> float | None:
+        """The charge (%) below which it is low, as the robot has it; None: it says nothing."""
+        low = None if self.robot.battery is None else self.robot.battery.low
+        return None if low is None else linked(self.parameters, self.namespace, low, 0.0, 100.0)
 
 
 def in_namespace(namespace: str, node: str) -> str:
@@ -231,11 +289,13 @@ def in_namespace(namespace: str, node: str) -> str:
     return f"{namespace.rstrip('/')}/{node}"
 
 
-def number_of(
-    parameters: Iterable[Parameter], node: str, name: str, low: float, high: float
+def linked(
+    parameters: Iterable[Parameter], namespace: str, link: Link, low: float, high: float
 ) -> float | None:
-    """A node's parameter, when it is a number within low .. high."""
+    """The number that a link of the robot file leads to, when it is one within low .. high."""
+    wanted = (in_namespace(namespace, link.node.lstrip("/")), link.parameter)
     for parameter in parameters:
-        if (parameter.node, parameter.name) == (node, name):
-            return number(parameter.value, low, high)
-    return None
+        if (parameter.node, parameter.name) == wanted:
+            found = number(parameter.value, low, high)
+            return link.otherwise if found is None else found
+    return link.otherwise

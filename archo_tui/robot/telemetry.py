@@ -4,38 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from archo_tui.clock import Clock
-from archo_tui.robot import interfaces
+from archo_tui.robot import interfaces, messages
 from archo_tui.robot.period import Period
-from archo_tui.robot.readings import (
-    BATTERY_TYPES,
-    MOTOR_TYPES,
-    as_received,
-    flag,
-    integer,
-    number,
-)
-from archo_tui.robot.state import BATTERY, MOTOR, Battery, Motor
+from archo_tui.robot.readings import as_received, flag, integer, number, read
+from archo_tui.robot.state import Battery, Motion, Reading
 from archo_tui.robot.text import harmless
+from archo_tui.robots import check
+from archo_tui.robots.model import Field, Gauge, Robot
 
 _DEPTH = 10
 _SAMPLE_PERIOD = 1.0  # s between two samples of the charge that are kept
 _SAMPLES = 300
 _JUMP = 0.5  # % in the wrong direction that is more than noise
 _MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V, m/s; beyond that it is no reading
+_MOST = 1e15  # of a gauge without a range: so many digits a double has
 
 
 class Telemetry:
-    """The last battery and motor readings."""
+    """The last readings of battery, motion and gauges, as the robot's file says."""
 
     def __init__(
         self,
         node: Node,
+        robot: Robot,
         clock: Clock,
         heard: Callable[[str, bool], None],
         warn: Callable[[str], None],
@@ -44,44 +42,69 @@ class Telemetry:
 
         Without news nothing differs but its time.
         """
-        self._node, self._clock = node, clock
+        self._node, self._robot, self._clock = node, robot, clock
         self._heard = heard
         self._warn = warn
-        self._subscriptions: dict[str, tuple[tuple[str, bool], Any]] = {}
-        self._periods = {BATTERY: Period(), MOTOR: Period()}
+        self._subscriptions: dict[object, tuple[tuple[str, bool], Any]] = {}
+        self._periods: dict[object, Period] = {}
         self.faults: dict[str, str] = {}  # why a topic, or one of its publishers, is not heard
         self.battery = Battery()
-        self.motor = Motor()
+        self.motion = Motion()
+        self.gauges = tuple(Reading(gauge) for gauge in robot.gauges)
         self.charge: tuple[tuple[float, float], ...] = ()  # (s, %): never more than _SAMPLES
 
     def look(self) -> None:
         """(Re)subscribe to what is published now."""
-        self._follow(BATTERY, BATTERY_TYPES, self._on_battery)
-        self._follow(MOTOR, MOTOR_TYPES, self._on_motor)
+        battery, motion = self._robot.battery, self._robot.motion
+        faults: dict[str, str] = {}
+        if battery is not None:
+            types = {kind: _given(fields) for kind, fields in battery.types.items()}
+            self._follow("battery", battery.topic, types, self._on_battery, faults)
+        if motion is not None:
+            types = {kind: _given(fields) for kind, fields in motion.types.items()}
+            self._follow("motion", motion.topic, types, self._on_motion, faults)
+        for place, gauge in enumerate(self._robot.gauges):
+            self._follow(
+                place,
+                gauge.topic,
+                {gauge.type: {"value": gauge.field}},
+                partial(self._on_gauge, place),
+                faults,
+            )
+        for topic, fault in faults.items():
+            if self.faults.get(topic) != fault:
+                self._warn(fault)
+        self.faults = faults
 
     def measure_anew(self) -> None:
         """The robot may have another pace from now on: silence is judged when that is known."""
-        self._periods = {topic: Period() for topic in self._periods}
-        self.battery = replace(self.battery, period=None)
-        self.motor = replace(self.motor, period=None)
+        self._periods.clear()
+        self.battery = replace(self.battery, period=self._fixed(self._robot.battery))
+        self.motion = replace(self.motion, period=self._fixed(self._robot.motion))
+        self.gauges = tuple(replace(reading, period=None) for reading in self.gauges)
 
     def _follow(
         self,
+        key: object,
         topic: str,
-        types: Mapping[str, Mapping[str, str]],
-        callback: Callable[[Any, Mapping[str, str]], None],
+        types: Mapping[str, Mapping[str, Field]],
+        callback: Callable[[Any, Mapping[str, Field]], None],
+        faults: dict[str, str],
     ) -> None:
         publishers = self._node.get_publishers_info_by_topic(topic)
         if not publishers:
             return  # keep listening: the publisher may come back
         kinds = sorted({info.topic_type for info in publishers})
         known = {kind: interfaces.load(kind) for kind in kinds if kind in types}
-        usable = [kind for kind in known if known[kind] is not None]
-        self._set_fault(topic, self._fault(topic, kinds, usable, types))
-        old = self._subscriptions.get(topic)
+        lacking = {kind: _lacking(topic, kind, known[kind], types[kind]) for kind in known}
+        usable = [kind for kind in known if not lacking[kind]]
+        said = next(filter(None, lacking.values()), "") or check.types_fault(topic, kinds, types)
+        if said:
+            faults.setdefault(topic, said)
+        old = self._subscriptions.get(key)
         if not usable:
             if old is not None:
-                self._node.destroy_subscription(self._subscriptions.pop(topic)[1])
+                self._node.destroy_subscription(self._subscriptions.pop(key)[1])
             return
         kind = usable[0]
         reliable = all(
@@ -101,34 +124,18 @@ class Telemetry:
         subscription = self._node.create_subscription(
             known[kind], topic, lambda message: callback(message, fields), qos
         )
-        self._subscriptions[topic] = (wanted, subscription)
+        self._subscriptions[key] = (wanted, subscription)
 
-    def _fault(
-        self, topic: str, kinds: list[str], usable: list[str], types: Mapping[str, Any]
-    ) -> str:
-        """What is wrong with the types of a topic's publishers, or an empty string."""
-        for kind in kinds:
-            if kind in types and kind not in usable:
-                return f"{topic} is {kind}, which is not installed here"
-            if kind not in types:
-                return f"{topic} is {kind}: expected {' or '.join(types)}"
-        return f"{topic} has several types: {', '.join(kinds)}" if len(kinds) > 1 else ""
-
-    def _set_fault(self, topic: str, fault: str) -> None:
-        if fault and self.faults.get(topic) != fault:
-            self._warn(fault)
-        self.faults.pop(topic, None)
-        if fault:
-            self.faults[topic] = fault
-
-    def _on_battery(self, message: Any, fields: Mapping[str, str]) -> None:
-        found = {name: getattr(message, path, None) for name, path in fields.items()}
+    def _on_battery(self, message: Any, fields: Mapping[str, Field]) -> None:
+        assert self._robot.battery is not None
+        topic = self._robot.battery.topic
+        found = {name: read(field, message) for name, field in fields.items()}
         now, charging = self._clock.monotonic(), self.battery.charging
         percentage, before = found.get("percentage"), self.battery.unreadable
         reading = number(percentage, 0.0, 100.0)
         unreadable = "" if reading is not None else as_received(percentage)
         if unreadable and not before:
-            self._warn(f"{BATTERY}: percentage {unreadable} is not within 0 .. 100")
+            self._warn(f"{topic}: percentage {unreadable} is not within 0 .. 100")
         last = self.battery
         self.battery = Battery(
             percentage=reading,
@@ -136,15 +143,43 @@ class Telemetry:
             charging=flag(found.get("charging")),
             health=harmless(str(found.get("health") or "")) or None,
             received=now,
-            period=self._measured(BATTERY, now),
+            period=self._fixed(self._robot.battery) or self._measured("battery", now),
             unreadable=unreadable,
         )
         self._sample(now, turned=charging != self.battery.charging)
-        self._heard(BATTERY, self.battery != replace(last, received=now))
+        self._heard(topic, self.battery != replace(last, received=now))
 
-    def _measured(self, topic: str, now: float) -> float | None:
-        self._periods[topic] = self._periods[topic].heard(now)
-        return self._periods[topic].seconds
+    def _on_motion(self, message: Any, fields: Mapping[str, Field]) -> None:
+        assert self._robot.motion is not None
+        found = {name: read(field, message) for name, field in fields.items()}
+        now, last = self._clock.monotonic(), self.motion
+        self.motion = Motion(
+            count=integer(found.get("count")),
+            speed=number(found.get("speed"), -_MOST_SPEED, _MOST_SPEED),
+            moving=flag(found.get("moving")),
+            stopped=flag(found.get("stopped")),
+            received=now,
+            period=self._fixed(self._robot.motion) or self._measured("motion", now),
+        )
+        self._heard(self._robot.motion.topic, self.motion != replace(last, received=now))
+
+    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, Field]) -> None:
+        gauge, last, now = self._robot.gauges[place], self.gauges[place], self._clock.monotonic()
+        value = read(fields["value"], message)
+        reading = number(value, *_range(gauge))
+        unreadable = "" if reading is not None else as_received(value)
+        if unreadable and not last.unreadable:
+            self._warn(f"{gauge.topic}: {gauge.title} {unreadable} is not {_range_text(gauge)}")
+        new = Reading(gauge, reading, now, self._measured(place, now), unreadable)
+        self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
+        self._heard(gauge.topic, new != replace(last, received=now))
+
+    def _measured(self, key: object, now: float) -> float | None:
+        self._periods[key] = self._periods.get(key, Period()).heard(now)
+        return self._periods[key].seconds
+
+    def _fixed(self, topic: Any) -> float | None:
+        return None if topic is None else topic.period
 
     def _sample(self, now: float, *, turned: bool) -> None:
         """Keep the charge for its trend; what came before it turned says nothing about it."""
@@ -156,16 +191,25 @@ class Telemetry:
         if percentage is not None and (not kept or now - kept[-1][0] >= _SAMPLE_PERIOD):
             self.charge = (*kept[-_SAMPLES + 1 :], (now, percentage))
 
-    def _on_motor(self, message: Any, fields: Mapping[str, str]) -> None:
-        found = {name: getattr(message, path, None) for name, path in fields.items()}
-        now = self._clock.monotonic()
-        last = self.motor
-        self.motor = Motor(
-            ticks=integer(found.get("ticks")),
-            speed=number(found.get("speed"), -_MOST_SPEED, _MOST_SPEED),
-            moving=flag(found.get("moving")),
-            stopped=flag(found.get("stopped")),
-            received=now,
-            period=self._measured(MOTOR, now),
-        )
-        self._heard(MOTOR, self.motor != replace(last, received=now))
+
+def _given(fields: Any) -> dict[str, Field]:
+    """The readings that a message type has, by name."""
+    return {name: field for name, field in vars(fields).items() if field is not None}
+
+
+def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Field]) -> str:
+    """Why a type cannot be read: not installed, or without a field that the robot file names."""
+    if message_class is None:
+        return check.missing(topic, kind)
+    wanted = [(field.where, field.field) for field in fields.values()]
+    return check.fields_fault(kind, wanted, messages.paths(message_class))
+
+
+def _range(gauge: Gauge) -> tuple[float, float]:
+    low = -_MOST if gauge.low is None else gauge.low
+    return low, _MOST if gauge.high is None else gauge.high
+
+
+def _range_text(gauge: Gauge) -> str:
+    limited = gauge.low is not None and gauge.high is not None
+    return f"within {gauge.low:g} .. {gauge.high:g}" if limited else "a number of this gauge"

@@ -11,9 +11,10 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Button, Static
 
-from archo_tui.robot.parameter_values import parse, range_text, text_of
+from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.text import harmless
+from archo_tui.robot.values import text_of
 from archo_tui.screens.dialog import Form
 from archo_tui.widgets.field import Field
 

@@ -7,13 +7,14 @@ from textual.containers import Container, Horizontal
 from textual.screen import Screen
 from textual.widget import Widget
 
+from archo_tui.robot.state import Snapshot
 from archo_tui.station import View
 from archo_tui.widgets import bars
 from archo_tui.widgets.battery_panel import BatteryPanel
 from archo_tui.widgets.events_panel import EventsPanel
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.line import Line
-from archo_tui.widgets.motor_panel import MotorPanel
+from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
@@ -28,11 +29,14 @@ class MainScreen(Screen[None]):
 
     _before: Widget | None = None  # had the focus before a panel was asked for
 
-    def __init__(self) -> None:
+    def __init__(self, snapshot: Snapshot) -> None:
+        """`snapshot` knows the robot's file."""
         super().__init__()
-        self.goal, self.parameters = GoalPanel(), ParametersPanel()
+        robot = snapshot.robot
+        self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
         self.nodes, self.events = NodesPanel(), EventsPanel()
-        panels = (BatteryPanel(), MotorPanel(), self.goal, self.parameters, self.nodes, self.events)
+        above = BatteryPanel(robot), MotionPanel(robot), self.goal
+        panels = (*above, self.parameters, self.nodes, self.events)
         self._panels: dict[int, Panel] = {panel.number: panel for panel in panels}
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")

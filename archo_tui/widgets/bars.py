@@ -4,17 +4,19 @@ from __future__ import annotations
 
 from textual.content import Content
 
-from archo_tui.alarms import Priority, State, advice
+from archo_tui.alarms import Priority, State, advice, ways
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import BATTERY, MOTOR, Battery, Motor, Phase
+from archo_tui.goal_text import doing
+from archo_tui.robot.state import Battery, Motion, Phase
+from archo_tui.robot.text import harmless
 from archo_tui.station import View
 
 
 def header(view: View, width: int) -> Content:
     """Which robot, in contact or not, which engine, and what it does."""
-    doing = _doing(view)
-    wide = f" ARCHO  {view.namespace:<12} {_contact(view):<20} {view.engine:<10}  {doing}"
-    tight = f" ARCHO {view.namespace} {_contact(view)} {view.engine}  {doing}"
+    does, name = _doing(view), harmless(view.snapshot.robot.name)
+    wide = f" {name}  {view.namespace:<12} {_contact(view):<20} {view.engine:<10}  {does}"
+    tight = f" {name} {view.namespace} {_contact(view)} {view.engine}  {does}"
     return Content.styled(wide if len(wide) <= width else tight, "bold")
 
 
@@ -32,8 +34,8 @@ def banner(view: View, width: int) -> Content:
         return Content.styled(f" {shelved}", "dim")
     alarm, key = shown[0], view.key("acknowledge")
     more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
-    ways = {name: f"press {key}" for name, key in view.keys.items() if name not in view.blocked}
-    text = advice(alarm, ways)
+    keys = {name: f"press {key}" for name, key in view.keys.items() if name not in view.blocked}
+    text = advice(alarm, ways(view.snapshot.robot, keys))
     if alarm.until is not None:
         text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
         text += f", over at {time_of_day(alarm.until)}"
@@ -68,8 +70,12 @@ def footer(commands: list[tuple[str, str, str, bool]], width: int, palette_key: 
 
 
 def _contact(view: View) -> str:
-    snapshot = view.snapshot
-    readings: dict[str, Battery | Motor] = {BATTERY: snapshot.battery, MOTOR: snapshot.motor}
+    snapshot, robot = view.snapshot, view.snapshot.robot
+    readings: dict[str, Battery | Motion] = {}
+    if robot.battery is not None:
+        readings[robot.battery.topic] = snapshot.battery
+    if robot.motion is not None:
+        readings[robot.motion.topic] = snapshot.motion
     heard = {
         name: view.now - reading.received
         for name, reading in readings.items()
@@ -87,11 +93,11 @@ def _contact(view: View) -> str:
 
 
 def _doing(view: View) -> str:
-    goal = view.snapshot.goal
-    if view.snapshot.motor.stopped:
+    snapshot, goal = view.snapshot, view.snapshot.goal
+    stop = "" if snapshot.robot.stop is not None else "no STOP"
+    if snapshot.motion.stopped:
         return "✗ STOPPED"
     if goal is None or not goal.is_running:
-        return ""
-    if goal.phase in (Phase.SENT, Phase.MOVING):
-        return f"{goal.phase.value} to {goal.shelf}"
-    return str(goal.phase.value)
+        return stop
+    does = doing(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word
+    return f"{does}   {stop}".rstrip()

@@ -6,7 +6,8 @@ from textual.app import ComposeResult
 from textual.content import Content
 
 from archo_tui import state_text
-from archo_tui.robot.state import BATTERY, Snapshot
+from archo_tui.robot.state import Snapshot
+from archo_tui.robots.model import Robot
 from archo_tui.station import View
 from archo_tui.widgets import trend
 from archo_tui.widgets.line import Line
@@ -18,10 +19,12 @@ class BatteryPanel(Panel, can_focus=True):
     """Percentage, voltage and word; a gauge with the threshold marked; what the charge does."""
 
     number, title_text = 1, "Battery"
-    keys = (("charge", "charge"),)
 
-    def __init__(self) -> None:
+    def __init__(self, robot: Robot) -> None:
         super().__init__()
+        self._topic = "" if robot.battery is None else robot.battery.topic
+        ours = [c for c in robot.commands if c.is_about("battery")]
+        self.keys = tuple((command.id, command.title.lower()) for command in ours)
         self._line, self._gauge = Line(id="battery-line"), Line(id="battery-gauge")
         self._history, self._trend = Line(id="battery-history"), Line(id="battery-trend")
 
@@ -41,8 +44,9 @@ class BatteryPanel(Panel, can_focus=True):
         history = trend.sparkline(snapshot.charge, width)
         self._history.show(content(((history, state_text.OLD),)))
         self._trend.show(content(_trend(snapshot, view.now, width)))
-        self.show_publishers(view, BATTERY)
-        self.show_keys(view, f"low {snapshot.threshold:g}")
+        self.show_publishers(view, self._topic)
+        low = snapshot.threshold
+        self.show_keys(view, "" if low is None else f"low {low:g}")
 
 
 def _trend(snapshot: Snapshot, now: float, width: int) -> state_text.Spans:

@@ -7,6 +7,7 @@ from textual.message import Message
 from textual.widgets import Input
 
 INTEGER = "-0123456789 "  # what a whole number, or several, can contain
+NUMBER = f"{INTEGER}.+"
 
 
 class Field(Input):

@@ -1,6 +1,9 @@
-"""Panel 3: send the robot to a shelf, see it drive, cancel."""
+"""Panel 3: give the robot a goal, see what becomes of it, cancel."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal
@@ -8,9 +11,11 @@ from textual.message import Message
 from textual.widgets import Button, Label
 
 from archo_tui import goal_text, state_text
-from archo_tui.robot.state import MOVE, Phase, Snapshot
+from archo_tui.robot.forms import is_integer, is_number, parse
+from archo_tui.robot.state import Leaf, Phase, Snapshot
+from archo_tui.robots.model import GoalKind
 from archo_tui.station import View
-from archo_tui.widgets.field import INTEGER, Field
+from archo_tui.widgets.field import INTEGER, NUMBER, Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.styled import content
@@ -19,20 +24,31 @@ from archo_tui.widgets.styled import content
 class GoalPanel(Panel):
     """A form, a bar, where the goal stands, and the goals before."""
 
-    number, title_text = 3, "Go to shelf"
+    number, title_text = 3, "Goal"
     keys = (("cancel", "cancel"),)
     _about: object = None  # what the robot's answer that is shown was about
 
     class Send(Message):
-        """The operator wants the robot to go there."""
+        """The operator wants the robot to do that."""
 
-        def __init__(self, shelf: int) -> None:
+        def __init__(self, kind: GoalKind, values: Mapping[str, Any]) -> None:
             super().__init__()
-            self.shelf = shelf
+            self.kind, self.values = kind, values
 
-    def __init__(self) -> None:
+    def __init__(self, snapshot: Snapshot) -> None:
+        """`snapshot` knows the robot's file, and what the fields of its forms take."""
+        self._kind = snapshot.robot.goals[0] if snapshot.robot.goals else None
+        if self._kind is not None:
+            self.title_text = self._kind.title
         super().__init__()
-        self.field = Field(id="shelf", takes=INTEGER)
+        form = {} if self._kind is None else self._kind.form
+        self._leaves = () if self._kind is None else snapshot.forms.get(self._kind.id, ())
+        self.fields = [
+            Field(id=f"goal-{number}", takes=_takes(leaf))
+            for number, leaf in enumerate(self._leaves)
+        ]
+        units = [(given.label or path, given.unit) for path, given in form.items()]
+        self._labels = [f"{label} ({unit}) " if unit else f"{label} " for label, unit in units]
         self._go = Button("Go", id="go", compact=True)
         self._cancel = Button("Cancel", id="cancel", compact=True, action="app.command('cancel')")
         self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
@@ -40,8 +56,10 @@ class GoalPanel(Panel):
 
     def compose(self) -> ComposeResult:
         with Horizontal(classes="buttons"):
-            yield Label("Shelf ")
-            yield from (self.field, self._go, self._cancel, self._hint)
+            for label, field in zip(self._labels, self.fields, strict=False):
+                yield Label(label)
+                yield field
+            yield from (self._go, self._cancel, self._hint)
         yield from (self._bar, self._line, self._history)
 
     def show(self, view: View) -> None:
@@ -53,23 +71,35 @@ class GoalPanel(Panel):
         self._line.show(content(line))
         before = goal_text.goal_history(snapshot.history, width)
         self._history.show(content(before))
-        for button in (self._go, self._cancel):
-            self.grey(view, {MOVE: button})
+        self.grey(view, [("" if self._kind is None else self._kind.action, self._go)])
+        self._cancel.set_class(snapshot.goal is None and self._go.has_class("-blocked"), "-blocked")
         if self._about not in (None, _situation(snapshot)):
             self.hint("")
 
     def take_focus(self) -> None:
-        self.screen.set_focus(self.field)
+        """The first field; the button where there is none."""
+        self.screen.set_focus(self.fields[0] if self.fields else self._go)
 
     def on_input_changed(self) -> None:
         self.hint("")
 
     def on_input_submitted(self, event: Field.Submitted) -> None:
-        self.submit(event.value)  # as it was: the keys behind enter may have changed it since
+        number = next(n for n, field in enumerate(self.fields) if field is event.input)
+        if number + 1 < len(self.fields):
+            self.screen.set_focus(self.fields[number + 1])
+            return
+        typed = [field.value for field in self.fields]
+        typed[number] = event.value  # as it was: the keys behind enter may have changed it since
+        self.submit(typed)
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == "go":
-            self.submit(self.field.value)
+            self.submit([field.value for field in self.fields])
+
+    def clear(self) -> None:
+        """What was typed has been sent."""
+        for field in self.fields:
+            field.clear()
 
     def on_field_refused(self, event: Field.Refused) -> None:
         self.hint(event.reason)
@@ -84,21 +114,34 @@ class GoalPanel(Panel):
         self.hint(text)
         self._about = _situation(snapshot)
 
-    def submit(self, typed: str) -> None:
-        """Ask for the shelf that was typed, or say what is wrong with it."""
-        try:
-            shelf = goal_text.parse_shelf(typed)
-        except ValueError as error:
-            self.hint(str(error))
+    def submit(self, typed: Sequence[str]) -> None:
+        """Ask for what was typed, or say what is wrong with it."""
+        if self._kind is None:
+            self.hint(f"{self.app.title}: the robot file names no goal")
             return
+        values: dict[str, Any] = {}
+        for leaf, field, text in zip(self._leaves, self.fields, typed, strict=True):
+            try:
+                values[leaf.path] = parse(leaf, self._kind.form[leaf.path], text)
+            except ValueError as error:
+                self.hint(str(error))
+                self.screen.set_focus(field)
+                return
         self.hint("")
-        self.post_message(self.Send(shelf))
+        self.post_message(self.Send(self._kind, values))
+
+
+def _takes(leaf: Leaf) -> str:
+    if is_integer(leaf):
+        return INTEGER
+    return NUMBER if is_number(leaf) else ""
 
 
 def _situation(snapshot: Snapshot) -> object:
     """What a refusal may be about: another goal, one without news, nobody there to ask."""
-    goal = snapshot.goal
+    goal, actions = snapshot.goal, {kind.action for kind in snapshot.robot.goals}
+    offered = actions & snapshot.offered
     if goal is None:
-        return MOVE in snapshot.offered
+        return offered
     doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
-    return MOVE in snapshot.offered, goal.sent, goal.is_running, doubtful
+    return offered, goal.sent, goal.is_running, doubtful

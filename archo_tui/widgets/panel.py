@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import ClassVar
+from collections.abc import Sequence
 
 from textual.containers import Container
 from textual.markup import escape
@@ -17,7 +16,7 @@ class Panel(Container):
 
     number = 0
     title_text = ""
-    keys: ClassVar[tuple[tuple[str, str], ...]] = ()  # (command, word) for the border below
+    keys: Sequence[tuple[str, str]] = ()  # (command, word) for the border below
 
     def __init__(self) -> None:
         super().__init__(id=f"panel-{self.number}", classes="panel")
@@ -54,10 +53,10 @@ class Panel(Container):
         if title != self.border_title:
             self.border_title = title
 
-    def grey(self, view: View, buttons: Mapping[str, Button]) -> None:
+    def grey(self, view: View, buttons: Sequence[tuple[str, Button]]) -> None:
         """Dim the button of each service that nobody offers, or another; pressed, it says so."""
         snapshot = view.snapshot
-        for service, button in buttons.items():
+        for service, button in buttons:
             missing = service not in snapshot.offered or service in snapshot.faults
             button.set_class(missing, "-blocked")
 

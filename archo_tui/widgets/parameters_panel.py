@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from textual.app import ComposeResult
 from textual.content import Content
 
-from archo_tui.robot.parameter_values import range_text, text_of
+from archo_tui.robot.parameter_values import range_text
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.text import harmless
+from archo_tui.robot.values import text_of
 from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel

@@ -8,12 +8,13 @@ from archo_tui.robot.state import (
     Battery,
     Event,
     Goal,
-    Motor,
+    Motion,
     NodeState,
     Parameter,
     Phase,
     Snapshot,
 )
+from tests.support.archo import ARCHO, FORMS, SHELF
 from tests.support.clock import NOW, TIME
 
 ALL = frozenset(
@@ -29,7 +30,8 @@ ALL = frozenset(
 )
 
 MOVING = Goal(
-    shelf=12,
+    kind=SHELF,
+    fields={"shelf_number": 12},
     phase=Phase.MOVING,
     sent=NOW - 1.6,
     time=TIME - 1.5,
@@ -42,14 +44,19 @@ MOVING = Goal(
 
 def ended(shelf: int, phase: Phase, message: str, remaining: float = 0.0) -> Goal:
     return replace(
-        MOVING, shelf=shelf, phase=phase, message=message, remaining=remaining, ended=NOW + 1.5
+        MOVING,
+        fields={"shelf_number": shelf},
+        phase=phase,
+        message=message,
+        remaining=remaining,
+        ended=NOW + 1.5,
     )
 
 
 ARRIVED = ended(12, Phase.ARRIVED, "Arrived at shelf 12")
 CANCELLED = ended(3, Phase.CANCELLED, "Cancelled mid-route", 9.0)
 BATTERY = Battery(87.5, 24.1, False, "good", NOW - 0.4)
-MOTOR = Motor(15420, 0.0, False, False, NOW - 0.1)
+MOTOR = Motion(15420, 0.0, False, False, NOW - 0.1)
 PARAMETERS = (
     Parameter("/battery_monitor", "low_battery_threshold", "double", 20.0, 20.0, "%", 0, 100),
     Parameter("/battery_monitor", "publish_period", "double", 1.0, 1.0, "s", 0.02, 10),
@@ -72,9 +79,11 @@ EVENTS = (
 )
 CHARGE = tuple((NOW - 170 + second, 87.5 + (170 - second) / 10) for second in range(171))
 NORMAL = Snapshot(
+    robot=ARCHO,
+    forms=FORMS,
     battery=BATTERY,
     charge=CHARGE,
-    motor=MOTOR,
+    motion=MOTOR,
     parameters=PARAMETERS,
     nodes=(
         NodeState("/battery_monitor", NOW - 0.4, 1.0),
@@ -99,7 +108,7 @@ def battery(percentage: float | None = 87.5, **changes: object) -> Snapshot:
 
 
 STATES: dict[str, Snapshot] = {
-    "nothing heard yet": Snapshot(),
+    "nothing heard yet": Snapshot(robot=ARCHO, forms=FORMS),
     "normal": NORMAL,
     "battery low and moving": replace(
         goal(Phase.MOVING),
@@ -135,18 +144,20 @@ STATES: dict[str, Snapshot] = {
     "contact lost": replace(
         goal(Phase.LOST, heard=NOW - 9.0),
         battery=replace(BATTERY, received=NOW - 9.5),
-        motor=replace(MOTOR, received=NOW - 9.1),
+        motion=replace(MOTOR, received=NOW - 9.1),
         nodes=tuple(replace(node, heard=NOW - 9.1) for node in NORMAL.nodes),
     ),
     "motor moving": replace(
-        goal(Phase.MOVING), motor=Motor(1_234_567, 0.8, True, False, NOW - 0.1)
+        goal(Phase.MOVING), motion=Motion(1_234_567, 0.8, True, False, NOW - 0.1)
     ),
     "motor stopped": replace(
         goal(Phase.ABORTED, message="Emergency stop, 9.0 m before shelf 12", ended=NOW),
-        motor=replace(MOTOR, stopped=True),
+        motion=replace(MOTOR, stopped=True),
     ),
     "goal sent": goal(Phase.SENT, started=None, heard=None, remaining=None),
-    "goal refused": goal(Phase.REFUSED, message="shelf 99 is not in 1 .. 40", shelf=99),
+    "goal refused": goal(
+        Phase.REFUSED, message="shelf 99 is not in 1 .. 40", fields={"shelf_number": 99}
+    ),
     "goal cancelling": goal(Phase.CANCELLING, cancel_asked=NOW - 0.4),
     "goal cancelled": replace(NORMAL, goal=CANCELLED, history=(CANCELLED,)),
     "goal arrived": replace(NORMAL, goal=ARRIVED, history=(ARRIVED, CANCELLED)),

@@ -87,7 +87,7 @@ async def test_the_cursor_stays_with_its_event_while_others_come() -> None:
         await op.press("6", "down")
         before = op.app.main.events.selected
         await op.press("c")
-        await op.until("stop charging: Not charging")
+        await op.until("discharge: Not charging")
         assert op.app.main.events.selected == before
 
 

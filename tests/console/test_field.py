@@ -7,7 +7,6 @@ import re
 
 from textual import events
 
-from archo_tui.robot.state import Motor
 from archo_tui.widgets.field import Field
 from tests.support.console import FAST, LONG, console
 
@@ -70,7 +69,7 @@ async def test_a_correction_in_one_write_sends_the_robot_to_the_corrected_shelf(
     async with console(*FAST) as op:
         op.send("g", "1", "2", "backspace", "3", "enter")
         await op.until("Arrived at shelf 13")
-        assert [goal.shelf for goal in op.app.view.snapshot.history] == [13]
+        assert [goal.target for goal in op.app.view.snapshot.history] == ["13"]
 
 
 async def test_what_is_typed_behind_enter_is_not_part_of_what_was_entered() -> None:
@@ -92,9 +91,9 @@ async def test_a_paste_that_a_field_cannot_contain_is_refused_with_the_reason() 
         await op.press("g", "1")
         op.app.post_message(events.Paste("2x\x183"))
         await op.until("cannot paste this here: it contains 'x'")
-        assert op.app.query_one("#shelf", Field).value == "1"
+        assert op.app.query_one("#goal-0", Field).value == "1"
         op.app.post_message(events.Paste("23"))
-        await op.until(lambda: op.app.query_one("#shelf", Field).value == "123")
+        await op.until(lambda: op.app.query_one("#goal-0", Field).value == "123")
 
 
 async def test_keys_behind_a_command_that_asks_are_for_its_question() -> None:
@@ -104,14 +103,14 @@ async def test_keys_behind_a_command_that_asks_are_for_its_question() -> None:
         await op.press("4")
         op.send("R", "enter")  # the safe answer, not the parameter under the cursor
         await op.until(lambda: op.app.screen is op.app.main)
-        assert op.app.view.snapshot.motor.stopped
+        assert op.app.view.snapshot.motion.stopped
         op.send("R", "n")
         await op.settle()
-        assert op.app.view.snapshot.motor.stopped
+        assert op.app.view.snapshot.motion.stopped
         op.send("R", "y")
         await op.until("● IDLE")
-        motor: Motor = op.app.view.snapshot.motor
-        assert not motor.stopped
+        motion = op.app.view.snapshot.motion
+        assert not motion.stopped
 
 
 async def test_only_the_left_button_acts() -> None:

@@ -53,7 +53,7 @@ async def keys_answer(op: Console) -> None:
     op.send("g", "7", "enter")
     await op.until("Arrived at shelf 7")
     op.send("escape", "ctrl+x")
-    await op.until(lambda: op.app.view.snapshot.motor.stopped)
+    await op.until(lambda: op.app.view.snapshot.motion.stopped)
 
 
 async def test_ten_thousand_log_lines_a_second() -> None:

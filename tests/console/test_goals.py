@@ -38,7 +38,7 @@ async def test_ctrl_c_cancels_while_typing() -> None:
         await op.type("7")
         await op.press("ctrl+c")
         await op.until("✗ CANCELLED    Cancelled mid-route, ")
-        assert op.app.query_one("#shelf", Input).value == "7"
+        assert op.app.query_one("#goal-0", Input).value == "7"
         await op.until(
             "cancel: cancelling   $ ros2 service call /move_to_shelf/_action/cancel_goal"
         )
@@ -97,15 +97,15 @@ async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
     async with console(*FAST) as op:
         await op.press("g")
         for typed, said in (
-            ("", "type a shelf number"),
-            ("abc", "not a shelf number: abc"),
-            ("1.5", "not a shelf number: 1.5"),
-            ("-1", "shelves are numbered from 1: -1"),
-            ("0", "shelves are numbered from 1: 0"),
-            ("99999999999", "no such shelf: 99999999999"),
-            ("９", "not a shelf number: ９"),
+            ("", "Shelf: type a value"),
+            ("abc", "Shelf: not a whole number: abc"),
+            ("1.5", "Shelf: not a whole number: 1.5"),
+            ("-1", "Shelf: at least 1, not -1"),
+            ("0", "Shelf: at least 1, not 0"),
+            ("99999999999", "Shelf: at most 2147483647, not 99999999999"),
+            ("９", "Shelf: not a whole number: ９"),
         ):
-            op.app.query_one("#shelf", Input).value = typed
+            op.app.query_one("#goal-0", Input).value = typed
             await op.press("enter")
             await op.until(said)
         assert "No goal yet." in op.text
@@ -115,9 +115,9 @@ async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
 async def test_ten_thousand_pasted_characters_are_refused_in_one_line() -> None:
     async with console(*FAST) as op:
         await op.press("g")
-        op.app.query_one("#shelf", Input).insert_text_at_cursor("9" * 10_000)
+        op.app.query_one("#goal-0", Input).insert_text_at_cursor("9" * 10_000)
         await op.press("enter")
-        await op.until("no such shelf: 99999999999999999999 ...")
+        await op.until("Shelf: at most 2147483647, not 999")
         assert op.app.view.snapshot.goal is None
 
 

@@ -41,7 +41,7 @@ async def test_escape_leads_out_of_a_field_to_where_the_focus_was() -> None:
         await op.press("6", "g", "1", "escape")
         assert op.app.focused is not None
         assert op.app.focused.id == "event-list"
-        assert op.app.query_one("#shelf", Input).value == "1"
+        assert op.app.query_one("#goal-0", Input).value == "1"
 
 
 async def test_letters_are_text_while_typing() -> None:
@@ -56,7 +56,7 @@ async def test_letters_are_commands_in_a_field_for_numbers() -> None:
     async with console(*FAST) as op:
         await op.press("g", "1", "x", "2", "c")
         await op.until("charge: Charging")
-        assert op.app.query_one("#shelf", Input).value == "12"
+        assert op.app.query_one("#goal-0", Input).value == "12"
         await op.press("question_mark")
         await op.until("Keys")
 
@@ -134,7 +134,7 @@ async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
         assert "move_to_shelf: not offered by any node" in op.text
         await op.press("g", "1", "2", "enter")
         await op.until("move_to_shelf is not offered by any node")
-        assert op.app.query_one("#shelf", Input).value == "12"
+        assert op.app.query_one("#goal-0", Input).value == "12"
         assert op.focused_panel == 3
 
 

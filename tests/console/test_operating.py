@@ -35,14 +35,14 @@ async def test_r_asks_while_a_goal_runs_and_the_safe_answer_has_the_focus() -> N
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("escape", "r")
-        await op.until("The robot is on its way to shelf 12. Reset the encoder now?")
+        await op.until("The robot is on its way to shelf 12. Reset encoder now?")
         assert op.app.focused is not None
         assert op.app.focused.id == "answer-0"
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
         assert "        0 ticks" not in op.text
         await op.press("r")
-        await op.until("Reset the encoder now?")
+        await op.until("Reset encoder now?")
         await op.press("tab", "enter")
         await op.until("reset encoder: Encoder reset to zero")
         await op.press("ctrl+c")
@@ -60,12 +60,12 @@ async def test_stop_acts_everywhere_and_is_released_apart(where: str) -> None:
             await op.until(lambda: op.app.screen is not op.app.main)
         if where == "question":
             await op.press("r")
-            await op.until("Reset the encoder now?")
+            await op.until("Reset encoder now?")
         if where == "help":
             await op.press("question_mark")
             await op.until("Keys")
         await op.press("ctrl+x")
-        await op.until(lambda: op.app.view.snapshot.motor.stopped)
+        await op.until(lambda: op.app.view.snapshot.motion.stopped)
         while op.app.screen is not op.app.main:
             await op.press("escape")
         await op.until("✗ ABORTED      Emergency stop, ")

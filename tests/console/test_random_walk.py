@@ -8,12 +8,14 @@ from pathlib import Path
 import pytest
 from textual.widgets import Input
 
-from archo_tui.commands import COMMANDS
+from archo_tui.commands import registry
 from archo_tui.robot.state import Outcome
 from tests.console.states import STATES
+from tests.support.archo import ARCHO
 from tests.support.console import send
 from tests.support.stub import StubRobot, stub_app
 
+COMMANDS = registry(ARCHO)
 _KEYS = sorted(
     {command.key for command in COMMANDS}
     | set("0123456789azAZ .-") | {"tab", "shift+tab", "escape", "enter", "up", "down", "left"}

@@ -9,15 +9,17 @@ import pytest
 from textual.widgets import Input
 
 from archo_tui.app import HELD, ArchoApp
-from archo_tui.commands import COMMANDS
-from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, PANELS, Command
+from archo_tui.commands import registry
+from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command
 from archo_tui.commands.keymap import shown
 from archo_tui.widgets.field import INTEGER
 from tests.console.states import STATES
+from tests.support.archo import ARCHO
 from tests.support.console import send
 from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, stub_app
 
+COMMANDS = registry(ARCHO)
 README = Path(__file__).parent.parent.parent / "README.md"
 PLACES = [f"panel {number}" for number in range(1, 7)] + [
     "shelf field", "filter field", "search field", "full screen",
@@ -120,7 +122,7 @@ def table() -> list[str]:
     for command in COMMANDS:
         if command.id.startswith("panel_"):
             if command.id == "panel_1":
-                rows.append(f"| `1` .. `{len(PANELS)}`, tab | go to a panel | {NOT_TYPING} |")
+                rows.append(f"| `1` .. `6`, tab | go to a panel | {NOT_TYPING} |")
             continue
         does = command.help
         if does[1].islower():

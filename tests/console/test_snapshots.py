@@ -130,7 +130,7 @@ async def compare_all(
 
 async def test_every_state_looks_as_accepted_in_every_size(request: pytest.FixtureRequest) -> None:
     clock = StandingClock()
-    app = stub_app(Snapshot(), clock)
+    app = stub_app(STATES["nothing heard yet"], clock)
     robot: StubRobot = app.station.robot  # type: ignore[assignment]
     different = []
     async with app.run_test(size=SIZES["80x24"]) as pilot:

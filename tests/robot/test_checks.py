@@ -18,10 +18,11 @@ from std_srvs.srv import SetBool
 from archo_tui.alarms import MIXED, TWICE, WORD, conditions
 from archo_tui.robot.period import Period, is_silent
 from archo_tui.robot.state import Snapshot
-from archo_tui.state_text import battery_line, battery_word, motor_word, plain
+from archo_tui.state_text import battery_line, battery_word, motion_word, plain
 from archo_tui.station import View
 from archo_tui.widgets.bars import header
 from tests.support import chosen, clock
+from tests.support.archo import go
 from tests.support.console import console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
@@ -85,7 +86,7 @@ async def test_another_type_on_a_topic_is_said_and_not_guessed_at(topic: str, ki
         assert it.snapshot.faults[topic] == fault
         assert [e.text for e in it.snapshot.events] == [fault]
         assert battery_word(it.snapshot)[1] == "NO DATA"
-        assert "IDLE" not in plain(motor_word(it.snapshot, clock.seconds(), 80))
+        assert "IDLE" not in plain(motion_word(it.snapshot, clock.seconds(), 80))
 
 
 async def test_an_unknown_word_of_health_is_shown_as_it_is_and_hides_no_low_battery() -> None:
@@ -217,7 +218,7 @@ async def test_an_action_of_another_type_is_greyed_with_its_type(
         await until(lambda: "move_to_shelf" in it.snapshot.faults)
         fault = it.snapshot.faults["move_to_shelf"]
         assert fault.startswith("move_to_shelf is std_msgs/msg/String: expected archo_interfaces/")
-        outcome = await ended(it.go_to_shelf(3))
+        outcome = await ended(go(it, 3))
         assert (outcome.ok, outcome.text) == (False, fault)
     elsewhere.close()
 
@@ -309,7 +310,7 @@ async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> No
     async with robot(Liar, Refusing) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         await until(lambda: any("I say so" in e.text for e in it.snapshot.events))
-        outcome = await ended(it.go_to_shelf(3))
+        outcome = await ended(go(it, 3))
         assert (outcome.ok, outcome.text) == (False, "the road is wet")
 
 

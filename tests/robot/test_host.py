@@ -28,11 +28,11 @@ class Good(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("good", **options)
-        self.ticks = 0
+        self.count = 0
         self.create_timer(0.01, self.tick)
 
     def tick(self) -> None:
-        self.ticks += 1
+        self.count += 1
 
 
 def test_a_crash_is_an_event_and_the_others_go_on() -> None:
@@ -51,8 +51,8 @@ def test_a_crash_is_an_event_and_the_others_go_on() -> None:
         bad, good = session.host.nodes
         assert bad.state.life is Life.CRASHED
         assert "in explode" in bad.state.traceback
-        seen = good.node.ticks  # type: ignore[attr-defined]
-        wait_until(lambda: good.node.ticks > seen)  # type: ignore[attr-defined]
+        seen = good.node.count  # type: ignore[attr-defined]
+        wait_until(lambda: good.node.count > seen)  # type: ignore[attr-defined]
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes][-1] == "/good")
 
 

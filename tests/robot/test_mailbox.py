@@ -7,7 +7,7 @@ import threading
 from dataclasses import replace
 
 from archo_tui.robot.mailbox import Mailbox
-from archo_tui.robot.state import Motor, Snapshot
+from archo_tui.robot.state import Motion, Snapshot
 
 
 async def test_a_stalled_loop_gets_one_call_with_the_newest() -> None:
@@ -16,14 +16,14 @@ async def test_a_stalled_loop_gets_one_call_with_the_newest() -> None:
 
     def flood() -> None:
         for ticks in range(1000):
-            door.put(replace(Snapshot(), motor=Motor(ticks=ticks)))
+            door.put(replace(Snapshot(), motion=Motion(count=ticks)))
 
     thread = threading.Thread(target=flood)
     thread.start()
     thread.join()  # the loop stalls meanwhile, on purpose
     await asyncio.sleep(0)
     await asyncio.sleep(0)
-    assert [snapshot.motor.ticks for snapshot in got] == [999]
+    assert [snapshot.motion.count for snapshot in got] == [999]
     door.put(Snapshot())
     await asyncio.sleep(0)
     await asyncio.sleep(0)

@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.parameter_values import parse, range_text, text_of
+from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.state import Parameter
+from archo_tui.robot.values import text_of
 
 
 def parameter(kind: str, **options: Any) -> Parameter:

@@ -27,6 +27,7 @@ from archo_tui.robot.client import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.state_text import plain
 from tests.support import chosen, clock
+from tests.support.archo import go, reset
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 
@@ -87,7 +88,7 @@ def quiet(**options: Any) -> Node:
 async def test_what_nobody_offers_is_said() -> None:
     async with robot(quiet) as it:
         assert it.snapshot.offered == frozenset()
-        outcome = await ended(it.reset_encoder())
+        outcome = await ended(reset(it))
         assert (outcome.ok, outcome.text) == (False, "/reset_encoder is not offered by any node")
         outcome = await ended(it.cancel())
         assert (outcome.ok, outcome.text) == (False, "no goal is running")
@@ -96,7 +97,7 @@ async def test_what_nobody_offers_is_said() -> None:
 async def test_the_servers_own_refusal_is_passed_on() -> None:
     async with robot(server()) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
-        outcome = await ended(it.reset_encoder())
+        outcome = await ended(reset(it))
         assert (outcome.ok, outcome.text) == (False, "the encoder is stuck")
 
 
@@ -104,11 +105,11 @@ async def test_a_server_that_hangs_gives_no_answer_and_the_next_call_works() -> 
     hang = threading.Event()
     async with robot(server(hang=hang)) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
-        outcome = await ended(it.reset_encoder())
+        outcome = await ended(reset(it))
         assert not outcome.ok
         assert outcome.text.startswith("no answer in ")
         hang.set()
-        assert (await ended(it.reset_encoder())).text == "the encoder is stuck"
+        assert (await ended(reset(it))).text == "the encoder is stuck"
 
 
 async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
@@ -120,8 +121,8 @@ async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
 
     async with robot(make, nodes=2) as it:
         await until(lambda: {"reset_encoder", "move_to_shelf"} <= it.snapshot.offered)
-        assert (await ended(it.reset_encoder())).text.startswith("no answer in ")
-        assert (await ended(it.go_to_shelf(3))).text.startswith("no answer in ")
+        assert (await ended(reset(it))).text.startswith("no answer in ")
+        assert (await ended(go(it, 3))).text.startswith("no answer in ")
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.UNKNOWN
         assert (await ended(it.cancel())).text == "no answer to the cancel in 2 s"
@@ -138,7 +139,7 @@ async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
 
     async with robot(make, nodes=2) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        await ended(it.go_to_shelf(3))
+        await ended(go(it, 3))
         made[0].destroy_node()
         reborn = server()(context=made[1].context)
         executor = made[1].executor
@@ -154,8 +155,8 @@ async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -
     hang = threading.Event()
     async with robot(server(hang=hang)) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
-        await ended(it.reset_encoder())  # the server hangs in this one, and has not seen the goal
-        outcome = await ended(it.go_to_shelf(3))
+        await ended(reset(it))  # the server hangs in this one, and has not seen the goal
+        outcome = await ended(go(it, 3))
         assert not outcome.ok
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.UNKNOWN
@@ -168,11 +169,11 @@ async def test_a_goal_without_an_answer_is_unknown_until_the_robot_says_more() -
 async def test_a_goal_ends_as_the_server_says(end: str, phase: Phase) -> None:
     async with robot(server(end=end)) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert (await ended(it.go_to_shelf(3))).ok
+        assert (await ended(go(it, 3))).ok
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == phase)
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.message == "that was it"
-        assert [goal.shelf for goal in it.snapshot.history] == [3]
+        assert [goal.target for goal in it.snapshot.history] == ["3"]
         assert GoalStatus.STATUS_ABORTED == 6
 
 
@@ -199,7 +200,7 @@ async def test_a_cancel_that_the_server_rejects_is_said_and_the_goal_goes_on() -
 
     async with robot(make) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert (await ended(it.go_to_shelf(3))).ok
+        assert (await ended(go(it, 3))).ok
         await until(lambda: hasattr(made[0], "released"))
         outcome = await ended(it.cancel())
         assert not outcome.ok
@@ -246,9 +247,9 @@ async def test_parameters_of_a_node_that_comes_and_goes_come_and_go() -> None:
 async def test_every_verb_leaves_a_line_with_its_ros2_command() -> None:
     async with robot(server()) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
-        await ended(it.reset_encoder())
+        await ended(reset(it))
         await it.set_parameters("/server", {"use_sim_time": True})
-        await ended(it.go_to_shelf(7))
+        await ended(go(it, 7))
         await until(lambda: len([e for e in it.snapshot.events if e.level == "YOU"]) == 3)
         assert [e.command for e in it.snapshot.events if e.level == "YOU"] == [
             "ros2 service call /reset_encoder archo_interfaces/srv/ResetEncoder '{}'",
@@ -317,14 +318,14 @@ async def test_a_cancelled_goal_whose_robot_falls_silent_is_lost() -> None:
 
     async with robot(Halting) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert (await ended(it.go_to_shelf(3))).ok
+        assert (await ended(go(it, 3))).ok
         assert (await ended(it.cancel())).ok
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.phase == Phase.CANCELLING
         began = clock.seconds()
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
         assert 2.0 < clock.seconds() - began < 6.0
-        refused = await ended(it.go_to_shelf(4))
+        refused = await ended(go(it, 4))
         assert not refused.ok
         assert refused.text.startswith("nothing is heard of the goal to shelf 3: cancel it")
 
@@ -352,7 +353,7 @@ async def test_a_goal_that_was_lost_is_followed_again_when_it_is_heard() -> None
 
     async with robot(Slow) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert (await ended(it.go_to_shelf(3))).ok
+        assert (await ended(go(it, 3))).ok
         for _ in range(2):
             await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
             before: Any = it.snapshot.goal
@@ -399,20 +400,20 @@ async def test_a_late_answer_to_an_old_goal_changes_nothing_about_the_new_one() 
 
     async with robot(make, nodes=2) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        assert not (await ended(it.go_to_shelf(3))).ok
+        assert not (await ended(go(it, 3))).ok
         reborn = slow_server()(context=made[1].context)
         executor = made[1].executor
         executor.create_task(executor.add_node, reborn)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
-        assert (await ended(it.go_to_shelf(7))).ok
+        assert (await ended(go(it, 7))).ok
         before: Any = it.snapshot.goal
         made[0].wake_up()
         executor.create_task(executor.add_node, made[0])
         await until(lambda: made[0].answered == 2)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.heard > before.heard)
         goal: Any = it.snapshot.goal
-        assert (goal.shelf, goal.phase, goal.started) == (7, Phase.MOVING, before.started)
-        assert [g.shelf for g in it.snapshot.history] == [3]
+        assert (goal.target, goal.phase, goal.started) == ("7", Phase.MOVING, before.started)
+        assert [g.target for g in it.snapshot.history] == ["3"]
         made[0].destroy_node()
         reborn.destroy_node()
 
@@ -472,7 +473,7 @@ async def test_requests_that_nobody_answers_are_forgotten() -> None:
     async with robot(make, nodes=2) as it:
         await until(lambda: "reset_encoder" in it.snapshot.offered)
         for _ in range(3):
-            assert not (await ended(it.reset_encoder())).ok
+            assert not (await ended(reset(it))).ok
         await until(lambda: it._services.pending == 0 or clock.seconds() % 1 < 0.2)
         client = it._services.client(ResetEncoder, "reset_encoder")
         assert len(client._pending_requests) == 0
@@ -532,7 +533,7 @@ async def stoppable() -> AsyncIterator[tuple[Robot, Stoppable]]:
 
 async def test_a_goal_sent_before_a_stop_and_accepted_after_it_does_not_confirm_the_stop() -> None:
     async with stoppable() as (it, node):
-        going = asyncio.ensure_future(it.go_to_shelf(3))
+        going = asyncio.ensure_future(go(it, 3))
         await until(lambda: node.goals_seen)
         assert not (await ended(it.emergency_stop())).ok
         node.answer(node.goal_answer)
@@ -546,13 +547,13 @@ async def test_a_goal_that_is_sent_after_an_unanswered_stop_and_accepted_ends_it
         assert not (await ended(it.emergency_stop())).ok
         assert it.snapshot.stop_asked is not None
         node.answer(node.goal_answer)
-        assert (await ended(it.go_to_shelf(3))).ok
+        assert (await ended(go(it, 3))).ok
         await until(lambda: it.snapshot.stop_asked is None)
 
 
 async def test_a_cancel_before_the_goal_was_accepted_says_so() -> None:
     async with stoppable() as (it, node):
-        going = asyncio.ensure_future(it.go_to_shelf(3))
+        going = asyncio.ensure_future(go(it, 3))
         await until(lambda: node.goals_seen)
         outcome = await ended(it.cancel())
         assert (outcome.ok, outcome.text) == (False, "the goal has not been accepted yet")
@@ -619,7 +620,7 @@ async def test_a_status_and_a_result_that_disagree_are_not_called_an_arrival(
 
     async with robot(Confused) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        await ended(it.go_to_shelf(3))
+        await ended(go(it, 3))
         await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
         goal: Any = it.snapshot.goal
         assert (goal.phase, goal.message) == (Phase.DISPUTED, said)
@@ -638,7 +639,7 @@ async def test_an_end_without_words_says_that_there_are_none() -> None:
 
     async with robot(Terse) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        await ended(it.go_to_shelf(3))
+        await ended(go(it, 3))
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.message == "the robot gave no reason"
@@ -668,7 +669,7 @@ async def test_feedback_that_is_no_distance_is_shown_as_received_and_moves_nothi
 
     async with robot(make) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        await ended(it.go_to_shelf(3))
+        await ended(go(it, 3))
         await until(lambda: made[0].goal)
         for said in ("", "nan", "inf", "-inf", "-5"):
             executor = made[0].executor

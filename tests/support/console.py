@@ -15,17 +15,18 @@ from textual.keys import REPLACED_KEYS, _get_unicode_name_from_key
 from textual.pilot import Pilot
 
 from archo_tui.app import HELD, ArchoApp
-from archo_tui.commands import COMMANDS
+from archo_tui.commands import registry
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
 from tests.support import chosen, clock
+from tests.support.archo import ARCHO
 from tests.support.quiet import Quiet
 from tests.support.waiting import DEADLINE
 
 # the textbook's move in a tenth of the time
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0", "-p", "publish_period:=0.05")
 # keys that a person must let go before they act again
-_ONCE = {"enter", *(command.key for command in COMMANDS if command.once)}
+_ONCE = {"enter", *(command.key for command in registry(ARCHO) if command.once)}
 # a route so long that keys always come in mid-move
 LONG = ("-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
 
@@ -111,7 +112,7 @@ class Console:
         await self.until(
             lambda: (
                 self.app.view.snapshot.battery.received is not None
-                and self.app.view.snapshot.motor.received is not None
+                and self.app.view.snapshot.motion.received is not None
                 and self.app.view.snapshot.parameter("ticks_per_revolution") is not None
                 and len(self.app.view.snapshot.offered) == 7
             )

@@ -30,7 +30,7 @@ class StubRobot:
     """Has every verb; none does anything."""
 
     def __init__(self, snapshot: Snapshot) -> None:
-        self.snapshot = snapshot
+        self.snapshot, self.description = snapshot, snapshot.robot
         self._receiver: Any = None
 
     def subscribe(self, receiver: Any) -> None:

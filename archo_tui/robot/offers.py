@@ -1,0 +1,113 @@
+"""What the robot's file names, against what is on the graph: only what fits is used.
+
+ROS thread only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rclpy.node import Node
+
+from archo_tui.robot import interfaces, messages, ros2_command
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.state import Leaf
+from archo_tui.robots import check, model
+
+
+class Offers:
+    """Services and actions of the robot: their classes, and why one is not used."""
+
+    def __init__(self, node: Node, robot: model.Robot, graph: Graph) -> None:
+        self._node, self._robot, self._graph = node, robot, graph
+        self.forms = {kind.id: _form(kind) for kind in robot.goals}
+
+    def full(self, name: str) -> str:
+        """The fully qualified name of a service or action."""
+        return str(self._node.resolve_service_name(name))
+
+    def _type(self, name: str) -> str:
+        """The type that the servers of a service have, empty when they have none or several."""
+        full = self.full(name)
+        types = self._graph.services.get(full, [])
+        if len(types) > 1:  # clients are in that list too
+            types = self._graph.served_types(full)
+        return types[0] if len(types) == 1 else ""
+
+    def fitting(self, name: str, fields: Iterable[str]) -> tuple[Any, str]:
+        """The class of a service whose request has just those fields, or None and why not."""
+        full, kind = self.full(name), self._type(name)
+        if not kind:
+            return None, f"{full} has servers of different types: not called"
+        srv_type = interfaces.load(kind)
+        if srv_type is None:
+            return None, check.missing(full, kind)
+        if interfaces.fields(srv_type.Request) != set(fields):
+            return None, f"{full} is {kind}, whose request is another: not called"
+        return srv_type, ""
+
+    def misfits(self) -> dict[str, str]:
+        """Why what is offered is not used: it is not what the robot file says."""
+        stop, offered = self._robot.stop, self._graph.offered
+        needs: dict[str, Iterable[str]] = {c.service: c.toggle for c in self._robot.commands}
+        if stop is not None:
+            needs |= {stop.service: (), stop.release: ()}
+        found = {name: self.fitting(name, needs[name])[1] for name in needs if name in offered}
+        for kind in self._robot.goals:
+            types = self._graph.action_types.get(kind.action, ())
+            found[kind.action] = check.types_fault(kind.action, types, (kind.type,))
+            if types == (kind.type,):
+                found[kind.action] = _goal_fault(kind)
+        return {name: reason for name, reason in found.items() if reason}
+
+    def call_command(self, name: str, fields: Mapping[str, Any]) -> str:
+        """The `ros2` command line for a call, empty when its type is not known, or another one."""
+        full = self.full(name)
+        types = self._graph.services.get(full, [])
+        srv_type = interfaces.load(types[0]) if len(types) == 1 else None
+        if srv_type is None or interfaces.fields(srv_type.Request) != set(fields):
+            return ""
+        return ros2_command.service_call(full, types[0], srv_type.Request(**fields))
+
+    def goal_command(self, kind: model.GoalKind, values: Mapping[str, Any]) -> str:
+        """The `ros2` command line that sends a goal, empty when none can be made."""
+        action = interfaces.load(kind.type)
+        try:
+            goal = None if action is None else messages.goal(action, kind, values)
+        except ValueError:  # sending it says why
+            goal = None
+        if goal is None:
+            return ""
+        return ros2_command.send_goal(self.full(kind.action), kind.type, goal)
+
+
+def _goal_fault(kind: model.GoalKind) -> str:
+    """What the action's type does not have of what the robot file names."""
+    action = interfaces.load(kind.type)
+    if action is None:
+        return check.missing(kind.action, kind.type)
+    form = [(given.where or kind.where, path) for path, given in kind.form.items()]
+    form += [(kind.where, path) for path in kind.fixed]
+    said = [(kind.where, kind.message)] if kind.message else []
+    left = [] if kind.remaining is None else [(kind.remaining.where, kind.remaining.field)]
+    parts = (("Goal", action.Goal, form), ("Result", action.Result, said))
+    for name, part, wanted in (*parts, ("Feedback", action.Feedback, left)):
+        fault = check.fields_fault(f"{kind.type} {name}", wanted, messages.paths(part))
+        if fault:
+            return fault
+    return ""
+
+
+def _form(kind: model.GoalKind) -> tuple[Leaf, ...]:
+    """What each field of a goal's form takes."""
+    goal_type = interfaces.load(kind.type)
+    if goal_type is None:
+        return ()
+    types = {leaf.path: leaf for leaf in messages.leaves(goal_type.Goal())}
+    turned = {path for path, given in kind.form.items() if given.convert}
+    number = Leaf("", "double", 0.0)
+    return tuple(
+        (number if path in turned else types.get(path, number))._replace(path=path)
+        for path in kind.form
+    )

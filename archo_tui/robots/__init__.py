@@ -1,0 +1,1 @@
+"""Robots are described in a file and checked against the graph; nothing is assumed of them."""

@@ -1,0 +1,165 @@
+"""A form for any goal or request: a field a leaf, or one YAML text where they are many."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from typing import Any
+
+import yaml
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.markup import escape
+from textual.widgets import Button, Label, Static, TextArea
+
+from archo_tui.robot.forms import default_text, parse
+from archo_tui.robot.state import Leaf, Outcome
+from archo_tui.robots.model import Input
+from archo_tui.screens.dialog import Form
+from archo_tui.widgets.field import Field
+
+MOST_FIELDS = 12  # beyond that it is one YAML text
+Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
+
+
+class MessageForm(Form):
+    """Stays open, with what is wrong, until it was sent and accepted, or esc is pressed."""
+
+    submits = "send"
+    BINDINGS = [("escape", "close", "Close"), ("ctrl+s", "send", "Send")]
+
+    def __init__(
+        self,
+        title: str,
+        leaves: Sequence[Leaf],
+        send: Send,
+        typed: dict[str, str],
+        form: Mapping[str, Input] | None = None,
+    ) -> None:
+        """`typed` is what was typed the last time, by path; what is sent is kept there."""
+        super().__init__()
+        self._title, self._leaves, self._send = title, leaves, send
+        self._typed, self._form = typed, form or {}
+        self._fields: list[Field] = []
+        self._sending = False
+
+    @property
+    def _is_yaml(self) -> bool:
+        return len(self._leaves) > MOST_FIELDS
+
+    def compose(self) -> ComposeResult:
+        with Vertical(classes="dialog form") as box:
+            box.border_title = escape(self._title)
+            box.border_subtitle = (
+                "^s send   esc cancel" if self._is_yaml else "enter send   esc cancel"
+            )
+            if self._is_yaml:
+                yield TextArea(self._typed.get("", _yaml(self._leaves)), id="yaml")
+            else:
+                with VerticalScroll(classes="fields", can_focus=False):
+                    yield from self._rows()
+            yield Static("", classes="error")
+            with Horizontal(classes="answers"):
+                yield Button("Cancel", id="leave", compact=True)
+                yield Button("Send", id="send", compact=True)
+
+    def _rows(self) -> ComposeResult:
+        width = max((len(self._label(leaf)) for leaf in self._leaves), default=0) + 1
+        for number, leaf in enumerate(self._leaves):
+            field = Field(self._typed.get(leaf.path, default_text(leaf)), id=f"field-{number}")
+            self._fields.append(field)
+            with Horizontal(classes="leaf"):
+                yield Label(f"{self._label(leaf):<{width}}", markup=False)
+                yield field
+                yield Label(f" {leaf.type}", classes="type", markup=False)
+        if not self._leaves:
+            yield Static(Content("It takes no values."))
+
+    def _label(self, leaf: Leaf) -> str:
+        given = self._form.get(leaf.path, Input())
+        label = given.label or leaf.path
+        return f"{label} ({given.unit})" if given.unit else label
+
+    def on_mount(self) -> None:
+        first = "#yaml" if self._is_yaml else "#field-0" if self._leaves else "#send"
+        self.query_one(first).focus()
+
+    def on_input_submitted(self, event: Field.Submitted) -> None:
+        number = next(n for n, field in enumerate(self._fields) if field is event.input)
+        if number + 1 < len(self._fields):
+            self._fields[number + 1].focus()
+        else:
+            self._submit({number: event.value})  # the keys behind enter may have changed it since
+
+    def on_button_pressed(self, event: Button.Pressed) -> None:
+        if event.button.id == "send":
+            self._submit({})
+        else:
+            self.action_close()
+
+    def action_send(self) -> None:
+        """Send it from any field."""
+        self._submit({})
+
+    def on_text_area_changed(self) -> None:
+        self.say("")
+
+    def _submit(self, submitted: Mapping[int, str]) -> None:
+        if self._sending:
+            return
+        values = self._values_of_yaml() if self._is_yaml else self._values(submitted)
+        if values is not None:
+            self._sending = True
+            self.say("asking the robot ...")
+            self.run_worker(self._ask(values))
+
+    def _values(self, submitted: Mapping[int, str]) -> dict[str, Any] | None:
+        values = {}
+        for number, leaf in enumerate(self._leaves):
+            text = submitted.get(number, self._fields[number].value)
+            self._typed[leaf.path] = text
+            try:
+                values[leaf.path] = parse(leaf, self._form.get(leaf.path, Input()), text)
+            except ValueError as error:
+                self.say(str(error))
+                self._fields[number].focus()
+                return None
+        return values
+
+    def _values_of_yaml(self) -> dict[str, Any] | None:
+        text = self.query_one(TextArea).text
+        self._typed[""] = text
+        try:
+            values = yaml.safe_load(text)
+        except yaml.MarkedYAMLError as error:
+            mark = error.problem_mark
+            self.say(f"line {mark.line + 1 if mark else 1}: {error.problem}")
+            return None
+        except (yaml.YAMLError, ValueError) as error:
+            self.say(f"not YAML: {str(error).splitlines()[0]}")
+            return None
+        if not isinstance(values, dict):
+            self.say("expected lines like 'field: value'")
+            return None
+        return {str(name): value for name, value in values.items()}
+
+    async def _ask(self, values: Mapping[str, Any]) -> None:
+        outcome = await self._send(values)
+        self._sending = False
+        if outcome.ok:
+            self.end()
+        else:
+            self.say(outcome.text)
+
+
+def _yaml(leaves: Sequence[Leaf]) -> str:
+    """The defaults as a YAML text, nested as the message is."""
+    nested: dict[str, Any] = {}
+    for leaf in leaves:
+        *before, last = leaf.path.split(".")
+        place = nested
+        for name in before:
+            place = place.setdefault(name, {})
+        known = isinstance(leaf.default, (bool, int, float, str, list))
+        place[last] = leaf.default if known else 0
+    return str(yaml.safe_dump(nested, sort_keys=False))

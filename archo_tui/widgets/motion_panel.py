@@ -1,0 +1,61 @@
+"""Panel 2: how the robot moves, its gauges, its commands, STOP."""
+
+from __future__ import annotations
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal
+from textual.content import Content
+from textual.widgets import Button
+
+from archo_tui import state_text
+from archo_tui.robots.model import Robot
+from archo_tui.station import View
+from archo_tui.widgets.line import Line
+from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.styled import content
+
+
+class MotionPanel(Panel, can_focus=True):
+    """Live count and speed, and the two buttons, far apart: the first command's and STOP."""
+
+    number = 2
+
+    def __init__(self, robot: Robot) -> None:
+        self.title_text = "Motion" if robot.motion is None else robot.motion.title
+        super().__init__()
+        self._topic = "" if robot.motion is None else robot.motion.topic
+        ours = [command for command in robot.commands if not command.is_about("battery")]
+        words = [(command.id, command.title.partition(" ")[0].lower()) for command in ours]
+        self.keys = (*words[:1], ("stop", "stop"), ("release", "release"), *words[1:])
+        self._line, self._word = Line(id="motion-line"), Line(id="motion-word")
+        self._gauges = [Line(classes="gauge") for _ in robot.gauges]
+        stop = "" if robot.stop is None else robot.stop.service
+        self._services = [(stop, Button("STOP", id="stop", compact=True))]
+        self._services[0][1].action = "app.command('stop')"
+        for command in ours[:1]:
+            act = f"app.command('{command.id}')"
+            button = Button(command.title, id=command.id, compact=True, action=act)
+            self._services.insert(0, (command.service, button))
+
+    def compose(self) -> ComposeResult:
+        yield self._line
+        yield self._word
+        yield from self._gauges
+        with Horizontal(classes="buttons"):
+            yield from (button for _, button in self._services[:-1])
+            yield Line(classes="gap")
+            yield self._services[-1][1]
+
+    def show(self, view: View) -> None:
+        self.show_publishers(view, self._topic)
+        self.show_keys(view)
+        line = state_text.motion_line(view.snapshot, view.now)
+        self._line.show(content(line))
+        state = state_text.motion_word(view.snapshot, view.now, self._word.size.width)
+        release = f" [@click=app.command('release')]({view.key('release')} releases)[/]"
+        stopped = state == state_text.STOPPED
+        hint = Content.from_markup(release) if stopped else Content("")
+        self._word.show(Content.assemble(content(state), hint))
+        for shown, reading in zip(self._gauges, view.snapshot.gauges, strict=False):
+            shown.show(content(state_text.gauge_line(reading, view.now)))
+        self.grey(view, self._services)

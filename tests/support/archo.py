@@ -1,0 +1,26 @@
+"""What the console knows of ARCHO, and the goals that can be given to it."""
+
+from __future__ import annotations
+
+from archo_tui.robot.client import Robot
+from archo_tui.robot.state import Leaf, Outcome
+from archo_tui.robots.load import default, load
+
+ARCHO = load(default())
+SHELF = ARCHO.goals[0]
+FORMS = {SHELF.id: (Leaf("shelf_number", "int32", 0),)}
+
+
+async def go(robot: Robot, shelf: int) -> Outcome:
+    """Send it to a shelf."""
+    return await robot.send(SHELF, {"shelf_number": shelf})
+
+
+async def reset(robot: Robot) -> Outcome:
+    """Set its encoder to zero."""
+    return await robot.command(ARCHO.commands[0])
+
+
+async def charge(robot: Robot, on: bool = True) -> Outcome:
+    """Begin or end charging."""
+    return await robot.command(ARCHO.commands[1], on)
