@@ -6,6 +6,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.state_text import BAD, OLD, PLAIN, STRONG, WARN, Spans, seconds_text
 
+_WORD = 14  # cells for the word, as long as it is no longer
 ACTIVE = "active"  # the tone of the way that is being driven
 
 
@@ -45,7 +46,8 @@ def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
         ),
     }
     tone, word, rest = texts[goal.phase]
-    return (f"{word:<14}", tone), (f" {rest}", PLAIN)
+    gap = " " if len(word) <= _WORD else "   "
+    return (f"{word:<{_WORD}}", tone), (f"{gap}{rest}", PLAIN)
 
 
 def goal_bar(goal: Goal | None, width: int) -> Spans:

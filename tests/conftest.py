@@ -45,6 +45,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
     chosen.ENGINE = config.getoption("--engine")
     if config.getoption("--engine") == "embedded":
+        os.environ["AMENT_PREFIX_PATH"] = str(Path(__file__).parent)  # share/depot_interfaces
         engine.activate("embedded")
     else:  # real ROS 2: nothing may leave this process, and fields are checked as ours are
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"

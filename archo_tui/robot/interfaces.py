@@ -25,12 +25,17 @@ def fields(message_class: Any) -> set[str]:
 
 
 def outcome(answer: Any) -> Outcome:
-    """What a service's answer says: `success`, else its only bool; and `message`."""
+    """What a service's answer says: `success`, else its only bool; and its words.
+
+    They are `message`, else its only string.
+    """
     kinds = answer.get_fields_and_field_types()
     bools = [name for name, kind in kinds.items() if kind == "boolean"]
     name = "success" if "success" in bools else bools[0] if len(bools) == 1 else ""
     if not name:
         return Outcome(False, "answered, not confirmed")
     done = bool(getattr(answer, name))
-    said = getattr(answer, "message", "")
+    texts = [name for name, kind in kinds.items() if kind == "string"]
+    words = "message" if "message" in texts else texts[0] if len(texts) == 1 else ""
+    said = getattr(answer, words, "")
     return Outcome(done, said if isinstance(said, str) and said else ("done" if done else "failed"))

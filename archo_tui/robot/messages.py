@@ -56,11 +56,13 @@ def put(message: Any, path: str, value: Any) -> None:
         put(getattr(message, first), rest, value)
         return
     try:
-        setattr(message, first, _made(kinds[first], value))
-    except _REFUSED as error:
-        said = (str(error).splitlines() or [""])[0]
-        said = said if "field" not in said and said else f"not a value of type {kinds[first]}"
-        raise ValueError(f"{first}: {said}") from None
+        made = _made(kinds[first], value)
+    except ValueError as error:
+        raise ValueError(f"{first}: {error}") from None
+    try:
+        setattr(message, first, made)
+    except _REFUSED:
+        raise ValueError(f"{first}: not a value of type {kinds[first]}") from None
 
 
 def _made(kind: str, value: Any) -> Any:

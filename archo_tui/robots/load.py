@@ -42,7 +42,8 @@ def load(path: Path) -> Robot:
 
 def _faults(robot: Robot) -> Iterator[tuple[str, str]]:
     """What the words of a file mean and the types of its values cannot say."""
-    names = [("", topic) for topic in robot.topics]
+    heard = [topic for topic in (robot.battery, robot.motion) if topic is not None]
+    names = [(topic.where, topic.topic) for topic in (*heard, *robot.gauges)]
     names += [(goal.where, goal.action) for goal in robot.goals]
     names += [(command.where, command.service) for command in robot.commands]
     if robot.stop is not None:
@@ -51,8 +52,7 @@ def _faults(robot: Robot) -> Iterator[tuple[str, str]]:
     for where, name in names:
         if not _NAME.fullmatch(name):
             yield where, f"{name!r} is no name of a topic, service or action"
-    heard = (robot.battery, robot.motion)
-    types = [("", kind, "msg") for topic in heard if topic for kind in topic.types]
+    types = [(topic.where, kind, "msg") for topic in heard for kind in topic.types]
     types += [(gauge.where, gauge.type, "msg") for gauge in robot.gauges]
     types += [(goal.where, goal.type, "action") for goal in robot.goals]
     for where, kind, of in types:

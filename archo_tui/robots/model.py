@@ -70,6 +70,7 @@ class Battery:
     low: Link | None = None  # %; a charge below it is low
     health: Mapping[str, Literal["good", "low", "replace"]] = field(default_factory=dict)
     period: float | None = None  # s between two messages; None: it is measured
+    where: str = _where()
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,7 @@ class Motion:
     types: Mapping[str, MotionFields]
     title: str = "Motion"
     period: float | None = None  # s between two messages; None: it is measured
+    where: str = _where()
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,11 @@ class Dialog(ModalScreen[ScreenResultType]):
         """Back to where the focus was, with nothing changed."""
         self.end()
 
+    def say(self, text: str) -> None:
+        """What is wrong, or going on; nothing when the dialog was left meanwhile."""
+        for line in self.query(".error").results(Static):
+            line.update(Content(text))
+
 
 class Form(Dialog[None]):
     """A field and two buttons; stays open, with what is wrong in its `.error` line, until done."""
@@ -47,8 +52,3 @@ class Form(Dialog[None]):
     def submit(self, typed: str) -> None:
         """Check what was typed, and do it."""
         raise NotImplementedError
-
-    def say(self, text: str) -> None:
-        """What is wrong, or going on; nothing when the dialog was left meanwhile."""
-        for line in self.query(".error").results(Static):
-            line.update(Content(text))

@@ -33,6 +33,7 @@ class MainScreen(Screen[None]):
         """`snapshot` knows the robot's file."""
         super().__init__()
         robot = snapshot.robot
+        self._has_gauges = bool(robot.gauges)
         self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
         self.nodes, self.events = NodesPanel(), EventsPanel()
         above = BatteryPanel(robot), MotionPanel(robot), self.goal
@@ -49,7 +50,7 @@ class MainScreen(Screen[None]):
         yield self._banner
         with Container(id="body"):
             with Container(id="top"):
-                with Container(id="left"):
+                with Container(id="left", classes="-gauges" if self._has_gauges else ""):
                     yield from (self._panels[number] for number in (1, 2, 5))
                 with Container(id="right"):
                     yield from (self._panels[number] for number in (3, 4))

@@ -15,17 +15,16 @@ from textual.widgets import Button, Label, Static, TextArea
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.state import Leaf, Outcome
 from archo_tui.robots.model import Input
-from archo_tui.screens.dialog import Form
+from archo_tui.screens.dialog import Dialog
 from archo_tui.widgets.field import Field
 
 MOST_FIELDS = 12  # beyond that it is one YAML text
 Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
 
 
-class MessageForm(Form):
+class MessageForm(Dialog[None]):
     """Stays open, with what is wrong, until it was sent and accepted, or esc is pressed."""
 
-    submits = "send"
     BINDINGS = [("escape", "close", "Close"), ("ctrl+s", "send", "Send")]
 
     def __init__(
@@ -100,6 +99,9 @@ class MessageForm(Form):
     def action_send(self) -> None:
         """Send it from any field."""
         self._submit({})
+
+    def on_input_changed(self) -> None:
+        self.say("")
 
     def on_text_area_changed(self) -> None:
         self.say("")

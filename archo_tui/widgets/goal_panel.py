@@ -59,8 +59,21 @@ class GoalPanel(Panel):
             for label, field in zip(self._labels, self.fields, strict=False):
                 yield Label(label)
                 yield field
-            yield from (self._go, self._cancel, self._hint)
-        yield from (self._bar, self._line, self._history)
+            yield from (self._go, self._cancel)
+            if not self._is_wide:
+                yield self._hint
+        yield self._bar
+        if self._is_wide:
+            yield self._hint
+        yield from (self._line, self._history)
+
+    @property
+    def _is_wide(self) -> bool:
+        """True when the form leaves no room beside it: what is wrong covers the goal's line."""
+        return len(self.fields) > 1
+
+    def on_mount(self) -> None:
+        self._hint.display = not self._is_wide
 
     def show(self, view: View) -> None:
         self.show_keys(view, "enter go")
@@ -107,6 +120,8 @@ class GoalPanel(Panel):
     def hint(self, text: str) -> None:
         """Say why what was typed cannot be sent."""
         self._about = None
+        if self._is_wide:
+            self._hint.display, self._line.display = text != "", text == ""
         self._hint.show(content(((text, state_text.BAD),)))
 
     def answer(self, text: str, snapshot: Snapshot) -> None:

@@ -40,11 +40,11 @@ class MotionPanel(Panel, can_focus=True):
     def compose(self) -> ComposeResult:
         yield self._line
         yield self._word
-        yield from self._gauges
         with Horizontal(classes="buttons"):
             yield from (button for _, button in self._services[:-1])
             yield Line(classes="gap")
             yield self._services[-1][1]
+        yield from self._gauges  # below STOP: in a small terminal they are cut, and it is not
 
     def show(self, view: View) -> None:
         self.show_publishers(view, self._topic)

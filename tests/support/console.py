@@ -15,18 +15,14 @@ from textual.keys import REPLACED_KEYS, _get_unicode_name_from_key
 from textual.pilot import Pilot
 
 from archo_tui.app import HELD, ArchoApp
-from archo_tui.commands import registry
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
 from tests.support import chosen, clock
-from tests.support.archo import ARCHO
 from tests.support.quiet import Quiet
 from tests.support.waiting import DEADLINE
 
 # the textbook's move in a tenth of the time
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0", "-p", "publish_period:=0.05")
-# keys that a person must let go before they act again
-_ONCE = {"enter", *(command.key for command in registry(ARCHO) if command.once)}
 # a route so long that keys always come in mid-move
 LONG = ("-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
 
@@ -73,8 +69,10 @@ class Console:
 
     async def press(self, *keys: str) -> None:
         """Press keys one after the other; the same again only when it was let go."""
+        # what a person must let go before it acts again
+        once = {"enter", *(command.key for command in self.app.registry if command.once)}
         for key in keys:
-            released = self._pressed + HELD if key == self._last and key in _ONCE else 0.0
+            released = self._pressed + HELD if key == self._last and key in once else 0.0
             await self.at(released)
             send(self.app, key)
             self._last, self._pressed = key, clock.seconds()
@@ -139,6 +137,7 @@ async def console(
     params_files: Sequence[Path] = (),
     node_files: Sequence[Path] = (),
     only: bool = False,
+    robot: Path | None = None,
     attach: bool = False,
     domain_id: int | None = None,
     wait: bool = True,
@@ -153,6 +152,7 @@ async def console(
         node_makers=node_makers,
         node_files=node_files,
         only=only,
+        robot=robot,
     )
     with Session(options, clock.current) as session:
         app = ArchoApp(session.station)

@@ -1,0 +1,146 @@
+"""Any goal and any service, without a robot file: a form of its type."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+
+pytest.importorskip("depot_interfaces")
+
+from textual.widgets import TextArea
+
+from archo_tui.screens.message_form import MessageForm
+from tests.robots.rover import Counting
+from tests.support.console import Console, console
+
+
+@asynccontextmanager
+async def counting(**options: Any) -> AsyncIterator[tuple[Console, Counting]]:
+    """The console with ARCHO's file, and a node that is not ARCHO's."""
+    made: list[Counting] = []
+
+    def make(**given: Any) -> Counting:
+        made.append(Counting(**given))
+        return made[-1]
+
+    async with console(node_makers=[make], wait=False, **options) as op:
+        await op.until(lambda: "/fibonacci" in op.app.view.snapshot.actions)
+        await op.until(lambda: "/plan" in op.app.view.snapshot.services)
+        yield op, made[-1]
+
+
+async def form(op: Console, *keys: str) -> MessageForm:
+    """Open the form of what is chosen by those keys."""
+    await op.press(*keys)
+    await op.until(lambda: isinstance(op.app.screen, MessageForm))
+    await op.settle()
+    assert isinstance(op.app.screen, MessageForm)
+    return op.app.screen
+
+
+async def test_fibonacci_is_sent_followed_and_cancelled_in_six_keys_beside_its_value() -> None:
+    async with counting() as (op, _):
+        await form(op, "G", "enter")
+        assert "/fibonacci  depot_interfaces/action/Fibonacci" in op.text
+        assert "order" in op.line("int32")
+        await op.press("backspace", "9", "enter")
+        await op.until("RUNNING fibonacci 9")
+        await op.until("so far   sequence [0, 1, 1, 2]")
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED")
+        assert "sequence [0, 1, 1, 2" in op.line("✗ CANCELLED")
+
+
+async def test_a_goal_that_succeeds_shows_its_result_and_its_values_are_kept() -> None:
+    async with counting() as (op, _):
+        await form(op, "G", *"fib", "enter")
+        await op.press("backspace", "3", "enter")
+        await op.until("✓ SUCCEEDED")
+        assert "sequence [0, 1, 1, 2]" in op.line("✓ SUCCEEDED")
+        await op.until("fibonacci 3 succeeded: sequence [0, 1, 1, 2]")
+        await form(op, "G", *"fib", "enter")
+        assert "order 3" in op.line("int32")
+
+
+async def test_what_is_no_number_is_refused_in_its_field() -> None:
+    async with counting() as (op, _):
+        await form(op, "G", *"fib", "enter")
+        await op.press("backspace", *"abc", "enter")
+        await op.until("order: not a whole number: abc")
+        await op.press(*["backspace"] * 3, *"99999999999", "enter")
+        await op.until("order: at most 2147483647, not 99999999999")
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_a_service_with_nested_messages_and_arrays_is_called() -> None:
+    async with counting() as (op, node):
+        await form(op, "C", *"plan", "enter")
+        await op.press(*"1", "enter")
+        for _ in range(6):
+            await op.press("enter")
+        typed = {"waypoints": "[{x: 1.0}, {y: 2}]", "weights": "[1, 2.5]", "fast": "yes"}
+        for number, leaf in enumerate(op.app.screen._leaves):  # type: ignore[attr-defined]
+            if leaf.path in typed:
+                op.app.screen._fields[number].value = typed[leaf.path]  # type: ignore[attr-defined]
+        await op.press("ctrl+s")
+        await op.until("legs 2, route by the wall")
+        request = node.planned[0]
+        assert (request.start.position.x, request.start.orientation.w) == (1.0, 1.0)
+        assert [(point.x, point.y) for point in request.waypoints] == [(1.0, 0.0), (0.0, 2.0)]
+        assert (list(request.weights), request.fast) == ([1.0, 2.5], True)
+
+
+async def test_a_wrong_element_of_an_array_is_said_and_nothing_is_sent() -> None:
+    async with counting() as (op, node):
+        screen = await form(op, "C", *"plan", "enter")
+        places = {leaf.path: number for number, leaf in enumerate(screen._leaves)}
+        for path, text, said in (
+            ("waypoints", "[{q: 1}]", "there is no field q: x, y, z"),
+            ("waypoints", "[3]", "not fields of depot_interfaces/Vector: 3"),
+            ("waypoints", "5", "waypoints: not a list: 5"),
+            ("weights", "[a]", "weights: "),
+        ):
+            screen._fields[places["waypoints"]].value = "[]"
+            screen._fields[places["weights"]].value = "[]"
+            screen._fields[places["fast"]].value = "no"
+            screen._fields[places[path]].value = text
+            await op.press("ctrl+s")
+            await op.until(said)
+        assert node.planned == []
+
+
+async def test_a_goal_of_many_fields_is_one_yaml_text() -> None:
+    async with counting() as (op, node):
+        screen = await form(op, "G", *"inspect", "enter")
+        area = screen.query_one(TextArea)
+        assert "frame_id" in area.text
+        area.text = "first: {pose: {position: {x: oops}}}"
+        await op.press("ctrl+s")
+        await op.until("x: not a value of type double")
+        area.text = "first: [1, 2"
+        await op.press("ctrl+s")
+        await op.until("line 1:")
+        area.text = "first: {frame_id: map, pose: {position: {x: 2}}}\nlabels: [a, b]"
+        await op.press("ctrl+s")
+        await op.until("✓ SUCCEEDED")
+        assert node.inspected[0].first.frame_id == "map"
+        assert node.inspected[0].first.pose.position.x == 2.0
+        assert node.inspected[0].second.pose.orientation.w == 1.0
+        assert node.inspected[0].labels == ["a", "b"]
+
+
+async def test_where_nothing_is_offered_the_keys_say_so() -> None:
+    async with console(node_makers=[lambda **given: _bare(**given)], wait=False) as op:
+        await op.press("G")
+        await op.until("no action is on the graph")
+        await op.press("C")
+        await op.until("no service is on the graph")
+
+
+def _bare(**given: Any) -> Any:
+    from rclpy.node import Node
+
+    return Node("bare", **given)

@@ -1,0 +1,141 @@
+"""A robot of another make, from its file: nested fields, a battery of 0 .. 1, goals, no STOP."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("depot_interfaces")
+
+from archo_tui.plain import Plain
+from archo_tui.session import Options, Session
+from tests.robots.rover import Rover
+from tests.support import chosen, clock
+from tests.support.console import Console, console
+from tests.support.quiet import Quiet
+
+FILE = Path(__file__).with_name("rover.yaml")
+
+
+@asynccontextmanager
+async def rover(file: Path = FILE, **options: Any) -> AsyncIterator[tuple[Console, Rover]]:
+    """The console, and the rover's node."""
+    made: list[Rover] = []
+
+    def make(**given: Any) -> Rover:
+        made.append(Rover(**given))
+        return made[-1]
+
+    async with console(robot=file, node_makers=[make], wait=False, **options) as op:
+        await op.until(lambda: {"go_to", "dock", "odom"} <= op.app.view.snapshot.offered)
+        yield op, made[-1]
+
+
+async def test_its_readings_are_shown_in_the_consoles_units() -> None:
+    async with rover() as (op, _):
+        await op.until("75.0 % 14.5 V")
+        assert "discharging" in op.text
+        assert "low 25" in op.text
+        await op.until("0.00 m/s")
+        await op.until("● IDLE")
+        await op.until("Temperature 31.5 °C")
+
+
+async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
+    async with rover() as (op, node):
+        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
+        await op.until("MOVING to x 1.5, y -2.0, yaw 90.0")
+        await op.until("▶ MOVING")
+        await op.until("m left of 5.0 m")
+        await op.until("✓ ARRIVED")
+        target = node.heard[0]
+        assert (target.frame_id, target.pose.position.x, target.pose.position.y) == ("map", 1.5, -2)
+        assert target.pose.orientation.z == pytest.approx(math.sqrt(0.5))
+        assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
+
+
+async def test_what_is_no_number_is_said_in_its_field_and_nothing_is_sent() -> None:
+    async with rover() as (op, _):
+        await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
+        await op.until("yaw: at most 360, not 400")
+        await op.press("backspace", "enter")  # the field has the focus
+        await op.until("MOVING to x 1.0, y 2.0, yaw 40.0")
+
+
+async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
+    async with rover() as (op, node):
+        await op.press("d")
+        await op.until("is_docked true")
+        await op.until("CHARGING")
+        assert node.docked
+        await op.press("D")
+        await op.until("discharging")
+        await op.until("undock succeeded: is_docked false")
+
+
+async def test_without_a_stop_the_header_says_so_and_the_key_too() -> None:
+    async with rover() as (op, _):
+        assert "no STOP" in op.line(" Rover ")
+        await op.press("ctrl+x")
+        await op.until("Rover has no STOP: use the hardware stop")
+
+
+async def test_a_gauge_beyond_its_limit_is_an_alarm() -> None:
+    async with rover() as (op, node):
+        await op.until("Temperature 31.5 °C")
+        node.celsius = 71.0
+        await op.until("▲ Temperature 71 °C, above 60")
+        await op.until("TEMPERATURE 71 °C: above 60")
+        node.celsius = math.nan
+        await op.until("? Temperature UNREADABLE nan")
+
+
+async def test_a_field_that_the_type_has_not_is_said_with_file_and_line(tmp_path: Path) -> None:
+    file = tmp_path / "rover.yaml"
+    wrong = FILE.read_text().replace("field: fraction", "field: fractoin")
+    file.write_text(wrong.replace("form:\n", "form:\n      target.pose.x: {label: z}\n"))
+    async with rover(file) as (op, _):
+        fault = "depot_interfaces/msg/Charge has no field fractoin (nearest: fraction)"
+        await op.until(lambda: f"{file}:8: {fault}" in op.app.view.snapshot.faults.values())
+        fault = (
+            "depot_interfaces/action/GoTo Goal has no field target.pose.x (nearest: target.pose)"
+        )
+        await op.until(lambda: f"{file}:25: {fault}" in op.app.view.snapshot.faults.values())
+        await op.press("g", "1", "enter", "1", "enter", "1", "enter", "1", "enter")
+        await op.until("target.pose.x (nearest")
+        assert op.app.view.snapshot.goal is None
+        assert "GOOD" not in op.text
+
+
+async def test_it_is_operated_line_by_line() -> None:
+    options = Options(
+        engine=chosen.ENGINE, robot=FILE, domain_id=chosen.next_domain(), node_makers=[Rover]
+    )
+    in_, typed = os.pipe()
+    said, out = os.pipe()
+    with Session(options, clock.current) as session:
+        plain = asyncio.ensure_future(Plain(session.station, in_, out).run())
+        os.write(typed, b"status\ngo x=1 y=2\ngo x=1 y=2 z=3\nstop\ngo x=1 y=2 yaw=0\n")
+        os.close(typed)
+        await Quiet().until(plain.done, lambda: "the end")
+        assert await plain == 1
+    os.close(out)
+    text = os.read(said, 100_000).decode()
+    for descriptor in (in_, said):
+        os.close(descriptor)
+    for part in (
+        "Temperature 31.5 °C",
+        "failed: go: expected x=... y=... yaw=...\n",
+        "failed: go: expected x=... y=... yaw=..., not z=3",
+        "failed: stop: Rover has no STOP: use the hardware stop",
+        "go to pose x 1.0, y 2.0, yaw 0.0: accepted",
+        "goal ✓ ARRIVED",
+    ):
+        assert part in text, text

@@ -1,0 +1,170 @@
+"""Nothing is assumed: ARCHO's stories on a robot whose every name, type and field differs."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("depot_interfaces")
+
+from archo_tui.plain import Plain
+from archo_tui.session import Options, Session
+from tests.robots.tug import Hauler, Power
+from tests.support import chosen, clock
+from tests.support.console import Console, console
+from tests.support.quiet import Quiet
+
+FILE = Path(__file__).with_name("tug.yaml")
+
+
+@asynccontextmanager
+async def tug(**options: Any) -> AsyncIterator[tuple[Console, dict[str, Any]]]:
+    """The console, and the tug's nodes by their names."""
+    made: dict[str, Any] = {}
+
+    def keep(kind: Any) -> Any:
+        def make(**given: Any) -> Any:
+            made[kind.__name__] = kind(**given)
+            return made[kind.__name__]
+
+        return make
+
+    makers = [keep(Power), keep(Hauler)]
+    async with console(robot=FILE, node_makers=makers, wait=False, **options) as op:
+        await op.until(lambda: len(op.app.view.snapshot.offered) == 7)
+        await op.until("● online")
+        await op.until(lambda: op.app.view.snapshot.threshold == 30.0)
+        yield op, made
+
+
+async def test_the_screen_has_its_name_readings_and_words() -> None:
+    async with tug() as (op, _):
+        assert " TUG  /" in op.line("online")
+        await op.until("● GOOD      80.0 % 36.5 V")
+        assert "low 30" in op.text
+        assert "400 turns 0.00 m/s" in op.text
+        assert "2 Drive" in op.text
+        assert "3 Haul to bay" in op.text
+        assert "Bay" in op.line("Go    Cancel")
+        assert "Press g, type the bay, press enter." in op.text
+
+
+async def test_it_is_sent_driven_and_arrives() -> None:
+    async with tug() as (op, _):
+        await op.press("g", "3", "enter")
+        await op.until("MOVING to 3")
+        await op.until("m left of 20.0 m")
+        await op.until("✓ ARRIVED")
+        assert "at the bay, 20.0 m in" in op.line("✓ ARRIVED")
+        assert "✓ 3 arrived" in op.text
+        await op.until("haul to bay 3: accepted")
+
+
+async def test_it_is_cancelled_on_the_way() -> None:
+    async with tug() as (op, _):
+        await op.press("g", "3", "enter")
+        await op.until("m left of")
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED")
+        assert "called back," in op.line("✗ CANCELLED")
+        assert "m before bay 3" in op.line("✗ CANCELLED")
+
+
+async def test_a_goal_that_it_refuses_says_why() -> None:
+    async with tug() as (op, _):
+        await op.press("g", "7", "enter")
+        await op.until("✗ REFUSED")
+        assert "no bay 7" in op.line("✗ REFUSED")
+        await op.press("ctrl+q")
+
+
+async def test_what_its_file_does_not_allow_is_not_sent() -> None:
+    async with tug() as (op, _):
+        await op.press("g", "1", "2", "enter")
+        await op.until("Bay: at most 9, not 12")
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_stop_halts_it_and_its_release_asks() -> None:
+    async with tug() as (op, made):
+        await op.press("g", "3", "enter")
+        await op.until("m left of")
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        assert made["Hauler"].latched
+        await op.until("✗ ABORTED")
+        await op.press("escape", "R")
+        await op.until("Release the stop?")
+        await op.press("y")
+        await op.until("● IDLE")
+        assert not made["Hauler"].latched
+
+
+async def test_its_commands_have_their_keys_and_ask() -> None:
+    async with tug() as (op, made):
+        await op.press("z")
+        await op.until("zero turns: counted from zero")
+        assert made["Hauler"].turns == 0
+        await op.press("p")
+        await op.until("CHARGING")
+        assert made["Power"].filling
+        await op.press("p")
+        await op.until("unplug: done")
+        assert not made["Power"].filling
+        await op.press("g", "3", "enter")
+        await op.until("m left of")
+        await op.press("escape", "z")
+        await op.until("The robot is on its way to bay 3. Zero turns now?")
+
+
+async def test_a_low_battery_is_an_alarm_with_its_own_key() -> None:
+    async with tug() as (op, made):
+        made["Power"].level = 20.0
+        await op.until("LOW BATTERY 20.0 %: dock the robot, or press p to charge")
+        await op.press("a")
+        await op.until(lambda: "(a acknowledge)" not in op.text)
+
+
+async def test_a_node_that_serves_its_stop_is_not_stopped_unasked() -> None:
+    async with tug() as (op, _):
+        await op.press("g", "3", "enter")
+        await op.until("m left of")
+        await op.press("escape", "5", "home", "s")
+        await op.until("and /hauler serves halt and haul.")
+
+
+async def test_it_is_operated_line_by_line() -> None:
+    options = Options(
+        engine=chosen.ENGINE,
+        robot=FILE,
+        domain_id=chosen.next_domain(),
+        node_makers=[Power, Hauler],
+    )
+    in_, typed = os.pipe()
+    said, out = os.pipe()
+    with Session(options, clock.current) as session:
+        plain = asyncio.ensure_future(Plain(session.station, in_, out).run())
+        os.write(typed, b"help\nstatus\nplug\nunplug\nzero\ngo 3\n")
+        os.close(typed)
+        await Quiet().until(plain.done, lambda: "the end")
+        assert await plain == 0
+    os.close(out)
+    text = os.read(said, 100_000).decode()
+    for descriptor in (in_, said):
+        os.close(descriptor)
+    for part in (
+        "go N                      haul to bay",
+        "plug, unplug              plug in",
+        "battery ● GOOD      80.0 % 36.5 V",
+        "plug in: done",
+        "unplug: done",
+        "zero turns: counted from zero",
+        "✓ ARRIVED at the bay, 20.0 m in",
+    ):
+        assert part in text, text
