@@ -60,6 +60,7 @@ class ArchoApp(TerminalApp):
         self.registry = registry(snapshot.robot)
         self.main = MainScreen(snapshot)
         self.typed: dict[str, dict[str, str]] = {}
+        self.used = snapshot.robot
         self._failed_before = failed
         self._keys = {command.id: command.key for command in self.registry} | dict(keys or {})
         self._shown_keys = shown_keys(self._keys)
@@ -313,6 +314,9 @@ class ArchoApp(TerminalApp):
         return bool(text)
 
     # what the panels ask for
+
+    def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
+        self.station.robot.note("ERROR", "console", message.said)
 
     def on_goal_panel_send(self, message: GoalPanel.Send) -> None:
         if not self._waits("send"):

@@ -160,10 +160,10 @@ def _keys(robot: Path | None) -> int:
     keys, others = keymap.load(path, commands)
     print(f"# {path}")
     for command in commands:
-        key = keys[command.id] or "(none)"
-        print(f"{command.id}: {key:<16} # {command.place}: {command.help}")
-    for line in others:
-        _complain(line)
+        line = f"{command.id}: {keys[command.id]}" if keys[command.id] else f"# {command.id}:"
+        print(f"{line:<{len(command.id) + 18}} # {command.place}: {command.help}")
+    if others:
+        _complain(others)
     return 0
 
 
@@ -237,8 +237,8 @@ def _console(session: Session) -> int:
     keys, others = keymap.load(config_file("keymap.yaml"), registry(session.description))
     heed_signals()
     session.start()
-    for line in others:
-        station.robot.note("WARN", "console", line)
+    if others:
+        station.robot.note("WARN", "console", others)
     failed, failures = "", 0
     while True:
         app = ArchoApp(station, keys=keys, theme=themes.remembered(), failed=failed)

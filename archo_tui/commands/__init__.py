@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands import console, events, nodes, parameters, robot
+from archo_tui.commands import anything, console, events, nodes, parameters, robot
 from archo_tui.commands.base import Command
 from archo_tui.robots.model import Robot
 
@@ -25,8 +25,9 @@ def registry(described: Robot) -> tuple[Command, ...]:
         robot.Release(described.stop),
         *(robot.Give(command) for command in described.commands),
         *(robot.SendGoal(kind) for kind in others if kind is not None),
-        robot.AnyGoal(),
-        robot.AnyService(),
+        anything.AnyGoal(),
+        anything.AnyService(),
+        anything.KeepRobot(),
         console.Acknowledge(),
         console.ShowAlarms(),
         *(console.Panel(number, title) for number, title in enumerate(titles, 1)),

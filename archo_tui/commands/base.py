@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Sequence
+import asyncio
+import os.path
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from pathlib import Path
 from typing import Any, Protocol
 
 from textual.screen import Screen
 
+from archo_tui.errors import ArchoError
+from archo_tui.parameters import save_load
 from archo_tui.robot.state import Outcome
+from archo_tui.robots.model import Robot
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.main import MainScreen
 from archo_tui.station import Station, View
@@ -27,6 +33,7 @@ class Console(Protocol):
     main: MainScreen
     repeated: bool  # the key of the command is being held down
     typed: dict[str, dict[str, str]]  # what was last typed into each form, by path
+    used: Robot  # the robot's file, with what was sent and called without it
 
     @property
     def registry(self) -> Sequence[Command]:
@@ -68,6 +75,25 @@ class Console(Protocol):
 
     def exit(self) -> None:
         """End the console."""
+
+
+def write_file(console: Console, text: str, what: str) -> Callable[[Path], Awaitable[str]]:
+    """What a file dialog does to save a text: asks before it replaces a file, and says `what`."""
+    warned: set[Path] = set()  # existing files that the operator was warned about
+
+    async def write(path: Path) -> str:
+        if path not in warned and await asyncio.to_thread(os.path.exists, path):
+            warned.add(path)
+            return f"{path} already exists: press enter again to overwrite"
+        try:
+            await asyncio.to_thread(save_load.write, path, text)
+        except ArchoError as error:
+            return str(error)
+        console.station.robot.note("YOU", "console", f"{what}: saved to {path}")
+        console.say(f"Saved to {path}.")
+        return ""
+
+    return write
 
 
 class Command:

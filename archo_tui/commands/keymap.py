@@ -32,8 +32,8 @@ _SENT_AS = {
 }
 
 
-def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], list[str]]:
-    """The key of every command by its id, and a line for each that this robot does not have.
+def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
+    """The key of every command by its id, and a line about those that this robot does not have.
 
     One keymap serves several robots. Raises ArchoError that names the line.
     """
@@ -45,8 +45,8 @@ def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], list[
     for line, name, key in _entries(path):
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
-            hint = f" (nearest: {near[0]})" if near else ""
-            others.append(f"{path}:{line}: no command {name!r} here{hint}: left out")
+            hint = f", nearest: {near[0]}" if near else ""
+            others.append(f"{name} (line {line}{hint})")
             continue
         keys[name] = _checked(f"{path}:{line}", known[name], key)
         lines[name] = line
@@ -54,7 +54,8 @@ def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], list[
         for other in known.values():
             if other.id != name and keys[other.id] == keys[name] and _meet(known[name], other):
                 raise ArchoError(f"{path}:{line}: {keys[name]} is already the key of {other.id}")
-    return keys, others
+    said = f"{path}: this robot has no command {', '.join(others)}: left out" if others else ""
+    return keys, said
 
 
 def _robots_keys(commands: Sequence[Command]) -> dict[str, str]:

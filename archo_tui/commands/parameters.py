@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import os.path
 from pathlib import Path
 
-from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Work
+from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Work, write_file
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.values import text_of
@@ -82,22 +81,14 @@ class Save(_InParameters):
 
     def run(self, console: Console) -> None:
         text, left_out = save_load.dump(console.view.snapshot.parameters)
-        warned: set[Path] = set()  # existing files that the operator was warned about
+        write = write_file(console, text, "save parameters")
 
         async def save(path: Path) -> str:
-            if path not in warned and await asyncio.to_thread(os.path.exists, path):
-                warned.add(path)
-                return f"{path} already exists: press enter again to overwrite"
-            try:
-                await asyncio.to_thread(save_load.write, path, text)
-            except ArchoError as error:
-                return str(error)
-            note = console.station.robot.note
-            note("YOU", "console", f"save parameters: saved to {path}")
-            for line in left_out:
-                note("WARN", "console", f"not saved, a parameter file cannot hold it: {line}")
-            console.say(f"Saved to {path}.")
-            return ""
+            said = await write(path)
+            for line in () if said else left_out:
+                why = f"not saved, a parameter file cannot hold it: {line}"
+                console.station.robot.note("WARN", "console", why)
+            return said
 
         console.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
 

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Mapping
 from typing import Any
 
 from archo_tui.commands.base import EVERYWHERE, Command, Console, Work
 from archo_tui.goal_text import way
 from archo_tui.robot.state import RUNNING, Outcome, Phase
-from archo_tui.robots.check import missing
 from archo_tui.robots.model import GoalKind, Service, Stop
-from archo_tui.screens.choose import Choose
 from archo_tui.screens.confirm import Confirm
-from archo_tui.screens.message_form import MessageForm, Send
+from archo_tui.screens.message_form import MessageForm
 
 # a cancel was asked for, or there is nothing to cancel any more
 _CANCELLED = {Phase.CANCELLING} | (set(Phase) - set(RUNNING))
@@ -162,71 +159,3 @@ def _reading(console: Console, name: str) -> bool:
     """What a toggle inverts: `battery.charging`, `motion.moving`, `motion.stopped`."""
     topic, _, reading = name.partition(".")
     return bool(getattr(getattr(console.view.snapshot, topic), reading))
-
-
-class _AnyOf(Command):
-    """Lists what is on the graph, then makes a form of its type."""
-
-    what = ""
-
-    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        """Names with their types."""
-        raise NotImplementedError
-
-    def blocked(self, console: Console) -> str:
-        return "" if self.found(console) else f"no {self.what} is on the graph"
-
-    def run(self, console: Console) -> None:
-        found = self.found(console)
-        rows = [(name, ", ".join(found[name])) for name in sorted(found)]
-        console.open(Choose(self.help, rows, lambda name: self._form(console, name)))
-
-    async def _form(self, console: Console, name: str) -> None:
-        kinds = self.found(console).get(name, ())
-        if len(kinds) != 1:
-            console.say(f"{name} has several types: {', '.join(kinds)}")
-            return
-        # reads files: not on this thread
-        leaves = await asyncio.to_thread(console.station.robot.form, kinds[0])
-        if leaves is None:
-            console.say(missing(name, kinds[0]))
-            return
-        typed = console.typed.setdefault(name, {})
-        send = self.sender(console, name, kinds[0])
-        console.open(MessageForm(f"{name}  {kinds[0]}", leaves, send, typed))
-
-    def sender(self, console: Console, name: str, kind: str) -> Send:
-        """What is done with the values."""
-        raise NotImplementedError
-
-
-class AnyGoal(_AnyOf):
-    id, key = "any_goal", "G"
-    help = "Send a goal to any action on the graph"
-    what = "action"
-
-    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        return console.view.snapshot.actions
-
-    def sender(self, console: Console, name: str, kind: str) -> Send:
-        short = name.rpartition("/")[2]
-        goal = GoalKind(id=short, title=short, action=name, type=kind)
-        return lambda values: console.station.robot.send(goal, values)
-
-
-class AnyService(_AnyOf):
-    id, key = "any_service", "C"
-    help = "Call any service on the graph"
-    what = "service"
-
-    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        return console.view.snapshot.services
-
-    def sender(self, console: Console, name: str, kind: str) -> Send:
-        async def call(values: Mapping[str, Any]) -> Outcome:
-            outcome = await console.station.robot.call(name, kind, values)
-            if outcome.ok:
-                console.say(outcome.text, name)
-            return outcome
-
-        return call

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
+from textual.markup import escape
+from textual.message import Message
 from textual.screen import Screen
 from textual.widget import Widget
 
 from archo_tui.robot.state import Snapshot
+from archo_tui.robot.text import harmless
 from archo_tui.station import View
 from archo_tui.widgets import bars
 from archo_tui.widgets.battery_panel import BatteryPanel
@@ -27,6 +30,13 @@ class MainScreen(Screen[None]):
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (150, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (30, "-tall")]
 
+    class Broken(Message):
+        """A panel could not be drawn."""
+
+        def __init__(self, said: str) -> None:
+            super().__init__()
+            self.said = said
+
     _before: Widget | None = None  # had the focus before a panel was asked for
 
     def __init__(self, snapshot: Snapshot) -> None:
@@ -42,6 +52,7 @@ class MainScreen(Screen[None]):
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
         self._below: object = None  # what the footer shows
+        self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
 
     def compose(self) -> ComposeResult:
         with Horizontal(id="head"):
@@ -112,7 +123,21 @@ class MainScreen(Screen[None]):
             self._below = below
             self._footer.show(bars.footer(*below))
         for panel in self._panels.values():
-            panel.show(view)
+            try:
+                panel.show(view)
+                if self._broken.pop(panel.number, ""):
+                    panel.remove_class("-broken")
+                    panel.border_title = f"{panel.number} {panel.title_text}"
+            except Exception as error:  # the others, STOP and the clock go on
+                self._cannot_draw(panel, error)
+
+    def _cannot_draw(self, panel: Panel, error: Exception) -> None:
+        said = harmless(f"cannot be drawn: {type(error).__name__}: {error}")
+        panel.border_title = escape(f"{panel.number} {panel.title_text}   ✗ {said}")
+        panel.add_class("-broken")  # what stood there is not so any more; its buttons stay
+        if self._broken.get(panel.number) != said:
+            self._broken[panel.number] = said
+            self.post_message(self.Broken(f"panel {panel.number} {said}"))
 
 
 def _panel_number(widget: Widget) -> int:

@@ -9,6 +9,7 @@ import pytest
 from rclpy.node import Node
 
 from archo_tui.session import _robots_nodes
+from archo_tui.widgets.battery_panel import BatteryPanel
 from tests.support.clock import stuck
 from tests.support.console import FAST, LONG, console
 
@@ -166,3 +167,23 @@ async def test_quitting_leaves_no_thread_behind() -> None:
         await op.until(lambda: not op.app.is_running)
     left = {t.name for t in set(threading.enumerate()) - before if not t.name.startswith("asyncio")}
     assert left == set()
+
+
+async def test_a_panel_that_cannot_be_drawn_says_so_and_the_others_and_stop_go_on() -> None:
+    async with console(*LONG) as op:
+        battery = next(panel for panel in op.app.query(BatteryPanel))
+        draws = battery.show
+
+        def break_down(_: object) -> None:
+            raise ZeroDivisionError("nothing to divide")
+
+        battery.show = break_down  # type: ignore[method-assign,assignment]
+        await op.until("1 Battery   ✗ cannot be drawn")
+        assert "GOOD" not in op.text
+        await op.until("panel 1 cannot be drawn: ZeroDivisionError: nothing to divide")
+        await op.press("g", "3", "enter")
+        await op.until("▶ MOVING")
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        battery.show = draws  # type: ignore[method-assign]
+        await op.until(lambda: "cannot be drawn" not in op.line("1 Battery"))

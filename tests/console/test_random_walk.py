@@ -17,7 +17,7 @@ from tests.support.stub import StubRobot, stub_app
 
 COMMANDS = registry(ARCHO)
 _KEYS = sorted(
-    {command.key for command in COMMANDS}
+    {command.key for command in COMMANDS if command.key}
     | set("0123456789azAZ .-") | {"tab", "shift+tab", "escape", "enter", "up", "down", "left"}
     | {"right", "pageup", "pagedown", "home", "end", "backspace", "delete", "ctrl+home", "ctrl+end"}
 )  # fmt: skip

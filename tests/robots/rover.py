@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from depot_interfaces.action import Dock, Fibonacci, GoTo, Inspect
@@ -79,7 +80,7 @@ class Counting(Node):
         numbers = [0, 1]
         while len(numbers) <= goal.request.order:
             passed: Any = Future(executor=self.executor)
-            timer = self.create_timer(0.2, lambda passed=passed: passed.set_result(True))
+            timer = self.create_timer(0.2, partial(passed.set_result, True))
             await passed
             self.destroy_timer(timer)
             if goal.is_cancel_requested:

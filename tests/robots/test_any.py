@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,8 +14,10 @@ pytest.importorskip("depot_interfaces")
 
 from textual.widgets import TextArea
 
+from archo_tui.robots.load import load
 from archo_tui.screens.message_form import MessageForm
 from tests.robots.rover import Counting
+from tests.support.archo import ARCHO
 from tests.support.console import Console, console
 
 
@@ -130,6 +134,34 @@ async def test_a_goal_of_many_fields_is_one_yaml_text() -> None:
         assert node.inspected[0].first.pose.position.x == 2.0
         assert node.inspected[0].second.pose.orientation.w == 1.0
         assert node.inspected[0].labels == ["a", "b"]
+
+
+async def test_what_was_used_is_kept_as_a_robot_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    async with counting() as (op, _):
+        await form(op, "G", *"fib", "enter")
+        await op.press("2", "enter")
+        await op.until("✓ SUCCEEDED")
+        await op.press("ctrl+p")
+        await op.type("keep as")
+        await op.until("Keep as robot file")
+        await op.press("down", "enter")
+        await op.until("robot.yaml")
+        await op.press("enter")
+        await op.until("Saved to robot.yaml.")
+        kept = load(tmp_path / "robot.yaml")
+        assert replace(kept, goals=kept.goals[:1]) == ARCHO
+        assert kept.goals[1].action == "/fibonacci"
+    async with console(robot=tmp_path / "robot.yaml", node_makers=[Counting], wait=False) as op:
+        await op.until(lambda: "/fibonacci" in op.app.view.snapshot.offered)
+        await op.press("ctrl+p")
+        await op.type("fibonacci")
+        await op.press("down", "enter")
+        await op.until(lambda: isinstance(op.app.screen, MessageForm))
+        await op.press("3", "enter")
+        await op.until("✓ SUCCEEDED")
 
 
 async def test_where_nothing_is_offered_the_keys_say_so() -> None:

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import dedent
 
 import pytest
 
 from archo_tui.errors import ArchoError
 from archo_tui.robots.load import default, load
 from archo_tui.robots.model import Robot
+from archo_tui.robots.save import dump
 
 HERE = Path(__file__).parent
 
@@ -20,6 +22,23 @@ HERE = Path(__file__).parent
 )
 def test_the_files_that_come_with_it_are_read(path: Path) -> None:
     assert load(path).name.upper() in path.read_text().upper()
+
+
+def test_the_readmes_file_is_a_whole_one(tmp_path: Path) -> None:
+    readme = (HERE.parent.parent / "README.md").read_text(encoding="utf-8")
+    section = readme.partition("## Your own robot\n")[2].partition("\n## ")[0]
+    file = tmp_path / "mine.yaml"
+    file.write_text(dedent(section[section.index("    version: 1") :]))
+    robot = load(file)
+    assert (robot.name, robot.commands[0].key, robot.goals[0].noun) == ("My robot", "b", "shelf")
+    assert len(section.strip().splitlines()) <= 20
+
+
+def test_what_is_written_is_read_back_the_same(tmp_path: Path) -> None:
+    for path in (default(), HERE / "tug.yaml", HERE / "rover.yaml"):
+        file = tmp_path / path.name
+        file.write_text(dump(load(path)))
+        assert load(file) == load(path)
 
 
 def test_what_a_file_leaves_out_the_robot_does_not_have(tmp_path: Path) -> None:
