@@ -75,8 +75,8 @@ class Console:
             released = self._pressed + HELD if key == self._last and key in once else 0.0
             await self.at(released)
             send(self.app, key)
-            self._last, self._pressed = key, clock.seconds()
             await self._quiet.settle()
+            self._last, self._pressed = key, clock.seconds()  # when the console has taken it
 
     async def at(self, when: float) -> None:
         """Wait until that time (s) of the robot's."""

@@ -5,12 +5,15 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rclpy.callback_groups import CallbackGroup
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+
+
+EntityT = TypeVar("EntityT")
 
 
 class Entity:
@@ -23,6 +26,16 @@ class Entity:
         self._node = node
         self.callback_group = callback_group
         self._destroyed = False
+
+    def destroy(self) -> None:
+        """Never call back again; its node's own `destroy_...` does this too."""
+        self._destroyed = True
+
+    def __enter__(self: EntityT) -> EntityT:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.destroy()
 
     def _take(self) -> Callable[[], Any] | None:
         """The next piece of work as a function (or coroutine function), None when there is none."""

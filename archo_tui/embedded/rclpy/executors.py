@@ -1,8 +1,8 @@
 """Executors: whoever spins one runs the callbacks of its nodes.
 
 As rclpy's wait set has it, work is done in rounds: the tasks first, then one piece of work of each
-entity that is ready, timers before subscriptions before clients before services. So a task, and a
-service's answer, never wait behind a queue full of messages.
+entity that is ready by then, timers before subscriptions before clients before services. So a task,
+and a service's answer, never wait behind a queue full of messages.
 Waiting costs nothing: a heap of timers, one condition variable.
 """
 
@@ -57,6 +57,7 @@ class Executor:
         self._timers: list[tuple[int, int, Timer]] = []
         self._order = itertools.count()
         self._is_shutdown = False
+        self._had_tasks = False  # this round: its entities come next
         self._notified = False  # since the last look at what is ready
         self._context.on_shutdown(self.wake)
 
@@ -112,6 +113,12 @@ class Executor:
         """Have a waiting spin look again; by itself this does not end `spin_once`."""
         with self._condition:
             self._notify()
+
+    def __enter__(self) -> Executor:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.shutdown()
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
         """End all spinning and let the nodes go. False if work went on past `timeout_sec` (s)."""
@@ -257,10 +264,15 @@ class Executor:
         return None
 
     def _begin_round(self) -> None:
+        """The tasks; what they made ready comes with the entities behind them."""
+        if self._tasks and not (self._had_tasks and self._ready):
+            self._had_tasks = True
+            self._round.extend(self._tasks)
+            self._tasks.clear()
+            return
+        self._had_tasks = False
         entities = sorted(self._ready, key=self._place) if len(self._ready) > 1 else self._ready
-        self._round.extend(self._tasks)
         self._round.extend(entities)
-        self._tasks.clear()
         self._ready = {}
 
     def _place(self, entity: Entity) -> tuple[int, int]:
@@ -311,7 +323,8 @@ class MultiThreadedExecutor(Executor):
         finally:
             self.wake()
 
-    def shutdown(self, timeout_sec: float | None = None) -> bool:
+    def shutdown(self, timeout_sec: float | None = None, *, wait_for_threads: bool = True) -> bool:
+        """As the base's; without `wait_for_threads` callbacks may still be running."""
         result = super().shutdown(timeout_sec)
-        self._pool.shutdown(wait=timeout_sec is None or timeout_sec > 0)
+        self._pool.shutdown(wait=wait_for_threads)
         return result

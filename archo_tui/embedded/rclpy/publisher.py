@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy._rclpy_pybind11 import InvalidHandle
@@ -29,6 +30,8 @@ class Publisher(Generic[MsgT]):
         self._matched: tuple[Subscription[Any], ...] = ()
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         self._kept: deque[Any] = deque(maxlen=qos_profile.queue_size)
+        self._make_kept: Callable[[], Any] | None = None
+        self._has_published = False
 
     def publish(self, msg: MsgT) -> None:
         """Send a copy of `msg` to every matching subscription.
@@ -50,9 +53,33 @@ class Publisher(Generic[MsgT]):
         for subscription in matched:
             subscription._deliver(message.__received__())
 
+    def _kept_by(self, make: Callable[[], Any]) -> None:
+        """What a late joiner gets is made when it comes."""
+        self._make_kept = make
+        self._keeps = False
+
+    def _publish_lazily(self, make: Callable[[], Any], news: Any) -> None:
+        """Send what `make()` returns; to subscriptions that follow changes only, `news`."""
+        if self._destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        self._has_published = True
+        message: Any = None
+        for subscription in self._matched:
+            if subscription._follows_changes:
+                subscription._deliver(news)
+                continue
+            message = message or make()
+            subscription._deliver(message.__received__())
+
     def get_subscription_count(self) -> int:
         """How many subscriptions match."""
         return len(self._matched)
+
+    def __enter__(self) -> Publisher[MsgT]:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.destroy()
 
     def destroy(self) -> None:
         """Leave the topic."""
@@ -62,5 +89,7 @@ class Publisher(Generic[MsgT]):
     def _replay(self, subscription: Subscription[Any]) -> None:
         """Hand what is kept to a late joiner that asked for it."""
         if subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
+            if self._make_kept is not None and self._has_published:
+                subscription._deliver(self._make_kept())
             for message in self._kept:
                 subscription._deliver(message.__received__())

@@ -19,6 +19,7 @@ class Subscription(QueueEntity, Generic[MsgT]):
     """Receives messages of one type from one topic. Made by `Node.create_subscription`."""
 
     _rank = 2
+    _follows_changes = False  # of a status, instead of the whole of it
 
     def __init__(
         self,

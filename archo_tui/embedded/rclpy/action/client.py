@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 import weakref
+from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,11 @@ from action_msgs.srv import CancelGoal
 from rclpy import _time_source
 from rclpy.action._goal_states import ACTIVE
 from rclpy.callback_groups import CallbackGroup
-from rclpy.qos import QoSProfile, qos_profile_action_status_default
+from rclpy.qos import (
+    QoSProfile,
+    qos_profile_action_status_default,
+    qos_profile_services_default,
+)
 from rclpy.task import Future, wait_for
 from unique_identifier_msgs.msg import UUID
 
@@ -77,6 +82,11 @@ class ActionClient:
         action_name: str,
         *,
         callback_group: CallbackGroup | None = None,
+        goal_service_qos_profile: QoSProfile = qos_profile_services_default,
+        result_service_qos_profile: QoSProfile = qos_profile_services_default,
+        cancel_service_qos_profile: QoSProfile = qos_profile_services_default,
+        feedback_sub_qos_profile: QoSProfile = QoSProfile(depth=10),  # noqa: B008
+        status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
         self._node = node
         self._action_type = action_type
@@ -86,11 +96,13 @@ class ActionClient:
         self._feedback_callbacks: dict[bytes, Callable[[Any], Any]] = {}
         impl, prefix = action_type.Impl, f"{action_name}/_action"
         self._goal_client, self._cancel_client, self._result_client = self._clients = [
-            node.create_client(srv_type, f"{prefix}/{name}", callback_group=callback_group)
-            for srv_type, name in (
-                (impl.SendGoalService, "send_goal"),
-                (impl.CancelGoalService, "cancel_goal"),
-                (impl.GetResultService, "get_result"),
+            node.create_client(
+                srv_type, f"{prefix}/{name}", qos_profile=qos, callback_group=callback_group
+            )
+            for srv_type, name, qos in (
+                (impl.SendGoalService, "send_goal", goal_service_qos_profile),
+                (impl.CancelGoalService, "cancel_goal", cancel_service_qos_profile),
+                (impl.GetResultService, "get_result", result_service_qos_profile),
             )
         ]
         self._subscriptions = [
@@ -98,18 +110,16 @@ class ActionClient:
                 kind, f"{prefix}/{name}", callback, qos, callback_group=callback_group
             )
             for kind, name, callback, qos in (
-                (impl.FeedbackMessage, "feedback", self._on_feedback, QoSProfile(depth=10)),
-                (
-                    impl.GoalStatusMessage,
-                    "status",
-                    self._on_status,
-                    qos_profile_action_status_default,
-                ),
+                (impl.FeedbackMessage, "feedback", self._on_feedback, feedback_sub_qos_profile),
+                (impl.GoalStatusMessage, "status", self._on_status, status_sub_qos_profile),
             )
         ]
 
         for entity in (*self._clients, *self._subscriptions):
             entity._rank = 0
+        status = self._subscriptions[1]
+        status._follows_changes = True
+        status._queue = deque(status._queue)  # no change may be lost
 
     def send_goal_async(
         self,
@@ -178,13 +188,15 @@ class ActionClient:
         callback = self._feedback_callbacks.get(bytes(message.goal_id.uuid))
         return callback(message) if callback is not None else None
 
-    def _on_status(self, message: Any) -> None:
-        for entry in message.status_list:
-            key = bytes(entry.goal_info.goal_id.uuid)
+    def _on_status(self, news: Any) -> None:
+        """The whole status at first, then what changed in it."""
+        if not isinstance(news, tuple):
+            news = [(bytes(s.goal_info.goal_id.uuid), s.status) for s in news.status_list]
+        for key, status in news:
             handle = self._goals.get(key)
             if handle is not None:
-                handle._status = entry.status
-            if entry.status not in ACTIVE:
+                handle._status = status
+            if status not in ACTIVE:
                 self._goals.pop(key, None)
 
 

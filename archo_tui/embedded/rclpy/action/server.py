@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import threading
 import traceback
+from collections import deque
 from collections.abc import Callable
 from enum import Enum
 from typing import TYPE_CHECKING, Any
@@ -108,7 +109,7 @@ class ServerGoalHandle:
     def _update(self, event: str) -> None:
         with self._lock:
             self._status = states.next_state(self._status, event)
-        self._server._publish_status()
+        self._server._publish_status(self)
 
 
 class ActionServer:
@@ -125,6 +126,11 @@ class ActionServer:
         goal_callback: Callable[[Any], Any] = lambda goal: GoalResponse.ACCEPT,
         handle_accepted_callback: Callable[[ServerGoalHandle], Any] = ServerGoalHandle.execute,
         cancel_callback: Callable[[ServerGoalHandle], Any] = lambda goal: CancelResponse.REJECT,
+        goal_service_qos_profile: QoSProfile = qos_profile_services_default,
+        result_service_qos_profile: QoSProfile = qos_profile_services_default,
+        cancel_service_qos_profile: QoSProfile = qos_profile_services_default,
+        feedback_pub_qos_profile: QoSProfile = QoSProfile(depth=10),  # noqa: B008
+        status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 10,
     ) -> None:
         """`result_timeout` is how long a result is kept after the goal has ended, in s."""
@@ -136,28 +142,37 @@ class ActionServer:
         self._cancel_callback = cancel_callback
         self._result_timeout = result_timeout
         self._goals: dict[bytes, ServerGoalHandle] = {}
+        self._ended: deque[ServerGoalHandle] = deque()  # the first to expire first
         self._logger = node.get_logger().get_child("action_server")
-        impl, qos = action_type.Impl, qos_profile_services_default
+        impl = action_type.Impl
+        goal_qos, cancel_qos = goal_service_qos_profile, cancel_service_qos_profile
 
-        def serve(kind: Any, srv_type: Any, name: str, callback: Any) -> Service[Any, Any]:
+        def serve(
+            kind: Any, srv_type: Any, name: str, callback: Any, qos: QoSProfile
+        ) -> Service[Any, Any]:
             full = f"{action_name}/_action/{name}"
             service = node._add_service(kind, srv_type, full, callback, callback_group, qos)
             service._rank = 0
             return service
 
         self._services = [
-            serve(Service, impl.SendGoalService, "send_goal", self._on_goal),
-            serve(Service, impl.CancelGoalService, "cancel_goal", self._on_cancel),
-            serve(DeferredService, impl.GetResultService, "get_result", self._on_result),
+            serve(DeferredService, impl.SendGoalService, "send_goal", self._on_goal, goal_qos),
+            serve(Service, impl.CancelGoalService, "cancel_goal", self._on_cancel, cancel_qos),
+            serve(
+                DeferredService,
+                impl.GetResultService,
+                "get_result",
+                self._on_result,
+                result_service_qos_profile,
+            ),
         ]
         self._feedback = node.create_publisher(
-            impl.FeedbackMessage, f"{action_name}/_action/feedback", QoSProfile(depth=10)
+            impl.FeedbackMessage, f"{action_name}/_action/feedback", feedback_pub_qos_profile
         )
         self._status = node.create_publisher(
-            impl.GoalStatusMessage,
-            f"{action_name}/_action/status",
-            qos_profile_action_status_default,
+            impl.GoalStatusMessage, f"{action_name}/_action/status", status_pub_qos_profile
         )
+        self._status._kept_by(self._all_statuses)
 
     def destroy(self) -> None:
         """Stop offering the action."""
@@ -166,8 +181,9 @@ class ActionServer:
         self._node.destroy_publisher(self._feedback)
         self._node.destroy_publisher(self._status)
 
-    async def _on_goal(self, request: Any, response: Any) -> Any:
+    async def _on_goal(self, request: Any, header: RequestHeader) -> None:
         self._forget_expired()
+        response = self.action_type.Impl.SendGoalService.Response()
         goal_id = bytes(request.goal_id.uuid)
         answer = GoalResponse.REJECT
         if goal_id not in self._goals:
@@ -177,17 +193,15 @@ class ActionServer:
                     "Goal request callback did not return a GoalResponse type. Rejecting goal."
                 )
         response.accepted = answer == GoalResponse.ACCEPT
-        if response.accepted:
-            response.stamp = self._node.get_clock().now().to_msg()
-            info = GoalInfo(goal_id=request.goal_id, stamp=response.stamp)
-            goal = ServerGoalHandle(self, info, request.goal)
-            self._goals[goal_id] = goal
-            # in a later turn, so that the client hears of the acceptance first
-            self._create_task(self._begin, goal)
-        return response
-
-    async def _begin(self, goal: ServerGoalHandle) -> None:
-        self._publish_status()
+        if not response.accepted:
+            self._services[0].send_response(response, header)
+            return
+        response.stamp = self._node.get_clock().now().to_msg()
+        info = GoalInfo(goal_id=request.goal_id, stamp=response.stamp)
+        goal = ServerGoalHandle(self, info, request.goal)
+        self._goals[goal_id] = goal
+        self._services[0].send_response(response, header)
+        self._publish_status(goal)
         await _value(self._handle_accepted_callback(goal))
 
     def _start(self, goal: ServerGoalHandle, callback: Any) -> None:
@@ -206,6 +220,7 @@ class ActionServer:
             )
             goal.abort()
         goal._expires = _time_source.deadline_ns(self._result_timeout)
+        self._ended.append(goal)
         goal._result.set_result(
             self.action_type.Impl.GetResultService.Response(status=goal.status, result=result)
         )
@@ -254,17 +269,20 @@ class ActionServer:
             lambda future: service.send_response(future.result(), header)
         )
 
-    def _publish_status(self) -> None:
-        statuses = [
-            GoalStatus(goal_info=goal._info, status=goal.status) for goal in self._goals.values()
-        ]
-        self._status.publish(GoalStatusArray(status_list=statuses))
+    def _publish_status(self, changed: ServerGoalHandle) -> None:
+        """Tell of every goal that is kept; an action client of this engine, of the changed one."""
+        key, status = bytes(changed.goal_id.uuid), changed.status
+        self._status._publish_lazily(self._all_statuses, ((key, status),))
+
+    def _all_statuses(self) -> GoalStatusArray:
+        goals = list(self._goals.values())
+        statuses = [GoalStatus(goal_info=goal._info, status=goal.status) for goal in goals]
+        return GoalStatusArray(status_list=statuses)
 
     def _forget_expired(self) -> None:
         now = _time_source.monotonic_ns()
-        for key, goal in list(self._goals.items()):
-            if goal._expires is not None and goal._expires <= now:
-                del self._goals[key]
+        while self._ended and (self._ended[0]._expires or 0) <= now:
+            self._goals.pop(bytes(self._ended.popleft().goal_id.uuid), None)
 
     def _create_task(self, callback: Any, *args: Any) -> None:
         if self._node.executor is not None:
