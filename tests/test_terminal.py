@@ -388,12 +388,12 @@ def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Termin
 
 
 FAILS_IN_A_MOVE = """
-from archo_tui.widgets.goal_panel import GoalPanel
-show = GoalPanel.show
-def fail(self, view):
+from archo_tui.screens.main import MainScreen
+show = MainScreen.show
+def fail(self, view, commands):
     goal = view.snapshot.goal
     if goal is not None and goal.remaining is not None:
         raise RuntimeError("cannot draw")
-    show(self, view)
-GoalPanel.show = fail
+    show(self, view, commands)
+MainScreen.show = fail
 """

@@ -146,6 +146,8 @@ def _literal(text: str, kind: FieldType, where: str) -> object:
         return value if isinstance(value, str) else text
     if kind.base == "bool":
         return bool(value)
+    if kind.base == "byte" and isinstance(value, int):
+        return bytes([value])
     if kind.base in INTEGERS and isinstance(value, str):
         try:
             return int(value, 0)

@@ -1,8 +1,8 @@
 """Import hook: `from archo_interfaces.msg import BatteryStatus` reads `BatteryStatus.msg`.
 
-A package is a folder with `msg/`, `srv/` or `action/` in it. Looked for, in this order: the
-folders given by name, `share/` beside this file, and `share/<package>/` of each prefix on
-AMENT_PREFIX_PATH.
+A package is a folder with `msg/`, `srv/` or `action/` in it. Each file is looked for, in this
+order, in the folders given by name, `share/` beside this file, and `share/<package>/` of each
+prefix on AMENT_PREFIX_PATH: a package that is whole there completes one that is partial here.
 Classes are made at their first use.
 """
 
@@ -30,32 +30,30 @@ class InterfaceFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         self._packages = dict(packages)
         self._classes: dict[str, Any] = {}
 
-    def folder(self, package: str) -> Path | None:
-        """The folder that holds the package's msg/, srv/ and action/, or None."""
+    def folders(self, package: str) -> list[Path]:
+        """The folders that hold the package's msg/, srv/ and action/, the first one first."""
         prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         candidates = [
             self._packages.get(package),
             self._share / package,
             *(Path(prefix) / "share" / package for prefix in prefixes if prefix),
         ]
-        for path in candidates:
-            if path is not None and any((path / kind).is_dir() for kind in KINDS):
-                return path
-        return None
+        return [p for p in candidates if p is not None and any((p / k).is_dir() for k in KINDS)]
 
     def names(self, package: str, kind: str) -> list[str]:
         """The interfaces of one kind that a package defines."""
-        folder = self.folder(package)
-        return sorted(path.stem for path in folder.glob(f"{kind}/*.{kind}")) if folder else []
+        found = (path.stem for f in self.folders(package) for path in f.glob(f"{kind}/*.{kind}"))
+        return sorted(set(found))
 
     def load(self, type_name: str) -> Any:
         """The class of "package/kind/Name". Raises ImportError when there is none."""
         if type_name not in self._classes:
             package, kind, name = type_name.split("/")
-            folder = self.folder(package)
-            path = folder / kind / f"{name}.{kind}" if folder else None
-            if path is None or not path.is_file():
-                raise ImportError(f"no interface {type_name}: looked for {path or package}")
+            paths = [folder / kind / f"{name}.{kind}" for folder in self.folders(package)]
+            path = next((path for path in paths if path.is_file()), None)
+            if path is None:
+                looked = ", ".join(map(str, paths)) or package
+                raise ImportError(f"no interface {type_name}: looked for {looked}")
             sections = parse(path, package)
             if kind == "msg":
                 made: Any = make_message(type_name, sections[0], self._resolve)
@@ -82,10 +80,13 @@ class InterfaceFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
         package, _, kind = fullname.partition(".")
-        folder = self.folder(package)
-        if folder is None or (kind and not (kind in KINDS and (folder / kind).is_dir())):
+        folders = self.folders(package)
+        if kind:
+            folders = [f for f in folders if kind in KINDS and (f / kind).is_dir()]
+        if not folders:
             return None
-        return importlib.machinery.ModuleSpec(fullname, self, origin=str(folder), is_package=True)
+        origin = str(folders[0])
+        return importlib.machinery.ModuleSpec(fullname, self, origin=origin, is_package=True)
 
     def exec_module(self, module: ModuleType) -> None:
         package, _, kind = module.__name__.partition(".")

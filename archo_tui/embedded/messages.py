@@ -25,6 +25,7 @@ class Message:
     __field_types__: ClassVar[dict[str, str]]
     __defaults__: ClassVar[dict[str, Callable[[], Any]]]
     __copiers__: ClassVar[tuple[tuple[str, Callable[[Any], Any] | None], ...]]
+    __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # slot, type, nested class
 
     def __init__(self, **values: Any) -> None:
         for name, default in self.__defaults__.items():
@@ -70,6 +71,7 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
     }
     defaults: dict[str, Callable[[], Any]] = {}
     copiers: list[tuple[str, Callable[[Any], Any] | None]] = []
+    layout: list[tuple[str, FieldType, Any]] = []
     for field in section.fields:
         nested = resolve(section, field) if "/" in field.type.base else None
         check = rules.scalar_check(field.name, field.type.base, field.type.string_bound, nested)
@@ -78,9 +80,11 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
         slot = f"_{field.name}"
         body[field.name] = property(attrgetter(slot), _setter(slot, check))
         defaults[field.name] = _default(field, nested)
+        layout.append((slot, field.type, nested))
         copiers.append((slot, rules.copier(field.type, check, nested)))
     body["__defaults__"] = defaults
     body["__copiers__"] = tuple(copiers)
+    body["__layout__"] = tuple(layout)
     return type(name, (Message,), body)
 
 

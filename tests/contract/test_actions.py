@@ -6,17 +6,19 @@ import threading
 from typing import Any
 
 import pytest
-from action_msgs.msg import GoalInfo, GoalStatus
+from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import Log
 from rclpy.action import (
+    ActionClient,
     ActionServer,
     CancelResponse,
     GoalResponse,
     get_action_names_and_types,
 )
-from rclpy.executors import MultiThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
@@ -272,3 +274,67 @@ def test_a_cancel_after_the_end_is_refused(ros: Ros) -> None:
     answer = ros.result(handle.cancel_goal_async())
     assert len(answer.goals_canceling) == 0
     assert answer.return_code == CancelGoal.Response.ERROR_GOAL_TERMINATED
+
+
+def test_the_first_feedback_comes_before_the_acceptance_where_one_executor_runs_both(
+    ros: Ros,
+) -> None:
+    node = ros.node()
+    log: list[str] = []
+
+    def execute(goal: Any) -> Any:
+        for number in range(3):
+            goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=float(number)))
+        goal.succeed()
+        return MoveToShelf.Result(success=True)
+
+    ActionServer(node, MoveToShelf, "move", execute)
+    client = ActionClient(node, MoveToShelf, "move")
+    wait_until(client.server_is_ready)
+
+    def accepted(future: Any) -> None:
+        log.append("accepted")
+        result = future.result().get_result_async()
+        result.add_done_callback(lambda _: log.append("result"))
+
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    goal = client.send_goal_async(
+        MoveToShelf.Goal(), lambda m: log.append(f"{m.feedback.distance_remaining:g}")
+    )
+    goal.add_done_callback(accepted)
+
+    def ended() -> bool:
+        executor.spin_once(timeout_sec=0.1)
+        return "result" in log
+
+    wait_until(ended)
+    assert log == ["0", "accepted", "1", "2", "result"]
+    executor.shutdown(0)
+
+
+def test_a_status_tells_of_every_goal_that_is_kept(ros: Ros) -> None:
+    robot = Robot(ros)
+    statuses: list[list[int]] = []
+    node = ros.spun("watcher")
+    node.create_subscription(
+        GoalStatusArray,
+        "move/_action/status",
+        lambda m: statuses.append([s.status for s in m.status_list]),
+        qos_profile_action_status_default,
+    )
+    for number in (1, 2):
+        handle = send(ros, robot)
+        wait_until(lambda number=number: len(robot.goals) == number)  # type: ignore[misc]
+        robot.end("succeed")
+        ros.result(handle.get_result_async())
+    done = GoalStatus.STATUS_SUCCEEDED
+    wait_until(lambda: bool(statuses) and statuses[-1] == [done, done])
+    late: list[int] = []
+    node.create_subscription(
+        GoalStatusArray,
+        "move/_action/status",
+        lambda m: late.append(len(m.status_list)),
+        qos_profile_action_status_default,
+    )
+    wait_until(lambda: late == [2])

@@ -7,14 +7,18 @@ from typing import Any
 
 import pytest
 import rclpy
+from rcl_interfaces.msg import LoggerLevel
+from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
+from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.duration import Duration
 from rclpy.exceptions import InvalidTopicNameException, ROSInterruptException
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
 from rclpy.task import Future
+from rclpy.timer import TimerInfo
 from rclpy.utilities import remove_ros_args
 from rclpy.validate_topic_name import validate_topic_name
 from rclpy.wait_for_message import wait_for_message
@@ -201,3 +205,73 @@ def test_names_are_checked_expanded_and_arguments_sorted_out() -> None:
         validate_topic_name("a b")
     words: list[Any] = ["a", "--ros-args", "-r", "x:=y", "--", "b"]
     assert remove_ros_args(words) == ["a", "b"]
+
+
+def test_a_timer_tells_when_it_should_have_called_to_a_callback_that_asks(ros: Ros) -> None:
+    told: list[TimerInfo] = []
+
+    def tick(info: TimerInfo) -> None:
+        told.append(info)
+
+    node = ros.node()
+    node.create_timer(0.01, tick)
+    ros.spin(node)
+    wait_until(lambda: len(told) >= 2)
+    assert told[0].actual_call_time >= told[0].expected_call_time
+    assert told[0].expected_call_time.clock_type == node.get_clock().clock_type
+    with pytest.raises(ValueError, match="must not be negative"):
+        TimerInfo(expected_call_time=-1, actual_call_time=0, clock_type=ClockType.ROS_TIME)
+
+
+def test_loggers_levels_are_seen_and_set_through_services(ros: Ros) -> None:
+    ros.spun("talker", enable_logger_service=True)
+    node = ros.spun("asker")
+    get = node.create_client(GetLoggerLevels, "/talker/get_logger_levels")
+    put = node.create_client(SetLoggerLevels, "/talker/set_logger_levels")
+    assert get.wait_for_service(10.0)
+    assert put.wait_for_service(10.0)
+    levels = [LoggerLevel(name="some.logger", level=LoggerLevel.LOG_LEVEL_ERROR)]
+    assert ros.result(put.call_async(SetLoggerLevels.Request(levels=levels))).results[0].successful
+    answer = ros.result(get.call_async(GetLoggerLevels.Request(names=["some.logger"])))
+    assert answer.levels[0].level == LoggerLevel.LOG_LEVEL_ERROR
+    levels[0].level = 33
+    refused = ros.result(put.call_async(SetLoggerLevels.Request(levels=levels))).results[0]
+    assert not refused.successful
+    assert refused.reason
+
+
+def test_what_a_node_makes_ends_with_its_with(ros: Ros) -> None:
+    node = ros.node()
+    with node.create_publisher(Int32, "numbers", 1) as publisher:
+        publisher.publish(Int32(data=1))
+    with pytest.raises(RuntimeError, match="destruction was requested"):
+        publisher.publish(Int32(data=1))
+    with SingleThreadedExecutor(context=ros.context) as executor:
+        executor.add_node(ros.node("other"))
+        executor.spin_once(timeout_sec=0.0)
+    assert executor.get_nodes() == []
+    with MultiThreadedExecutor(2, context=ros.context) as pool:
+        pool.shutdown(wait_for_threads=False)
+
+
+def test_a_context_that_is_destroyed_is_not_asked_any_more() -> None:
+    context = Context()
+    context.init(["--ros-args", "--disable-stdout-logs"])
+    context.shutdown()
+    with pytest.raises(RuntimeError, match="already shutdown"):
+        context.shutdown()
+    context.destroy()
+    with pytest.raises(RuntimeError, match="destruction was requested"):
+        context.ok()
+
+
+def test_lines_stay_off_rosout_when_that_is_switched_off() -> None:
+    quiet = Ros(["--disable-rosout-logs"])
+    node = quiet.node("quiet")
+    assert node.count_publishers("/rosout") == 0
+    quiet.close()
+
+
+def test_the_newest_executors_nodes_are_named_where_they_are_missing() -> None:
+    with pytest.raises(ImportError):
+        from rclpy.experimental import AsyncNode  # noqa: F401

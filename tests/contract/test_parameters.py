@@ -11,6 +11,8 @@ from rcl_interfaces.msg import (
     IntegerRange,
     ParameterDescriptor,
     ParameterEvent,
+    ParameterType,
+    ParameterValue,
     SetParametersResult,
 )
 from rclpy.exceptions import (
@@ -24,6 +26,7 @@ from rclpy.exceptions import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
+from rclpy.parameter_event_handler import ParameterEventHandler
 
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
@@ -216,3 +219,90 @@ def test_of_two_parameter_files_the_later_one_wins(ros: Ros, tmp_path: Path) -> 
         files += ["--params-file", str(file)]
     node = ros.node(cli_args=["--ros-args", *files])
     assert node.declare_parameter("gain", 0).value == 2
+
+
+def test_a_descriptor_is_replaced_where_the_value_or_another_one_fits(ros: Ros) -> None:
+    node = ros.node()
+    node.declare_parameter("speed", 1.0)
+    node.declare_parameter("fixed", 1, ParameterDescriptor(read_only=True))
+    wanted = ParameterDescriptor(
+        type=ParameterType.PARAMETER_DOUBLE,
+        floating_point_range=[FloatingPointRange(from_value=2.0, to_value=3.0)],
+    )
+    with pytest.raises(InvalidParameterValueException):
+        node.set_descriptor("speed", wanted)
+    other = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=2.5)
+    assert node.set_descriptor("speed", wanted, other).double_value == 2.5
+    assert node.get_parameter("speed").value == 2.5
+    assert node.describe_parameter("speed").floating_point_range[0].to_value == 3.0
+    with pytest.raises(ParameterNotDeclaredException):
+        node.set_descriptor("none", wanted)
+    with pytest.raises(ParameterImmutableException):
+        node.set_descriptor("fixed", ParameterDescriptor())
+
+
+def test_another_nodes_parameters_are_deleted_and_loaded_from_a_file(
+    ros: Ros, tmp_path: Path
+) -> None:
+    node = ros.spun("holder", allow_undeclared_parameters=True)
+    node.declare_parameter("kept", 1)
+    node.declare_parameter("loose", 2, ParameterDescriptor(dynamic_typing=True))
+    client = AsyncParameterClient(ros.spun("asker"), "holder")
+    assert client.wait_for_services(10.0)
+    results = ros.result(client.delete_parameters(["kept", "loose"])).results
+    assert [result.successful for result in results] == [False, True]
+    assert results[0].reason == "Static parameter cannot be undeclared"
+    assert (node.has_parameter("kept"), node.has_parameter("loose")) == (True, False)
+    file = tmp_path / "params.yaml"
+    file.write_text(
+        "/holder:\n  ros__parameters:\n    gain: 1.5\n    sub: {list: [1, 2]}\n"
+        "/**:\n  ros__parameters:\n    all: true\n/other:\n  ros__parameters:\n    no: 1\n"
+    )
+    ros.result(client.load_parameter_file(str(file)))
+    assert node.get_parameter("gain").value == 1.5
+    assert list(node.get_parameter("sub.list").value) == [1, 2]
+    assert not node.has_parameter("all")
+    assert ros.result(
+        client.load_parameter_file_atomically(str(file), use_wildcard=True)
+    ).result.successful
+    assert node.get_parameter("all").value is True
+    assert not node.has_parameter("no")
+    with pytest.raises(FileNotFoundError):
+        client.load_parameter_file(str(tmp_path / "none.yaml"))
+
+
+def test_the_changes_of_other_nodes_parameters_are_followed(ros: Ros) -> None:
+    holder = ros.node("holder")
+    holder.declare_parameter("speed", 1.0)
+    holder.declare_parameter("other", 1.0)
+    watcher = ros.node("watcher")
+    handler = ParameterEventHandler(watcher)
+    told: list[Any] = []
+    one = handler.add_parameter_callback(
+        "speed", "holder", lambda p: told.append((p.name, p.value.double_value))
+    )
+    handler.add_parameter_event_callback(lambda event: told.append(event.node))
+    AsyncParameterClient(watcher, "holder").on_parameter_event(
+        lambda e: told.append(f"on {e.node}")
+    )
+    ros.spin(watcher)
+    wait_until(lambda: holder.count_subscribers("/parameter_events") == 2)
+    holder.set_parameters([Parameter("speed", value=2.0), Parameter("other", value=2.0)])
+    wait_until(lambda: len(told) == 5)
+    assert told.index(("speed", 2.0)) < told.index("/holder")
+    assert told.count("/holder") == told.count("on /holder") == 2
+    assert (one.parameter_name, one.node_name) == ("speed", "/holder")
+    handler.remove_parameter_callback(one)
+    with pytest.raises(RuntimeError, match="doesn't exist"):
+        handler.remove_parameter_callback(one)
+    handler.destroy()
+    event = ParameterEvent(
+        node="/holder",
+        new_parameters=[Parameter("new", value=1).to_parameter_msg()],
+        changed_parameters=[Parameter("old", value=2).to_parameter_msg()],
+    )
+    assert [p.name for p in handler.get_parameters_from_event(event)] == ["new", "old"]
+    old = handler.get_parameter_from_event(event, "old", "/holder")
+    assert old is not None
+    assert old.value.integer_value == 2
+    assert handler.get_parameter_from_event(event, "old", "/another") is None

@@ -44,3 +44,23 @@ def test_a_package_that_is_nowhere_cannot_be_imported(tmp_path: Path) -> None:
     done = ask(tmp_path)
     assert done.returncode != 0
     assert "No module named 'guest_interfaces'" in done.stderr
+
+
+def test_a_package_that_is_partial_in_one_place_is_completed_by_another(tmp_path: Path) -> None:
+    partial = tmp_path / "partial" / "share" / "guest_interfaces" / "msg"
+    partial.mkdir(parents=True)
+    (partial / "Other.msg").write_text("int32 other\n")
+    whole = package(tmp_path / "whole", "int64 value\n")
+    assert "int64" in ask(partial.parent.parent.parent, whole).stdout
+
+
+def test_a_byte_has_the_default_that_its_file_gives(tmp_path: Path) -> None:
+    text = "byte flag 7\nint32 value\n"
+    assert ask(package(tmp_path / "install", text)).stdout.startswith("3 {'flag': 'octet'")
+    code = "from archo_tui import engine\nengine.activate('embedded')\n"
+    code += "from guest_interfaces.msg import Reading\nprint(Reading(), Reading() == Reading())"
+    environ = os.environ | {"AMENT_PREFIX_PATH": str(tmp_path / "install")}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environ, capture_output=True, text=True, check=False
+    )
+    assert "flag=b'\\x07', value=0) True" in done.stdout, done.stderr

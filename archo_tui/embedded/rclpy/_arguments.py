@@ -18,7 +18,7 @@ from archo_tui.embedded.parameter_files import Override, matches, read, value_of
 LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 
 # given by rclpy, without effect in one process: there is no log file and no enclave
-_IGNORED_FLAGS = re.compile(r"--(enable|disable)-(rosout|external-lib)-logs|--enable-stdout-logs")
+_IGNORED_FLAGS = re.compile(r"--(enable|disable)-external-lib-logs|--enable-stdout-logs")
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,7 @@ class Arguments:
     overrides: tuple[Override, ...] = ()
     log_level: int = 0
     stdout_logs: bool = True
+    rosout_logs: bool = True
 
     def parameters_of(self, node: str) -> dict[str, Any]:
         """Overrides for the node of that fully qualified name; the later one wins."""
@@ -43,7 +44,7 @@ def parse(args: Sequence[str] | None) -> Arguments:
     remaps: list[Remap] = []
     files: list[Override] = []
     assigned: list[Override] = []
-    level, stdout_logs = 0, True
+    level, stdout_logs, rosout_logs = 0, True, True
     words = iter(split(args or ())[1])
     for word in words:
         if word in ("-r", "--remap"):
@@ -56,9 +57,11 @@ def parse(args: Sequence[str] | None) -> Arguments:
             level = _level(_next(words, word))
         elif word == "--disable-stdout-logs":
             stdout_logs = False
+        elif word in ("--disable-rosout-logs", "--enable-rosout-logs"):
+            rosout_logs = word.startswith("--enable")
         elif not _IGNORED_FLAGS.fullmatch(word):
             raise UnknownROSArgsError(f"unknown ROS argument: {word}")
-    return Arguments(tuple(remaps), (*files, *assigned), level, stdout_logs)
+    return Arguments(tuple(remaps), (*files, *assigned), level, stdout_logs, rosout_logs)
 
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:

@@ -11,7 +11,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from rclpy.qos import incompatible_policy
+from rclpy.qos import QoSPolicyKind, incompatible_policy
 
 if TYPE_CHECKING:
     from rclpy.client import Client
@@ -68,6 +68,8 @@ class Graph:
             topic = self.topics[publisher.topic_name]
             if publisher in topic.publishers:
                 topic.publishers.remove(publisher)
+            for subscription in publisher._matched:
+                _tell(subscription, -1)
             publisher._matched = ()
             self._forget_if_empty(publisher.topic_name)
             self.changed.notify_all()
@@ -79,6 +81,8 @@ class Graph:
             if subscription in topic.subscriptions:
                 topic.subscriptions.remove(subscription)
             for publisher in topic.publishers:
+                if subscription in publisher._matched:
+                    _tell(publisher, -1)
                 publisher._matched = tuple(s for s in publisher._matched if s is not subscription)
             self._forget_if_empty(subscription.topic_name)
             self.changed.notify_all()
@@ -116,6 +120,8 @@ class Graph:
             policy = incompatible_policy(publisher.qos_profile, subscription.qos_profile)
             if policy is None:
                 matched.append(subscription)
+                _tell(publisher, 1)
+                _tell(subscription, 1)
             else:
                 warnings.append(_incompatible(publisher, subscription, policy))
         publisher._matched = tuple(matched)
@@ -137,20 +143,34 @@ def graph_of(domain_id: int) -> Graph:
         return _graphs.setdefault(domain_id, Graph())
 
 
+def _tell(endpoint: Publisher[Any] | Subscription[Any], change: int) -> None:
+    """Another endpoint matches it, or one does no longer."""
+    if endpoint._matched_event is not None:
+        endpoint._matched_event._met(change)
+
+
 def _incompatible(
-    publisher: Publisher[Any], subscription: Subscription[Any], policy: str
+    publisher: Publisher[Any], subscription: Subscription[Any], policy: QoSPolicyKind
 ) -> Callable[[], None]:
+    """Tell both; who has no callback of its own is told by its log."""
+
     def warn() -> None:
-        subscription._node.get_logger().warning(
-            f"New publisher discovered on topic '{subscription.topic_name}', offering "
-            f"incompatible QoS. No messages will be received from it. "
-            f"Last incompatible policy: {policy}"
-        )
-        publisher._node.get_logger().warning(
-            f"New subscription discovered on topic '{publisher.topic_name}', requesting "
-            f"incompatible QoS. No messages will be sent to it. "
-            f"Last incompatible policy: {policy}"
-        )
+        if subscription._incompatible_event is not None:
+            subscription._incompatible_event._refused(policy)
+        elif subscription._warns:
+            subscription._node.get_logger().warning(
+                f"New publisher discovered on topic '{subscription.topic_name}', offering "
+                f"incompatible QoS. No messages will be received from it. "
+                f"Last incompatible policy: {policy.name}"
+            )
+        if publisher._incompatible_event is not None:
+            publisher._incompatible_event._refused(policy)
+        elif publisher._warns:
+            publisher._node.get_logger().warning(
+                f"New subscription discovered on topic '{publisher.topic_name}', requesting "
+                f"incompatible QoS. No messages will be sent to it. "
+                f"Last incompatible policy: {policy.name}"
+            )
 
     return warn
 

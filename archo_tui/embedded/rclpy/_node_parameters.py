@@ -10,6 +10,7 @@ from rcl_interfaces.msg import (
     ListParametersResult,
     ParameterDescriptor,
     ParameterEvent,
+    ParameterValue,
     SetParametersResult,
 )
 from rcl_interfaces.msg import Parameter as ParameterMsg
@@ -177,6 +178,35 @@ class NodeParameters:
         self._require(name)
         descriptor: ParameterDescriptor = self._descriptors[name].__received__()
         return descriptor
+
+    def set_descriptor(
+        self,
+        name: str,
+        descriptor: ParameterDescriptor,
+        alternative_value: ParameterValue | None = None,
+    ) -> ParameterValue:
+        """Take another descriptor, and the alternative where the value does not fit it.
+
+        Raises ParameterNotDeclaredException, ParameterImmutableException,
+        InvalidParameterValueException when neither value fits.
+        """
+        if name not in self._parameters:
+            if not self._allow_undeclared_parameters:
+                raise ParameterNotDeclaredException(name)
+            return Parameter(name).get_parameter_value()
+        if self._descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        new = descriptor.__received__()
+        new.name = name
+        candidates = [self._parameters[name]]
+        if alternative_value is not None:
+            message = ParameterMsg(name=name, value=alternative_value)
+            candidates.append(Parameter.from_parameter_msg(message))
+        for parameter in candidates:
+            result = self._apply([parameter], {name: new})
+            if result.successful:
+                return self._parameters[name].get_parameter_value()
+        raise InvalidParameterValueException(name, candidates[-1].value, result.reason)
 
     def describe_parameters(self, names: Sequence[str]) -> list[ParameterDescriptor]:
         """`describe_parameter` for each name."""

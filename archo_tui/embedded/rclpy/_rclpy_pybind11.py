@@ -17,5 +17,13 @@ class RCLInvalidROSArgsError(RCLError):
     """An argument behind `--ros-args` that cannot be read."""
 
 
+class RMWError(RuntimeError):
+    """The middleware refused an operation."""
+
+
+class UnsupportedEventTypeError(RCLError):
+    """The middleware does not tell of such events."""
+
+
 class NodeNameNonExistentError(RCLError):
     """No node of that name is on the graph."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 from typing import Any
 
@@ -22,12 +23,15 @@ def check_service(kind: Any) -> None:
         raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no service type")
 
 
-def check_callback(callback: Any) -> None:
-    """Raises RuntimeError unless a message is all that the callback needs."""
-    try:
-        inspect.signature(callback).bind(object())
-    except TypeError:
-        raise RuntimeError(
-            "Subscription.__init__(): callback should be callable with one argument "
-            "(the message only: this engine hands no message info on)"
-        ) from None
+def takes_info(callback: Any) -> bool:
+    """True for a callback of a message and its info. Raises RuntimeError for any other number."""
+    with contextlib.suppress(TypeError):
+        signature = inspect.signature(callback)
+        for given in (1, 2):
+            with contextlib.suppress(TypeError):
+                signature.bind(*[object()] * given)
+                return given == 2
+    raise RuntimeError(
+        "Subscription.__init__(): callback should be either be callable with one argument"
+        "(to get only the message) or two (to get message and message info)"
+    )

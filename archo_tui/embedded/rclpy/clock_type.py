@@ -1,9 +1,9 @@
 """`rclpy.clock_type.ClockType`."""
 
-from enum import IntEnum
+from enum import Enum
 
 
-class ClockType(IntEnum):
+class ClockType(Enum):
     """The kinds of clock that ROS knows."""
 
     UNINITIALIZED = 0

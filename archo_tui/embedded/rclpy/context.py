@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import threading
+import warnings
 import weakref
 from collections.abc import Callable, Sequence
 from types import TracebackType
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from rclpy import _arguments, _logging
 from rclpy._graph import Graph, graph_of
-from rclpy._rclpy_pybind11 import RCLError
+from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -23,7 +24,7 @@ class Context:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._ok = False
+        self._ok = self._is_destroyed = self._has_begun = False
         self._domain_id = 0
         self._arguments = _arguments.Arguments()
         self._callbacks: list[Callable[[], Callable[[], None] | None]] = []
@@ -51,12 +52,14 @@ class Context:
             if domain_id < 0:
                 raise RuntimeError(f"Domain id ({domain_id}) should not be lower than zero.")
             self._domain_id = domain_id
-            self._ok = True
+            self._ok = self._has_begun = True
         if initialize_logging:
             _logging.configure(self._arguments.stdout_logs, self._arguments.log_level)
 
     def ok(self) -> bool:
-        """True between `init` and `shutdown`."""
+        """True between `init` and `shutdown`. Raises InvalidHandle after `destroy()`."""
+        if self._is_destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
         return self._ok
 
     def get_domain_id(self) -> int:
@@ -72,9 +75,9 @@ class Context:
         """End: nodes leave the graph, executors stop. Raises RCLError when not begun."""
         with self._lock:
             if not self._ok:
-                raise RCLError(
-                    "failed to shutdown: rcl_shutdown already called on the given context"
-                )
+                if self._has_begun:
+                    raise RCLError("Context already shutdown.")
+                raise RCLError("Context must be initialized before it can be shutdown")
             self._ok = False
         for node in list(self._nodes):
             node._leave_graph()
@@ -84,12 +87,24 @@ class Context:
             if callback is not None:
                 callback()
 
+    def destroy(self) -> None:
+        """Let go of what it holds; only `init` of another one begins anew."""
+        self.try_shutdown()
+        self._is_destroyed = True
+
     def try_shutdown(self) -> None:
         """End if begun."""
         if self._ok:
             self.shutdown()
 
     def __enter__(self) -> Context:
+        if not self._has_begun:
+            warnings.warn(
+                "init() must be called on a Context before using it in a Python context manager. "
+                "Calling init() with no arguments, this usage is deprecated",
+                stacklevel=2,
+            )
+            self.init()
         return self
 
     def __exit__(

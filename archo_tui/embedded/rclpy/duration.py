@@ -7,6 +7,7 @@ from functools import total_ordering
 import builtin_interfaces.msg
 
 S_TO_NS = 1_000_000_000
+_INFINITE = 2**63 - 1  # ns
 
 
 def in_int64(nanoseconds: int) -> int:
@@ -27,6 +28,9 @@ class Duration:
     def nanoseconds(self) -> int:
         """The whole span, in ns."""
         return self._nanoseconds
+
+    def __str__(self) -> str:
+        return "Infinite" if self._nanoseconds == _INFINITE else f"{self._nanoseconds} nanoseconds"
 
     def __repr__(self) -> str:
         return f"Duration(nanoseconds={self._nanoseconds})"
@@ -62,3 +66,6 @@ class Duration:
         """As builtin_interfaces/Duration."""
         sec, nanosec = divmod(self._nanoseconds, S_TO_NS)
         return builtin_interfaces.msg.Duration(sec=sec, nanosec=nanosec)
+
+
+Infinite = Duration(nanoseconds=_INFINITE)

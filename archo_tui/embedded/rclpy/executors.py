@@ -16,7 +16,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future as PoolFuture
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rclpy import _time_source
 from rclpy._entity import Entity
@@ -27,6 +27,9 @@ from rclpy.utilities import get_default_context
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+
+
+ExecutorT = TypeVar("ExecutorT", bound="Executor")
 
 
 class TimeoutException(Exception):
@@ -114,7 +117,7 @@ class Executor:
         with self._condition:
             self._notify()
 
-    def __enter__(self) -> Executor:
+    def __enter__(self: ExecutorT) -> ExecutorT:
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -244,7 +247,7 @@ class Executor:
             if when > _time_source.monotonic_ns():
                 return when
             heapq.heappop(self._timers)
-            if timer._node.executor is self and timer.is_ready():
+            if timer._node.executor is self and timer.is_ready():  # not what is simulated by now
                 self._make_ready(timer)
         return None
 

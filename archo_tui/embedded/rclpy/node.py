@@ -4,48 +4,52 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
-from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent, SetParametersResult
-from rclpy import _arguments, _logging, _names, _time_source
+from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
+from rclpy import _arguments, _logging, _names, _time_source, qos_overriding_options
 from rclpy._entity import Entity
 from rclpy._node_parameters import NodeParameters
 from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError, RCLError
-from rclpy._type_checks import check_callback, check_message, check_service
+from rclpy._type_checks import check_message, check_service
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.context import Context
+from rclpy.duration import Infinite
+from rclpy.event_handler import (
+    EventCallbacks,
+    EventHandler,
+    PublisherEventCallbacks,
+    SubscriptionEventCallbacks,
+)
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.rcutils_logger import RcutilsLogger
+from rclpy.logging_service import LoggingService
 from rclpy.parameter import Parameter
 from rclpy.parameter_service import ParameterService
 from rclpy.publisher import Publisher
 from rclpy.qos import (
+    HistoryPolicy,
+    LivelinessPolicy,
     QoSProfile,
     as_profile,
     qos_profile_parameter_events,
     qos_profile_rosout_default,
     qos_profile_services_default,
 )
+from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.service import Service
 from rclpy.subscription import Subscription
+from rclpy.time_source import TimeSource
 from rclpy.timer import Rate, Timer
+from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 from rclpy.utilities import get_default_context
 
 MsgT = TypeVar("MsgT")
 NamesAndTypes = list[tuple[str, list[str]]]
-
-
-class TopicEndpointInfo(NamedTuple):
-    """One publisher or subscription of a topic."""
-
-    node_name: str
-    node_namespace: str
-    topic_type: str
-    qos_profile: QoSProfile
 
 
 class Node(NodeParameters):
@@ -60,10 +64,12 @@ class Node(NodeParameters):
         namespace: str | None = None,
         use_global_arguments: bool = True,
         enable_rosout: bool = True,
+        rosout_qos_profile: QoSProfile | int = qos_profile_rosout_default,
         start_parameter_services: bool = True,
         parameter_overrides: Sequence[Parameter[Any]] | None = None,
         allow_undeclared_parameters: bool = False,
         automatically_declare_parameters_from_overrides: bool = False,
+        enable_logger_service: bool = False,
     ) -> None:
         """Raises NotInitializedException, InvalidNodeNameException, InvalidNamespaceException."""
         self._context = get_default_context() if context is None else context
@@ -79,7 +85,7 @@ class Node(NodeParameters):
         _names.validate_namespace(space)
         self._name, self._namespace = name, space
         self._graph = self._context._graph
-        self._clock: Clock = ROSClock()
+        self._clock = ROSClock()
         self._logger = RcutilsLogger(self.get_fully_qualified_name()[1:].replace("/", "."))
         self._executor: Executor | None = None
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
@@ -98,15 +104,15 @@ class Node(NodeParameters):
         self._init_parameters(
             overrides, allow_undeclared_parameters, automatically_declare_parameters_from_overrides
         )
-        if enable_rosout:
-            self._rosout = self.create_publisher(Log, "/rosout", qos_profile_rosout_default)
+        if enable_rosout and everybodys.rosout_logs and own.rosout_logs:
+            self._rosout = self.create_publisher(Log, "/rosout", rosout_qos_profile)
             self._publish_log = self._rosout.publish
             _logging.connect(self._logger.name, self._publish_log)
         self._parameter_events = self.create_publisher(
             ParameterEvent, "/parameter_events", qos_profile_parameter_events
         )
-        self.declare_parameter("use_sim_time", False)
-        self.add_on_set_parameters_callback(_no_simulated_time)
+        self._time_source = TimeSource(node=self)
+        self._time_source.attach_clock(self._clock)
         if self._declare_on_start:
             for parameter, value in overrides.items():
                 if not self.has_parameter(parameter):
@@ -114,6 +120,8 @@ class Node(NodeParameters):
                     self.declare_parameter(parameter, value, anything)
         if start_parameter_services:
             self._parameter_service = ParameterService(self)
+        if enable_logger_service:
+            self._logging_service = LoggingService(self)
 
     @property
     def context(self) -> Context:
@@ -201,13 +209,23 @@ class Node(NodeParameters):
         return (e for e in list(self._entity_list) if isinstance(e, Timer))
 
     def create_publisher(
-        self, msg_type: type[MsgT], topic: str, qos_profile: QoSProfile | int
+        self,
+        msg_type: type[MsgT],
+        topic: str,
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: PublisherEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
+        publisher_class: type[Publisher[Any]] = Publisher,
     ) -> Publisher[MsgT]:
-        """Raises InvalidTopicNameException, TypeError, ValueError."""
+        """Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError."""
         self._check_usable()
         check_message(msg_type)
-        qos = as_profile(qos_profile)
-        publisher = Publisher(self, msg_type, self.resolve_topic_name(topic), qos)
+        name = self.resolve_topic_name(topic)
+        qos = self._overridden("publisher", name, qos_profile, qos_overriding_options)
+        publisher = publisher_class(self, msg_type, name, qos)
+        self._add_events(publisher, event_callbacks, callback_group)
         self._publishers.append(publisher)
         self._graph.add_publisher(publisher)
         return publisher
@@ -216,18 +234,25 @@ class Node(NodeParameters):
         self,
         msg_type: type[MsgT],
         topic: str,
-        callback: Callable[[MsgT], Any],
+        callback: Callable[..., Any],
         qos_profile: QoSProfile | int,
         *,
         callback_group: CallbackGroup | None = None,
+        event_callbacks: SubscriptionEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
+        raw: bool = False,
     ) -> Subscription[MsgT]:
-        """Raises InvalidTopicNameException, TypeError, ValueError."""
+        """`callback` takes the message, or the message and its info; serialized bytes when `raw`.
+
+        Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError.
+        """
         self._check_usable()
         check_message(msg_type)
-        check_callback(callback)
-        qos, group = as_profile(qos_profile), callback_group or self._default_callback_group
+        group = callback_group or self._default_callback_group
         name = self.resolve_topic_name(topic)
-        subscription = Subscription(self, msg_type, name, callback, group, qos)
+        qos = self._overridden("subscription", name, qos_profile, qos_overriding_options)
+        subscription = Subscription(self, msg_type, name, callback, group, qos, raw)
+        self._add_events(subscription, event_callbacks, callback_group)
         self._entity_list.append(subscription)
         self._graph.add_subscription(subscription)
         return subscription
@@ -266,7 +291,7 @@ class Node(NodeParameters):
     def create_timer(
         self,
         timer_period_sec: float,
-        callback: Callable[[], Any],
+        callback: Callable[..., Any],
         callback_group: CallbackGroup | None = None,
         clock: Clock | None = None,
         autostart: bool = True,
@@ -360,6 +385,37 @@ class Node(NodeParameters):
         self._graph.add_named(self._graph.services, name, service)
         return service
 
+    def _overridden(
+        self,
+        kind: str,
+        topic: str,
+        profile: QoSProfile | int,
+        options: QoSOverridingOptions | None,
+    ) -> QoSProfile:
+        qos = as_profile(profile)
+        if options is not None:
+            qos_overriding_options.apply(self, kind, topic, qos, options)
+        return qos
+
+    def _add_events(
+        self, endpoint: Any, callbacks: EventCallbacks | None, group: CallbackGroup | None
+    ) -> None:
+        """Have an endpoint tell its callbacks. Raises UnsupportedEventTypeError."""
+        if callbacks is None:
+            return
+        callbacks.check()
+
+        def handler(callback: Callable[[Any], None] | None) -> EventHandler | None:
+            if callback is None:
+                return None
+            made = EventHandler(self, callback, group or self._default_callback_group)
+            self._entity_list.append(made)
+            return made
+
+        endpoint._matched_event = handler(callbacks.matched)
+        endpoint._incompatible_event = handler(callbacks.incompatible_qos)
+        endpoint._warns = callbacks.use_default_callbacks
+
     def _check_usable(self) -> None:
         if not (self._on_graph and self._context.ok()):
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
@@ -431,6 +487,13 @@ class Node(NodeParameters):
         """What services one node offers. Raises NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
         return _sorted((s.service_name, s.srv_type) for node in nodes for s in node.services)
+
+    def get_client_names_and_types_by_node(
+        self, node_name: str, node_namespace: str
+    ) -> NamesAndTypes:
+        """What services one node is a client of. Raises NodeNameNonExistentError."""
+        nodes = self._named(node_name, node_namespace)
+        return _sorted((c.service_name, c.srv_type) for node in nodes for c in node.clients)
 
     def get_publishers_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
@@ -512,14 +575,6 @@ class Node(NodeParameters):
             self._graph.changed.notify_all()
 
 
-def _no_simulated_time(parameters: list[Parameter[Any]]) -> SetParametersResult:
-    if any(p.name == "use_sim_time" and p.value for p in parameters):
-        return SetParametersResult(
-            successful=False, reason="the embedded engine has no simulated time (use_sim_time)"
-        )
-    return SetParametersResult(successful=True)
-
-
 def _sorted(pairs: Iterable[tuple[str, Any]]) -> NamesAndTypes:
     types: dict[str, set[str]] = {}
     for name, kind in pairs:
@@ -528,12 +583,17 @@ def _sorted(pairs: Iterable[tuple[str, Any]]) -> NamesAndTypes:
 
 
 def _info(endpoint: Any) -> TopicEndpointInfo:
-    node = endpoint._node
+    node, qos = endpoint._node, as_profile(endpoint.qos_profile)
+    qos.history, qos.depth = HistoryPolicy.UNKNOWN, 0  # DDS does not tell them
+    if qos.liveliness == LivelinessPolicy.SYSTEM_DEFAULT:
+        qos.liveliness = LivelinessPolicy.AUTOMATIC
+    for name in ("lifespan", "deadline", "liveliness_lease_duration"):
+        setattr(qos, name, getattr(qos, name) if getattr(qos, name).nanoseconds else Infinite)
+    publishes = isinstance(endpoint, Publisher)
+    kind = TopicEndpointTypeEnum.PUBLISHER if publishes else TopicEndpointTypeEnum.SUBSCRIPTION
+    type_name = endpoint.msg_type.__type_name__
     return TopicEndpointInfo(
-        node.get_name(),
-        node.get_namespace(),
-        endpoint.msg_type.__type_name__,
-        endpoint.qos_profile,
+        node.get_name(), node.get_namespace(), type_name, kind, list(endpoint._gid), qos
     )
 
 

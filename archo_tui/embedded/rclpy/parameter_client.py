@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces import srv
+from rcl_interfaces.msg import ParameterEvent
 from rclpy import _time_source
 from rclpy.callback_groups import CallbackGroup
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile, qos_profile_services_default
+from rclpy.qos import (
+    QoSProfile,
+    qos_profile_parameter_events,
+    qos_profile_services_default,
+)
 from rclpy.task import Future
+
+from archo_tui.embedded.bounded_yaml import YamlError
+from archo_tui.embedded.parameter_files import matches, read
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -27,6 +36,7 @@ class AsyncParameterClient:
         callback_group: CallbackGroup | None = None,
     ) -> None:
         self.remote_node_name = remote_node_name
+        self._node = node
 
         def client(srv_type: Any, name: str) -> Any:
             return node.create_client(
@@ -88,6 +98,52 @@ class AsyncParameterClient:
         """Set all or none; one result with a reason."""
         request = srv.SetParametersAtomically.Request(parameters=_messages(parameters))
         return self._call(self._atomically, request)
+
+    def delete_parameters(self, names: Sequence[str]) -> Future[Any]:
+        """Undeclare; refused for parameters of a static type."""
+        return self.set_parameters([Parameter(name) for name in names])
+
+    def load_parameter_file(self, parameter_file: str, use_wildcard: bool = False) -> Future[Any]:
+        """Set what a file has for the node, one by one; with `use_wildcard` also what is for all.
+
+        Raises FileNotFoundError, RuntimeError for a file that is none of parameters.
+        """
+        return self.set_parameters(self._read(parameter_file, use_wildcard))
+
+    def load_parameter_file_atomically(
+        self, parameter_file: str, use_wildcard: bool = False
+    ) -> Future[Any]:
+        """The same, all or none."""
+        return self.set_parameters_atomically(self._read(parameter_file, use_wildcard))
+
+    def on_parameter_event(
+        self,
+        callback: Callable[[Any], None],
+        qos_profile: QoSProfile = qos_profile_parameter_events,
+        *,
+        callback_group: CallbackGroup | None = None,
+    ) -> Any:
+        """Follow the changes of all nodes; returns the subscription."""
+        return self._node.create_subscription(
+            ParameterEvent,
+            "/parameter_events",
+            callback,
+            qos_profile,
+            callback_group=callback_group,
+        )
+
+    def _read(self, file: str, use_wildcard: bool) -> list[Parameter[Any]]:
+        try:
+            overrides = read(Path(file))
+        except YamlError as error:
+            raise RuntimeError(str(error)) from None
+        node = f"/{self.remote_node_name.lstrip('/')}"
+        values = {
+            o.name: o.value
+            for o in overrides
+            if matches(o.pattern, node) and (use_wildcard or "*" not in o.pattern)
+        }
+        return [Parameter(name, value=value) for name, value in values.items()]
 
     def _call(self, client: Any, request: Any) -> Future[Any]:
         future: Future[Any] = client.call_async(request)

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import uuid
 from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy._rclpy_pybind11 import InvalidHandle
+from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.serialization import deserialize_message
 
 if TYPE_CHECKING:
+    from rclpy.event_handler import EventHandler
     from rclpy.node import Node
     from rclpy.subscription import Subscription
 
 MsgT = TypeVar("MsgT")
+_FOR_EVER = Duration(seconds=-1)
 
 
 class Publisher(Generic[MsgT]):
@@ -27,23 +32,31 @@ class Publisher(Generic[MsgT]):
         self.topic_name = topic_name
         self.qos_profile = qos_profile
         self._destroyed = False
+        self._sent = 0
+        self._gid = list(uuid.uuid4().bytes)
+        self._matched_event: EventHandler | None = None
+        self._incompatible_event: EventHandler | None = None
+        self._warns = True  # of endpoints that do not match, without a callback for them
         self._matched: tuple[Subscription[Any], ...] = ()
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         self._kept: deque[Any] = deque(maxlen=qos_profile.queue_size)
         self._make_kept: Callable[[], Any] | None = None
         self._has_published = False
 
-    def publish(self, msg: MsgT) -> None:
-        """Send a copy of `msg` to every matching subscription.
+    def publish(self, msg: MsgT | bytes) -> None:
+        """Send a copy of `msg`, or what serialized bytes hold, to every matching subscription.
 
         Raises TypeError for a message of another type, InvalidHandle after `destroy()` and after
         the context was shut down.
         """
+        if isinstance(msg, bytes):
+            msg = deserialize_message(msg, self.msg_type)
         if not isinstance(msg, self.msg_type):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
         if self._destroyed:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
         message: Any = msg
+        self._sent += 1
         if self._keeps:
             with self._node._graph.lock:  # so that a late joiner gets each one once
                 self._kept.append(message.__received__())
@@ -51,7 +64,7 @@ class Publisher(Generic[MsgT]):
         else:
             matched = self._matched
         for subscription in matched:
-            subscription._deliver(message.__received__())
+            subscription._receive(message, self)
 
     def _kept_by(self, make: Callable[[], Any]) -> None:
         """What a late joiner gets is made when it comes."""
@@ -69,7 +82,22 @@ class Publisher(Generic[MsgT]):
                 subscription._deliver(news)
                 continue
             message = message or make()
-            subscription._deliver(message.__received__())
+            subscription._receive(message, self)
+
+    def assert_liveliness(self) -> None:
+        """Say that this publisher is alive. Raises InvalidHandle after `destroy()`."""
+        if self._destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+
+    def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
+        """True when everybody has what was published: in one process at once."""
+        self.assert_liveliness()
+        return True
+
+    @property
+    def logger_name(self) -> str:
+        """The name of its node's logger."""
+        return self._node.get_logger().name
 
     def get_subscription_count(self) -> int:
         """How many subscriptions match."""
@@ -90,6 +118,6 @@ class Publisher(Generic[MsgT]):
         """Hand what is kept to a late joiner that asked for it."""
         if subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             if self._make_kept is not None and self._has_published:
-                subscription._deliver(self._make_kept())
+                subscription._receive(self._make_kept(), self)
             for message in self._kept:
-                subscription._deliver(message.__received__())
+                subscription._receive(message, self)

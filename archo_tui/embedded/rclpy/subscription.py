@@ -2,17 +2,34 @@
 
 from __future__ import annotations
 
+import uuid
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
 
+from rclpy import _time_source
 from rclpy._entity import QueueEntity
+from rclpy._type_checks import takes_info
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
 
+from archo_tui.embedded.cdr import encode
+
 if TYPE_CHECKING:
+    from rclpy.event_handler import EventHandler
     from rclpy.node import Node
+    from rclpy.publisher import Publisher
 
 MsgT = TypeVar("MsgT")
+
+
+class MessageInfo(TypedDict):
+    """Of one message: times in ns since the epoch, numbers of the publisher's messages."""
+
+    source_timestamp: int
+    received_timestamp: int
+    publication_sequence_number: int | None
+    reception_sequence_number: int | None
+    publisher_gid: Any
 
 
 class Subscription(QueueEntity, Generic[MsgT]):
@@ -26,15 +43,36 @@ class Subscription(QueueEntity, Generic[MsgT]):
         node: Node,
         msg_type: type[MsgT],
         topic_name: str,
-        callback: Callable[[MsgT], Any],
+        callback: Callable[..., Any],
         callback_group: CallbackGroup,
         qos_profile: QoSProfile,
+        raw: bool = False,
     ) -> None:
         super().__init__(node, callback_group, qos_profile.queue_size)
         self.msg_type = msg_type
         self.topic_name = topic_name
         self.callback = callback
         self.qos_profile = qos_profile
+        self.raw = raw
+        self._gid = list(uuid.uuid4().bytes)
+        self._matched_event: EventHandler | None = None
+        self._incompatible_event: EventHandler | None = None
+        self._warns = True  # of endpoints that do not match, without a callback for them
+
+    @property
+    def callback(self) -> Callable[..., Any]:
+        """What a message is given to: a function of the message, or of the message and its info."""
+        return self._callback
+
+    @callback.setter
+    def callback(self, callback: Callable[..., Any]) -> None:
+        self._with_info = takes_info(callback)
+        self._callback = callback
+
+    @property
+    def logger_name(self) -> str:
+        """The name of its node's logger."""
+        return self._node.get_logger().name
 
     def get_publisher_count(self) -> int:
         """How many publishers match."""
@@ -48,5 +86,21 @@ class Subscription(QueueEntity, Generic[MsgT]):
         self._node._graph.remove_subscription(self)
         self._queue.clear()
 
+    def _receive(self, message: Any, sender: Publisher[Any]) -> None:
+        """A message that a publisher sends; it is copied here."""
+        copied = encode(message) if self.raw else message.__received__()
+        if not self._with_info:
+            self._deliver(copied)
+            return
+        now = _time_source.time_ns()
+        info: MessageInfo = {
+            "source_timestamp": now,
+            "received_timestamp": now,
+            "publication_sequence_number": sender._sent,
+            "reception_sequence_number": None,
+            "publisher_gid": {"implementation_identifier": "embedded", "data": sender._gid},
+        }
+        self._deliver((copied, info))
+
     def _handle(self, item: Any) -> Any:
-        return self.callback(item)
+        return self._callback(*item) if self._with_info else self._callback(item)

@@ -2,32 +2,51 @@
 
 from __future__ import annotations
 
+import inspect
 import threading
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rclpy import _time_source
 from rclpy._entity import Entity
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import CallbackGroup
-from rclpy.clock import Clock
+from rclpy.clock import Clock, ROSClock
+from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.exceptions import ROSInterruptException
+from rclpy.time import Time
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
 
+class TimerInfo:
+    """When a timer should have called back, and when it does; for callbacks that ask for it."""
+
+    def __init__(
+        self, *, expected_call_time: int, actual_call_time: int, clock_type: ClockType
+    ) -> None:
+        """Times in ns of the timer's clock. Raises TypeError and ValueError as rclpy."""
+        if not isinstance(clock_type, ClockType):
+            raise TypeError("Clock type must be a ClockType enum")
+        if expected_call_time < 0 or actual_call_time < 0:
+            raise ValueError("call time values must not be negative")
+        self.expected_call_time = Time(nanoseconds=expected_call_time, clock_type=clock_type)
+        self.actual_call_time = Time(nanoseconds=actual_call_time, clock_type=clock_type)
+
+
 class Timer(Entity):
     """Calls back once a period, first after one period. Late ticks are skipped, never queued.
 
-    Made by `Node.create_timer`. Runs on monotonic time.
+    Made by `Node.create_timer`. Counts monotonic time; simulated time while its clock has that.
     """
 
     def __init__(
         self,
         node: Node,
-        callback: Callable[[], Any],
+        callback: Callable[..., Any],
         callback_group: CallbackGroup,
         period_ns: int,
         clock: Clock,
@@ -37,9 +56,12 @@ class Timer(Entity):
             raise RCLError("failed to create timer: timer period must be non-negative")
         self.callback = callback
         self.clock = clock
+        self._ros_clock = clock if isinstance(clock, ROSClock) else None
+        if self._ros_clock is not None:
+            self._ros_clock._timers.add(self)
         self._period_ns = period_ns
         self._canceled = False
-        self._last_ns = _time_source.monotonic_ns()
+        self._last_ns = self._now_ns()
         self._next_ns = self._last_ns + period_ns
 
     @property
@@ -53,7 +75,7 @@ class Timer(Entity):
 
     def is_ready(self) -> bool:
         """True when the callback is due."""
-        return not self._canceled and _time_source.monotonic_ns() >= self._next_ns
+        return not self._canceled and self._now_ns() >= self._next_ns
 
     def is_canceled(self) -> bool:
         """True between `cancel()` and `reset()`."""
@@ -66,30 +88,62 @@ class Timer(Entity):
     def reset(self) -> None:
         """Tick (again), a full period from now."""
         self._canceled = False
-        self._next_ns = _time_source.monotonic_ns() + self._period_ns
+        self._next_ns = self._now_ns() + self._period_ns
         self._schedule()
 
     def time_since_last_call(self) -> int:
         """ns since the callback was last called (or the timer made)."""
-        return _time_source.monotonic_ns() - self._last_ns
+        return self._now_ns() - self._last_ns
 
     def time_until_next_call(self) -> int | None:
         """ns until the callback is due, negative when late, None when canceled."""
-        return None if self._canceled else self._next_ns - _time_source.monotonic_ns()
+        return None if self._canceled else self._next_ns - self._now_ns()
 
     def destroy(self) -> None:
         """Never tick again."""
         self._destroyed = self._canceled = True
 
+    def _now_ns(self) -> int:
+        clock = self._ros_clock
+        return _time_source.monotonic_ns() if clock is None else clock._timer_ns()
+
     def _schedule(self) -> None:
         executor = self._node.executor
-        if executor is not None and not self._canceled:
+        if executor is None or self._canceled:
+            return
+        if self._ros_clock is not None and self._ros_clock.ros_time_is_active:
+            if self.is_ready():
+                self._notify()
+        else:
             executor._add_timer(self)
 
+    def _look(self) -> None:
+        """Simulated time has gone on; behind a jump backward a full period is waited for."""
+        if self._now_ns() < self._last_ns:
+            self._last_ns = self._now_ns()
+            self._next_ns = self._last_ns + self._period_ns
+        if self.is_ready():
+            self._notify()
+
+    def _change_time(self, *, simulated: bool) -> None:
+        """Another time is counted from now on, as if it had always been the system's until now.
+
+        Simulated time is behind: the next message of /clock begins a period. The system's is far
+        ahead: the timer is due.
+        """
+        if simulated:
+            shift_ns = _time_source.time_ns() - _time_source.monotonic_ns()
+            self._last_ns += shift_ns
+            self._next_ns += shift_ns
+        else:
+            self._last_ns = self._next_ns = self._now_ns()
+            self._schedule()
+
     def _take(self) -> Callable[[], Any] | None:
-        now = _time_source.monotonic_ns()
+        now = self._now_ns()
         if self._canceled or now < self._next_ns:
             return None
+        expected = self._next_ns
         self._last_ns = now
         self._next_ns += self._period_ns
         if self._next_ns < now and self._period_ns:
@@ -98,7 +152,33 @@ class Timer(Entity):
         elif not self._period_ns:
             self._next_ns = now
         self._schedule()
-        return self.callback
+        return self._with_info(expected, now)
+
+    def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
+        """The callback, given a TimerInfo when one of its arguments is annotated so."""
+        wanted = _info_argument(self.callback)
+        if not wanted:
+            return self.callback
+        to_clock = self.clock.now().nanoseconds - self._now_ns()
+        info = TimerInfo(
+            expected_call_time=expected + to_clock,
+            actual_call_time=actual + to_clock,
+            clock_type=self.clock.clock_type,
+        )
+        return partial(self.callback, **{wanted: info})
+
+
+def _info_argument(callback: Any) -> str:
+    """The name of the argument annotated as TimerInfo, if there is one."""
+    code = getattr(getattr(callback, "__func__", callback), "__code__", None)
+    if code is not None and not getattr(callback, "__annotations__", None):
+        return ""
+    try:
+        parameters = inspect.signature(callback).parameters.values()
+    except (TypeError, ValueError):
+        return ""
+    annotated = (p.name for p in parameters if p.annotation in (TimerInfo, "TimerInfo"))
+    return next(annotated, "")
 
 
 class Rate:

@@ -2,6 +2,7 @@
 
 from rclpy.action.client import ActionClient
 from rclpy.action.graph import (
+    get_action_client_names_and_types_by_node,
     get_action_names_and_types,
     get_action_server_names_and_types_by_node,
 )
@@ -12,6 +13,7 @@ __all__ = [
     "ActionServer",
     "CancelResponse",
     "GoalResponse",
+    "get_action_client_names_and_types_by_node",
     "get_action_names_and_types",
     "get_action_server_names_and_types_by_node",
 ]

@@ -25,6 +25,15 @@ def get_action_server_names_and_types_by_node(
     )
 
 
+def get_action_client_names_and_types_by_node(
+    node: Node, remote_node_name: str, remote_node_namespace: str
+) -> NamesAndTypes:
+    """The actions that one node is a client of. Raises NodeNameNonExistentError."""
+    return _actions(
+        node.get_subscriber_names_and_types_by_node(remote_node_name, remote_node_namespace)
+    )
+
+
 def _actions(topics: NamesAndTypes) -> NamesAndTypes:
     return [
         (name.removesuffix(_SUFFIX), [kind.removesuffix(_TYPE_SUFFIX) for kind in types])

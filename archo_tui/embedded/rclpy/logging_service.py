@@ -1,0 +1,40 @@
+"""`rclpy.logging_service`: the levels of a process's loggers, seen and set through services."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rcl_interfaces import srv
+from rcl_interfaces.msg import LoggerLevel, SetLoggerLevelsResult
+from rclpy import logging
+from rclpy.impl.logging_severity import LoggingSeverity
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+
+class LoggingService:
+    """Makes the two services of one node."""
+
+    def __init__(self, node: Node) -> None:
+        node.create_service(srv.GetLoggerLevels, "~/get_logger_levels", self._get)
+        node.create_service(srv.SetLoggerLevels, "~/set_logger_levels", self._set)
+
+    def _get(self, request: Any, response: Any) -> Any:
+        response.levels = [
+            LoggerLevel(name=name, level=int(logging.get_logger_effective_level(name)))
+            for name in request.names
+        ]
+        return response
+
+    def _set(self, request: Any, response: Any) -> Any:
+        results = []
+        for wanted in request.levels:
+            result = SetLoggerLevelsResult(successful=True)
+            try:
+                logging.set_logger_level(wanted.name, LoggingSeverity(wanted.level))
+            except ValueError as error:
+                result = SetLoggerLevelsResult(successful=False, reason=str(error))
+            results.append(result)
+        response.results = results
+        return response

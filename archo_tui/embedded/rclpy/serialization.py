@@ -1,0 +1,31 @@
+"""`rclpy.serialization`: messages as CDR bytes, as a bag or a bridge holds them."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+from rclpy._rclpy_pybind11 import RMWError
+from rclpy._type_checks import check_message
+
+from archo_tui.embedded.cdr import CdrError, decode, encode
+
+MsgT = TypeVar("MsgT")
+
+
+def serialize_message(message: Any) -> bytes:
+    """The message as bytes. Raises AttributeError for what is no message."""
+    check_message(type(message))
+    return encode(message)
+
+
+def deserialize_message(serialized_message: bytes, message_type: type[MsgT]) -> MsgT:
+    """The message of that type. Raises RMWError for other bytes, TypeError for no bytes at all."""
+    check_message(message_type)
+    if not isinstance(serialized_message, bytes):
+        raise TypeError(f"expected bytes, got {type(serialized_message)}")
+    try:
+        message: MsgT = decode(serialized_message, message_type)
+    except CdrError as error:
+        name = message_type.__name__
+        raise RMWError(f"failed to deserialize ROS message {name}: {error}") from None
+    return message

@@ -1,0 +1,108 @@
+"""`rclpy.time_source`: simulated time, from the parameter `use_sim_time` and the topic `/clock`."""
+
+from __future__ import annotations
+
+import weakref
+from typing import TYPE_CHECKING, Any
+
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.clock import ROSClock
+from rclpy.clock_type import ClockType
+from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rclpy.time import Time
+from rosgraph_msgs.msg import Clock as ClockMsg
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
+
+CLOCK_TOPIC = "/clock"
+USE_SIM_TIME_NAME = "use_sim_time"
+
+
+class TimeSource:
+    """Gives the clocks that are attached the time of /clock while its node asks for that."""
+
+    def __init__(self, *, node: Node | None = None) -> None:
+        self._node: Any = lambda: None
+        self._subscription: Any = None
+        self._clocks: set[ROSClock] = set()
+        self._last = Time(clock_type=ClockType.ROS_TIME)
+        self._is_active = False
+        if node is not None:
+            self.attach_node(node)
+
+    @property
+    def ros_time_is_active(self) -> bool:
+        """True while the time is simulated."""
+        return self._is_active
+
+    @ros_time_is_active.setter
+    def ros_time_is_active(self, enabled: bool) -> None:
+        if enabled == self._is_active:
+            return
+        self._is_active = enabled
+        for clock in self._clocks:
+            clock._set_ros_time_is_active(enabled)
+        if enabled:
+            self._subscribe()
+        else:
+            self._unsubscribe()
+
+    def attach_node(self, node: Node) -> None:
+        """Follow that node's parameter, declared if it is not."""
+        self.detach_node()
+        self._node = weakref.ref(node)
+        if not node.has_parameter(USE_SIM_TIME_NAME):
+            node.declare_parameter(USE_SIM_TIME_NAME, False)
+        value = node.get_parameter(USE_SIM_TIME_NAME).value
+        if isinstance(value, bool):
+            self.ros_time_is_active = value
+            if value:
+                self._subscribe()
+        elif value is not None:
+            node.get_logger().error(f"Invalid type for parameter '{USE_SIM_TIME_NAME}': not a bool")
+        node.add_on_set_parameters_callback(self._on_parameters)
+
+    def detach_node(self) -> None:
+        """Follow nothing any more."""
+        self._unsubscribe()
+        self._node = lambda: None
+
+    def attach_clock(self, clock: ROSClock) -> None:
+        """Give that clock the time. Raises ValueError for another kind of clock."""
+        if not isinstance(clock, ROSClock):
+            raise ValueError("Only clocks with type ROS_TIME can be attached.")
+        clock.set_ros_time_override(self._last)
+        clock._set_ros_time_is_active(self._is_active)
+        self._clocks.add(clock)
+
+    def clock_callback(self, msg: ClockMsg) -> None:
+        """A message of /clock."""
+        self._last = Time.from_msg(msg.clock)
+        for clock in self._clocks:
+            clock.set_ros_time_override(self._last)
+
+    def _subscribe(self) -> None:
+        node = self._node()
+        if node is not None and self._subscription is None:
+            qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+            self._subscription = node.create_subscription(
+                ClockMsg, CLOCK_TOPIC, self.clock_callback, qos
+            )
+
+    def _unsubscribe(self) -> None:
+        node = self._node()
+        if node is not None and self._subscription is not None:
+            node.destroy_subscription(self._subscription)
+        self._subscription = None
+
+    def _on_parameters(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
+        for parameter in parameters:
+            if parameter.name != USE_SIM_TIME_NAME:
+                continue
+            if not isinstance(parameter.value, bool):
+                reason = f"{USE_SIM_TIME_NAME} parameter set to something besides a bool"
+                return SetParametersResult(successful=False, reason=reason)
+            self.ros_time_is_active = parameter.value
+        return SetParametersResult(successful=True)

@@ -1,0 +1,236 @@
+"""What an endpoint is told and tells: events, message info, QoS overrides, what discovery says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.action import ActionClient, get_action_client_names_and_types_by_node
+from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.parameter import Parameter
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSPolicyKind,
+    QoSPresetProfiles,
+    QoSProfile,
+    ReliabilityPolicy,
+    qos_check_compatible,
+    qos_policy_name_from_kind,
+)
+from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
+from std_msgs.msg import String
+from std_srvs.srv import Empty
+
+from tests.support.ros import Ros
+from tests.support.waiting import wait_until
+
+BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+RELIABLE = QoSProfile(depth=1)
+
+
+def test_endpoints_are_told_who_matches_and_who_does_not(ros: Ros) -> None:
+    node = ros.node()
+    told: list[tuple[Any, ...]] = []
+
+    def matched(who: str) -> Callable[[Any], None]:
+        return lambda e: told.append((who, e.total_count, e.current_count, e.current_count_change))
+
+    def refused(who: str) -> Callable[[Any], None]:
+        return lambda e: told.append((who, e.total_count, int(e.last_policy_kind)))
+
+    publisher = node.create_publisher(
+        String,
+        "words",
+        BEST_EFFORT,
+        event_callbacks=PublisherEventCallbacks(
+            matched=matched("pub"), incompatible_qos=refused("pub refused")
+        ),
+    )
+    ros.spin(node)
+    subscription = node.create_subscription(
+        String,
+        "words",
+        lambda _: None,
+        BEST_EFFORT,
+        event_callbacks=SubscriptionEventCallbacks(matched=matched("sub")),
+    )
+    wait_until(lambda: len(told) == 2)
+    assert sorted(told) == [("pub", 1, 1, 1), ("sub", 1, 1, 1)]
+    node.create_subscription(
+        String,
+        "words",
+        lambda _: None,
+        RELIABLE,
+        event_callbacks=SubscriptionEventCallbacks(incompatible_qos=refused("sub refused")),
+    )
+    wait_until(lambda: len(told) == 4)
+    kind = int(QoSPolicyKind.RELIABILITY)
+    assert sorted(told[2:]) == [("pub refused", 1, kind), ("sub refused", 1, kind)]
+    node.destroy_subscription(subscription)
+    wait_until(lambda: len(told) == 5)
+    assert told[4] == ("pub", 1, 0, -1)
+    assert publisher.get_subscription_count() == 0
+
+
+def test_a_callback_of_two_arguments_gets_the_messages_info(ros: Ros) -> None:
+    node = ros.node()
+    heard: list[tuple[str, Any]] = []
+    node.create_subscription(String, "words", lambda m, info: heard.append((m.data, info)), 10)
+    publisher = node.create_publisher(String, "words", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    ros.spin(node)
+    for word in ("one", "two"):
+        publisher.publish(String(data=word))
+    wait_until(lambda: len(heard) == 2)
+    assert [(word, info["publication_sequence_number"]) for word, info in heard] == [
+        ("one", 1),
+        ("two", 2),
+    ]
+    assert heard[0][1]["received_timestamp"] >= heard[0][1]["source_timestamp"] > 0
+
+
+@pytest.mark.parametrize("callback", [lambda: None, lambda a, b, c: None])
+def test_a_callback_of_another_number_of_arguments_is_refused(
+    ros: Ros, callback: Callable[..., None]
+) -> None:
+    with pytest.raises(RuntimeError, match="callback should be either be callable with one"):
+        ros.node().create_subscription(String, "words", callback, 10)
+
+
+def test_discovery_tells_of_an_endpoint_what_dds_knows(ros: Ros) -> None:
+    node = ros.node("talker", namespace="/lab")
+    publisher = node.create_publisher(
+        String, "words", QoSProfile(depth=7, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    )
+    wait_until(lambda: node.count_publishers("words") == 1)
+    info = node.get_publishers_info_by_topic("words")[0]
+    assert (info.node_name, info.node_namespace) == ("talker", "/lab")
+    assert info.topic_type == "std_msgs/msg/String"
+    assert (int(info.endpoint_type), len(info.endpoint_gid)) == (1, 16)
+    qos = info.qos_profile
+    assert (qos.history, qos.depth) == (HistoryPolicy.UNKNOWN, 0)
+    assert (qos.reliability, qos.durability) == (
+        ReliabilityPolicy.RELIABLE,
+        DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+    assert (str(qos.deadline), qos.liveliness) == ("Infinite", LivelinessPolicy.AUTOMATIC)
+    assert publisher.logger_name == "lab.talker"
+    assert publisher.wait_for_all_acked(Duration(seconds=1))
+    publisher.assert_liveliness()
+
+
+def test_clients_of_services_and_actions_are_listed_by_node(ros: Ros) -> None:
+    node = ros.node("talker", namespace="/lab")
+    node.create_client(Empty, "wipe")
+    ActionClient(node, MoveToShelf, "move")
+    wait_until(lambda: len(node.get_client_names_and_types_by_node("talker", "/lab")) >= 1)
+    services = dict(node.get_client_names_and_types_by_node("talker", "/lab"))
+    assert services["/lab/wipe"] == ["std_srvs/srv/Empty"]
+    wait_until(lambda: get_action_client_names_and_types_by_node(node, "talker", "/lab"))
+    actions = get_action_client_names_and_types_by_node(node, "talker", "/lab")
+    assert actions == [("/lab/move", ["archo_interfaces/action/MoveToShelf"])]
+
+
+def profile(**given: Any) -> QoSProfile:
+    return QoSProfile(
+        depth=1, liveliness=given.pop("liveliness", LivelinessPolicy.AUTOMATIC), **given
+    )
+
+
+SECOND = Duration(seconds=1)
+
+
+@pytest.mark.parametrize(
+    ("offered", "requested", "said"),
+    [
+        ({}, {}, ""),
+        (
+            {"reliability": ReliabilityPolicy.BEST_EFFORT},
+            {},
+            "ERROR: Best effort publisher and reliable subscription;",
+        ),
+        (
+            {},
+            {"durability": DurabilityPolicy.TRANSIENT_LOCAL, "deadline": SECOND},
+            "ERROR: Volatile publisher and transient local subscription;"
+            "ERROR: Subscription has a deadline, but publisher does not;",
+        ),
+        (
+            {"deadline": Duration(seconds=2)},
+            {"deadline": SECOND},
+            "ERROR: Subscription deadline is less than publisher deadline;",
+        ),
+        (
+            {},
+            {"liveliness": LivelinessPolicy.MANUAL_BY_TOPIC},
+            "ERROR: Publisher's liveliness is automatic and subscription's is manual by topic;",
+        ),
+        (
+            {},
+            {"liveliness_lease_duration": SECOND},
+            "ERROR: Subscription has a liveliness lease duration, but publisher does not;",
+        ),
+        (
+            {"reliability": ReliabilityPolicy.SYSTEM_DEFAULT},
+            {},
+            "WARNING: Reliable subscription, but publisher is system_default;",
+        ),
+        (
+            {},
+            {"liveliness": LivelinessPolicy.SYSTEM_DEFAULT},
+            "WARNING: Publisher's liveliness is automatic, but subscription's is system_default;",
+        ),
+    ],
+)
+def test_whether_two_profiles_go_together_is_said(
+    offered: dict[str, Any], requested: dict[str, Any], said: str
+) -> None:
+    found, reason = qos_check_compatible(profile(**offered), profile(**requested))
+    assert reason == said
+    assert found.name == (said.partition(":")[0] or "OK")
+
+
+def test_profiles_by_their_short_names() -> None:
+    assert ReliabilityPolicy.get_from_short_key("best_effort") == ReliabilityPolicy.BEST_EFFORT
+    assert "keep_all" in HistoryPolicy.short_keys()
+    assert QoSPresetProfiles.get_from_short_key("sensor_data").depth == 5
+    assert "rosout_default" in QoSPresetProfiles.short_keys()
+    assert qos_policy_name_from_kind(QoSPolicyKind.DEADLINE) == "DEADLINE"
+    assert QoSProfile(depth=3) == QoSProfile(depth=3)
+    assert QoSProfile(depth=3) != QoSProfile(depth=4)
+
+
+@pytest.mark.parametrize("name", ["lifespan", "deadline", "liveliness", "depth", "history"])
+def test_a_policy_takes_no_word(name: str) -> None:
+    given: Any = QoSProfile(depth=1)
+    with pytest.raises(AssertionError):
+        setattr(given, name, "x")
+
+
+def test_policies_are_overridden_by_parameters_and_checked(ros: Ros) -> None:
+    override: Parameter[int] = Parameter("qos_overrides./words.publisher.depth", value=3)
+    node = ros.node(parameter_overrides=[override])
+    publisher = node.create_publisher(
+        String, "words", 10, qos_overriding_options=QoSOverridingOptions.with_default_policies()
+    )
+    assert node.get_parameter("qos_overrides./words.publisher.reliability").value == "reliable"
+    assert node.describe_parameter("qos_overrides./words.publisher.depth").read_only
+    assert publisher is not None
+
+    def check(qos: QoSProfile) -> SetParametersResult:
+        return SetParametersResult(successful=qos.depth == 3, reason="only three")
+
+    with pytest.raises(InvalidQosOverridesError, match="only three"):
+        node.create_subscription(
+            String,
+            "words",
+            lambda _: None,
+            10,
+            qos_overriding_options=QoSOverridingOptions((QoSPolicyKind.DEPTH,), callback=check),
+        )
