@@ -35,6 +35,11 @@ VALUE = ParameterValue(
     bool_array_value=[True, False],
     integer_array_value=[-1],
 )
+VALUES_BYTES = (
+    "0001000009000000000000000000000000000000000000000000000001000000000000000100000078000000"
+    "02000000010000000100000000000000ffffffffffffffff0200000000000000000000000000f03f00000000"
+    "000000400200000002000000610000000400000062636400"
+)
 MESSAGES = [
     (String(data="hi"), "0001000003000000686900"),
     (Float64(data=1.5), "00010000000000000000f83f"),
@@ -46,12 +51,6 @@ MESSAGES = [
     (Byte(data=b"a"), "0001000061"),
     (Char(data=65), "0001000041"),
     (Empty(), "0001000000"),
-    (
-        VALUE,
-        "00010000090000000000000000000000000000000000000000000000010000000000000001000000780000000"
-        "2000000010000000100000000000000ffffffffffffffff0200000000000000000000000000f03f0000000000"
-        "0000400200000002000000610000000400000062636400",
-    ),
 ]
 
 
@@ -79,6 +78,10 @@ def test_a_message_has_the_bytes_that_dds_has(message: Any, text: str) -> None:
 )
 def test_what_is_written_is_read_back_the_same(message: Any) -> None:
     assert deserialize_message(serialize_message(message), type(message)) == message
+
+
+def test_what_stands_between_the_fields_is_not_read() -> None:
+    assert deserialize_message(bytes.fromhex(VALUES_BYTES), ParameterValue) == VALUE
 
 
 def test_big_endian_is_read_too() -> None:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 __all__ = [
+    "InitContextManager",
+    "SignalHandlerOptions",
     "create_node",
     "get_global_executor",
     "get_rmw_implementation_identifier",

@@ -25,6 +25,7 @@ class Entity:
     def __init__(self, node: Node, callback_group: CallbackGroup) -> None:
         self._node = node
         self.callback_group = callback_group
+        callback_group.add_entity(self)
         self._destroyed = False
 
     def destroy(self) -> None:

@@ -26,6 +26,16 @@ def set_level(name: str, level: int) -> None:
     _levels[name] = level
 
 
+def own_level(name: str) -> int:
+    """The level that was set for that name itself, 0 for none."""
+    return _levels.get(name, 0)
+
+
+def forget_levels() -> None:
+    """Every logger inherits the default again."""
+    _levels.clear()
+
+
 def effective_level(name: str) -> int:
     """The level of the nearest logger above that has one."""
     while name:

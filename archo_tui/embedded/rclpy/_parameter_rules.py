@@ -8,7 +8,7 @@ from typing import Any
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.parameter import Parameter
 
-_RELATIVE_TOLERANCE = 1e-6  # rclpy's PARAM_REL_TOL
+RELATIVE_TOLERANCE = 1e-6  # rclpy's PARAM_REL_TOL
 
 
 def check(parameter: Parameter[Any], descriptor: ParameterDescriptor, *, declaring: bool) -> str:
@@ -63,4 +63,4 @@ def _floating_point(parameter: Parameter[Any], allowed: Any) -> str:
 
 
 def _close(left: float, right: float) -> bool:
-    return math.isclose(left, right, rel_tol=_RELATIVE_TOLERANCE)
+    return math.isclose(left, right, rel_tol=RELATIVE_TOLERANCE)

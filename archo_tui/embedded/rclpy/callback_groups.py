@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 import threading
+import weakref
 from typing import Any
 
 
 class CallbackGroup:
     """Entities that share a rule about running at the same time."""
+
+    def __init__(self) -> None:
+        self._entities: weakref.WeakSet[Any] = weakref.WeakSet()
+
+    def add_entity(self, entity: Any) -> None:
+        """Have the entity share the rule."""
+        self._entities.add(entity)
+
+    def has_entity(self, entity: Any) -> bool:
+        """True when it shares the rule."""
+        return entity in self._entities
 
     def can_execute(self, entity: Any) -> bool:
         """True when the entity's callback may start now."""
@@ -39,6 +51,7 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
     """One callback at a time, until it has returned: a coroutine holds it while it awaits."""
 
     def __init__(self) -> None:
+        super().__init__()
         self._active: Any = None
         self._lock = threading.Lock()
 

@@ -93,6 +93,11 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
             )
             return self.service_is_ready()
 
+    @property
+    def logger_name(self) -> str:
+        """The name of its node's logger."""
+        return self._node.get_logger().name
+
     def destroy(self) -> None:
         """Leave the graph; pending futures stay pending."""
         self._destroyed = True

@@ -224,10 +224,11 @@ class ROSClock(Clock):
     def _set_ros_time_is_active(self, enabled: bool) -> None:
         if enabled == self._is_active:
             return
+        before = self._timer_ns()
         to = ClockChange.ROS_TIME_ACTIVATED if enabled else ClockChange.ROS_TIME_DEACTIVATED
         self._jump(to, self._override_ns, enabled)
         for timer in list(self._timers):
-            timer._change_time(simulated=enabled)
+            timer._change_time(simulated=enabled, until_ns=before)
 
     def set_ros_time_override(self, time: Time) -> None:
         """The simulated time is this now. Raises TypeError for what is no Time."""

@@ -62,6 +62,13 @@ class Duration:
             return NotImplemented
         return self._nanoseconds < other._nanoseconds
 
+    @classmethod
+    def from_msg(cls, msg: builtin_interfaces.msg.Duration) -> Duration:
+        """The span that a message carries. Raises TypeError for another message."""
+        if not isinstance(msg, builtin_interfaces.msg.Duration):
+            raise TypeError("Must pass a builtin_interfaces.msg.Duration object")
+        return cls(seconds=msg.sec, nanoseconds=msg.nanosec)
+
     def to_msg(self) -> builtin_interfaces.msg.Duration:
         """As builtin_interfaces/Duration."""
         sec, nanosec = divmod(self._nanoseconds, S_TO_NS)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle
+
 if TYPE_CHECKING:
     from rclpy.parameter import Parameter
 
@@ -126,3 +128,11 @@ class ROSInterruptException(Exception):
 
     def __init__(self) -> None:
         super().__init__("rclpy.shutdown() has been called")
+
+
+class NoTypeSupportImportedException(Exception):
+    """An interface without code to carry it; here every interface file has it."""
+
+
+class TimerCancelledError(Exception):
+    """A timer that was canceled meanwhile is called."""

@@ -6,7 +6,15 @@ from rclpy import _logging
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
-__all__ = ["LoggingSeverity", "get_logger", "get_logger_effective_level", "set_logger_level"]
+__all__ = [
+    "LoggingSeverity",
+    "clear_config",
+    "get_logger",
+    "get_logger_effective_level",
+    "get_logger_level",
+    "get_logging_severity_from_string",
+    "set_logger_level",
+]
 
 
 def get_logger(name: str) -> RcutilsLogger:
@@ -19,6 +27,24 @@ def get_logger(name: str) -> RcutilsLogger:
 def set_logger_level(name: str, level: LoggingSeverity | int) -> None:
     """Set a logger's level by name."""
     _logging.set_level(name, int(level))
+
+
+def get_logger_level(name: str) -> LoggingSeverity:
+    """The level that was set for that name itself; UNSET when it inherits one."""
+    return LoggingSeverity(_logging.own_level(name))
+
+
+def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
+    """`WARN` as a severity. Raises RuntimeError for another word."""
+    try:
+        return LoggingSeverity[log_severity.upper()]
+    except KeyError:
+        raise RuntimeError(f"Failed to get severity name {log_severity}") from None
+
+
+def clear_config() -> None:
+    """Forget all levels that were set."""
+    _logging.forget_levels()
 
 
 def get_logger_effective_level(name: str) -> LoggingSeverity:

@@ -10,6 +10,7 @@ from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
 from rclpy import _arguments, _logging, _names, _time_source, qos_overriding_options
 from rclpy._entity import Entity
 from rclpy._node_parameters import NodeParameters
+from rclpy._parameter_rules import RELATIVE_TOLERANCE
 from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError, RCLError
 from rclpy._type_checks import check_message, check_service
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
@@ -54,6 +55,8 @@ NamesAndTypes = list[tuple[str, list[str]]]
 
 class Node(NodeParameters):
     """A named participant with publishers, subscriptions, services, clients, timers, parameters."""
+
+    PARAM_REL_TOL = RELATIVE_TOLERANCE
 
     def __init__(
         self,
@@ -202,6 +205,11 @@ class Node(NodeParameters):
     def clients(self) -> Iterator[Client[Any, Any]]:
         """This node's clients."""
         return (e for e in list(self._entity_list) if isinstance(e, Client))
+
+    @property
+    def guards(self) -> Iterator[GuardCondition]:
+        """This node's guard conditions."""
+        return (e for e in list(self._entity_list) if isinstance(e, GuardCondition))
 
     @property
     def timers(self) -> Iterator[Timer]:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import array
+from collections.abc import Sequence
 from enum import IntEnum
+from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterType, ParameterValue
+
+from archo_tui.embedded.parameter_files import read, value_of
 
 PARAMETER_SEPARATOR_STRING = "."
 
@@ -101,6 +105,39 @@ class Parameter(Generic[AllowableParameterValueT]):
         """The parameter that a message carries."""
         kind = Parameter.Type(message.value.type)
         return cls(message.name, kind, parameter_value_to_python(message.value))
+
+
+def get_parameter_value(string_value: str) -> ParameterValue:
+    """The value that a text means on a command line."""
+    try:
+        value = value_of(string_value)
+        if isinstance(value, list) and any(type(item) is not type(value[0]) for item in value):
+            value = string_value
+    except ValueError:
+        value = string_value
+    return Parameter("value", value="" if value is None else value).get_parameter_value()
+
+
+def parameter_dict_from_yaml_file(
+    parameter_file: str,
+    use_wildcard: bool = False,
+    target_nodes: Sequence[str] | None = None,
+    namespace: str = "",
+) -> dict[str, ParameterMsg]:
+    """What a parameter file has for some nodes, or for all when none is named.
+
+    Raises RuntimeError when there is nothing for them, FileNotFoundError.
+    """
+    found: dict[str, ParameterMsg] = {}
+    for override in read(Path(parameter_file)):
+        wild = "*" in override.pattern
+        named = target_nodes is None or override.pattern in target_nodes
+        if (wild and use_wildcard) or (not wild and named):
+            name = f"{namespace}.{override.name}" if namespace else override.name
+            found[override.name] = Parameter(name, value=override.value).to_parameter_msg()
+    if not found:
+        raise RuntimeError("Param file does not contain any valid parameters")
+    return found
 
 
 def parameter_value_to_python(message: ParameterValue) -> Any:

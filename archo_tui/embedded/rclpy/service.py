@@ -51,6 +51,11 @@ class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         message: Any = response
         header.client._deliver((header.sequence_number, message.__received__()))
 
+    @property
+    def logger_name(self) -> str:
+        """The name of its node's logger."""
+        return self._node.get_logger().name
+
     def destroy(self) -> None:
         """Leave the graph; requests still queued are never answered."""
         self._destroyed = True

@@ -139,17 +139,24 @@ class Task(Future[T]):
         super().__init__(executor=executor)
         self._call: Callable[[], Any] | None = lambda: handler(*args, **(kwargs or {}))
         self._coroutine: Any = None
+        self._is_executing = False
         self._release: Callable[[], None] | None = None  # gives the callback group back
 
     def _finish(self, state: str, *, force: bool = False) -> None:
+        self._is_executing = False
         if self._release is not None:
             self._release()
         super()._finish(state, force=force)
+
+    def executing(self) -> bool:
+        """True while it runs, or waits in the middle."""
+        return self._is_executing
 
     def __call__(self) -> None:
         """Run, or go on from the last `await`."""
         if self._state != _PENDING:
             return
+        self._is_executing = True
         try:
             if self._coroutine is None:
                 call, self._call = self._call, None

@@ -125,18 +125,19 @@ class Timer(Entity):
         if self.is_ready():
             self._notify()
 
-    def _change_time(self, *, simulated: bool) -> None:
-        """Another time is counted from now on, as if it had always been the system's until now.
+    def _change_time(self, *, simulated: bool, until_ns: int) -> None:
+        """Another time is counted from now on; of the one before it was `until_ns`.
 
-        Simulated time is behind: the next message of /clock begins a period. The system's is far
-        ahead: the timer is due.
+        Into simulated time, which is behind, the next message of /clock begins a period. Out of it
+        what was left of the period has passed, and what had passed is left, as in rcl.
         """
         if simulated:
             shift_ns = _time_source.time_ns() - _time_source.monotonic_ns()
             self._last_ns += shift_ns
             self._next_ns += shift_ns
         else:
-            self._last_ns = self._next_ns = self._now_ns()
+            self._last_ns = self._now_ns() - (self._next_ns - until_ns)
+            self._next_ns = self._last_ns + self._period_ns
             self._schedule()
 
     def _take(self) -> Callable[[], Any] | None:
@@ -177,7 +178,7 @@ def _info_argument(callback: Any) -> str:
         parameters = inspect.signature(callback).parameters.values()
     except (TypeError, ValueError):
         return ""
-    annotated = (p.name for p in parameters if p.annotation in (TimerInfo, "TimerInfo"))
+    annotated = (p.name for p in parameters if p.annotation is TimerInfo)
     return next(annotated, "")
 
 

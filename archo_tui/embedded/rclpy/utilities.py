@@ -32,6 +32,26 @@ def ok(*, context: Context | None = None) -> bool:
     return (context or get_default_context()).ok()
 
 
+def shutdown(*, context: Context | None = None) -> None:
+    """End the (default) context. Raises RCLError when not begun."""
+    (context or get_default_context()).shutdown()
+
+
+def try_shutdown(*, context: Context | None = None) -> None:
+    """End the (default) context if begun."""
+    (context or get_default_context()).try_shutdown()
+
+
+def timeout_sec_to_nsec(timeout_sec: float | None) -> int:
+    """A timeout in ns; -1 for None and for a negative one, which never pass."""
+    return -1 if timeout_sec is None or timeout_sec < 0 else int(timeout_sec * 1e9)
+
+
+def get_available_rmw_implementations() -> set[str]:
+    """The names of what can be used."""
+    return {get_rmw_implementation_identifier()}
+
+
 def get_rmw_implementation_identifier() -> str:
     """The name of the middleware: there is none, messages stay in the process."""
     return "embedded"

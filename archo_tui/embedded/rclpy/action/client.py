@@ -177,6 +177,12 @@ class ActionClient:
             )
             return self.server_is_ready()
 
+    def __enter__(self) -> ActionClient:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.destroy()
+
     def destroy(self) -> None:
         """Leave the graph."""
         for client in self._clients:

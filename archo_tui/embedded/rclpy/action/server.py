@@ -112,6 +112,31 @@ class ServerGoalHandle:
         self._server._publish_status(self)
 
 
+class GoalEvent(Enum):
+    """What moves a goal from one state to another."""
+
+    EXECUTE = 0
+    CANCEL_GOAL = 1
+    SUCCEED = 2
+    ABORT = 3
+    CANCELED = 4
+
+
+def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
+    """Execute the goal."""
+    goal_handle.execute()
+
+
+def default_goal_callback(goal_request: Any) -> GoalResponse:
+    """Accept it."""
+    return GoalResponse.ACCEPT
+
+
+def default_cancel_callback(cancel_request: Any) -> CancelResponse:
+    """Reject it."""
+    return CancelResponse.REJECT
+
+
 class ActionServer:
     """Serves one action. Cancels are rejected unless `cancel_callback` accepts them."""
 
@@ -123,9 +148,11 @@ class ActionServer:
         execute_callback: Callable[[ServerGoalHandle], Any],
         *,
         callback_group: CallbackGroup | None = None,
-        goal_callback: Callable[[Any], Any] = lambda goal: GoalResponse.ACCEPT,
-        handle_accepted_callback: Callable[[ServerGoalHandle], Any] = ServerGoalHandle.execute,
-        cancel_callback: Callable[[ServerGoalHandle], Any] = lambda goal: CancelResponse.REJECT,
+        goal_callback: Callable[[Any], Any] = default_goal_callback,
+        handle_accepted_callback: Callable[
+            [ServerGoalHandle], Any
+        ] = default_handle_accepted_callback,
+        cancel_callback: Callable[[ServerGoalHandle], Any] = default_cancel_callback,
         goal_service_qos_profile: QoSProfile = qos_profile_services_default,
         result_service_qos_profile: QoSProfile = qos_profile_services_default,
         cancel_service_qos_profile: QoSProfile = qos_profile_services_default,
@@ -173,6 +200,31 @@ class ActionServer:
             impl.GoalStatusMessage, f"{action_name}/_action/status", status_pub_qos_profile
         )
         self._status._kept_by(self._all_statuses)
+
+    def register_execute_callback(self, execute_callback: Callable[..., Any]) -> None:
+        """Execute goals with this from now on. Raises TypeError for what cannot be called."""
+        self._execute_callback = _callable(execute_callback)
+
+    def register_goal_callback(self, goal_callback: Callable[..., Any] | None) -> None:
+        """Ask this whether to take a goal; None: the default."""
+        self._goal_callback = _callable(goal_callback or default_goal_callback)
+
+    def register_cancel_callback(self, cancel_callback: Callable[..., Any] | None) -> None:
+        """Ask this whether to cancel a goal; None: the default."""
+        self._cancel_callback = _callable(cancel_callback or default_cancel_callback)
+
+    def register_handle_accepted_callback(
+        self, handle_accepted_callback: Callable[..., Any] | None
+    ) -> None:
+        """Hand accepted goals to this; None: the default."""
+        chosen = handle_accepted_callback or default_handle_accepted_callback
+        self._handle_accepted_callback = _callable(chosen)
+
+    def __enter__(self) -> ActionServer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.destroy()
 
     def destroy(self) -> None:
         """Stop offering the action."""
@@ -287,6 +339,12 @@ class ActionServer:
     def _create_task(self, callback: Any, *args: Any) -> None:
         if self._node.executor is not None:
             self._node.executor.create_task(callback, *args)
+
+
+def _callable(given: Any) -> Any:
+    if not callable(given):
+        raise TypeError("Failed to register callback: it is not callable")
+    return given
 
 
 async def _value(result: Any) -> Any:

@@ -1,0 +1,63 @@
+"""Prints the public names of `rclpy`, and of its classes, as JSON; `embedded` for the engine's."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import json
+import pkgutil
+import sys
+import types
+import typing
+from collections.abc import Iterator
+
+
+def modules() -> Iterator[types.ModuleType]:
+    """rclpy and its public modules."""
+    import rclpy
+
+    yield rclpy
+    for found in pkgutil.walk_packages(rclpy.__path__, "rclpy."):
+        if not any(part.startswith("_") for part in found.name.split(".")):
+            yield importlib.import_module(found.name)
+
+
+def own(module: types.ModuleType, name: str) -> bool:
+    """True for what the module defines, or names anew, and not for what it imports to use it."""
+    value = getattr(module, name, None)
+    home = str(getattr(value, "__module__", module.__name__))
+    if isinstance(value, (types.ModuleType, typing.TypeVar)) or home in ("typing", "types"):
+        return False
+    if name in getattr(module, "__all__", ()) or home == module.__name__:
+        return True
+    if "_rclpy_pybind11" in home:
+        return getattr(value, "__name__", "") != name
+    return not (inspect.isclass(value) or inspect.isfunction(value))
+
+
+def methods(kind: type) -> set[str]:
+    """The public methods of a class, but for those that every dict or exception has."""
+    common = {name for base in (dict, Exception, tuple) for name in dir(base)}
+    found = {name for name in dir(kind) if name[0] != "_" and callable(getattr(kind, name))}
+    return found - common
+
+
+def names() -> set[str]:
+    """`rclpy.node.Node.create_timer`, and so on."""
+    found = set()
+    for module in modules():
+        listed = getattr(module, "__all__", None) or [n for n in vars(module) if n[0] != "_"]
+        for name in filter(lambda name: own(module, name), listed):
+            full, value = f"{module.__name__}.{name}", getattr(module, name)
+            found.add(full)
+            if inspect.isclass(value):
+                found |= {f"{full}.{method}" for method in methods(value)}
+    return found
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["embedded"]:
+        from archo_tui import engine
+
+        engine.activate("embedded")
+    print(json.dumps(sorted(names())))

@@ -1,0 +1,64 @@
+"""What the README says is not emulated is just what is missing: every public name is compared."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent.parent
+
+# of each part of the README's list, by a word of it: the names that it stands for
+NOT_EMULATED = {
+    "service introspection": r"service_introspection|ServiceIntrospection|configure_introspection",
+    "handles of C objects": r"\.handle$|get_c_|implementation_singleton|\.(un)?track_node$|g_\w+$"
+    r"|with_enclaves|\.destroy$",
+    "waitables": r"[Ww]aitable|add_to_wait_set|\.is_ready$|\.take_data$|get_num_entities|\.execute$"
+    r"|(add|remove)_future|notify_|create_event_handlers|\.(QoS)?EventHandler(\.|$)|EventHandlerData"
+    r"|can_execute|wait_for_ready_callbacks|await_or_execute|ConditionReached|TimeoutObject"
+    r"|WorkTracker|NumberOfEntities|get_pending_request|TimerCancelledError",
+    "type support": r"type_support|NoTypeSupport",
+    "lifecycle nodes": r"rclpy\.lifecycle",
+    "events executor": r"events_executor",
+    "content filters": r"content_filter|ContentFilter|is_cft_enabled",
+    "type descriptions": r"type_description|start_type_description",
+    "type hashes": r"type_hash|TypeHash",
+    "signal handlers": r"rclpy\.signals\.",
+    "logging set-up": r"rclpy\.logging\.(initialize|shutdown|get_logging_directory)",
+    "filter classes": r"rcutils_logger\.",
+}
+# what a module of rclpy only uses: constants and types that it imports, words for type checkers
+USED = re.compile(
+    r"\.(TYPE_CHECKING|annotations|Lock|TOPIC_SEPARATOR_STRING|PARAMETER_SEPARATOR_STRING|S_TO_NS"
+    r"|HIDDEN_NODE_PREFIX|qos_profile_\w+|package|ParameterInput|TimeJumpDictionary|SendGoalKWargs"
+    r"|CallbackType(\.\w+)?|FutureState(\.\w+)?|Callbacks|ClockType|InvalidHandle|RCLError|PyCapsule"
+    r"|InvalidParameterTypeException\.Parameter|(name|value|get_parameter_value))$"
+)
+
+
+def public(python: str, *words: str) -> set[str]:
+    command = [python, "-W", "ignore", "-m", "tests.ros2.public_names", *words]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def test_every_public_name_is_there_or_in_the_readmes_list() -> None:
+    real, ours = public(sys.executable), public(sys.executable, "embedded")
+    missing = {name for name in real - ours if not USED.search(name)}
+    parents = {name for name in missing if any(name.startswith(f"{m}.") for m in missing)}
+    left = {
+        name
+        for name in missing - parents
+        if not any(re.search(pattern, name) for pattern in NOT_EMULATED.values())
+    }
+    assert left == set(), "\n".join(sorted(left))
+    readme = " ".join((ROOT / "README.md").read_text(encoding="utf-8").split())
+    section = readme.partition("## What the embedded engine does not emulate")[2].partition("## ")[
+        0
+    ]
+    for words, pattern in NOT_EMULATED.items():
+        assert words in section, words
+        assert any(re.search(pattern, name) for name in missing), f"{words} is emulated by now"
