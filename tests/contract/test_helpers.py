@@ -79,7 +79,7 @@ def test_a_long_wait_for_a_future_leaves_one_callback_on_it(ros: Ros) -> None:
     node.create_timer(0.01, lambda: None)
     future: Future[int] = Future()
     executor.spin_until_future_complete(future, 0.3)
-    assert len(future._callbacks) == 1
+    assert len(future._callbacks) <= 1  # none at all on the embedded engine
     executor.shutdown(0)
 
 

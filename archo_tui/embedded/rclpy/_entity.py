@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rclpy.callback_groups import CallbackGroup
@@ -48,7 +49,7 @@ class Entity:
 
     def _notify(self) -> None:
         """Tell the executor that there is work. Without one it stays until the node gets one."""
-        executor = self._node.executor
+        executor = self._node._executor
         if executor is not None:
             executor._make_ready(self)
 
@@ -78,7 +79,11 @@ class QueueEntity(Entity):
             if not self._queue or self._destroyed:
                 return None
             item = self._queue.popleft()
-        return lambda: self._handle(item)
+        return self._work(item)
+
+    def _work(self, item: Any) -> Callable[[], Any]:
+        """What is called for one item."""
+        return partial(self._handle, item)
 
     def _handle(self, item: Any) -> Any:
         raise NotImplementedError

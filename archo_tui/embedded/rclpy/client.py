@@ -50,12 +50,11 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         if self._destroyed:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
         message: Any = request
-        future: Future[Any] = Future(executor=self._node.executor)
+        future: Future[Any] = _Answer(self)
         with self._lock:
             self._sequence_number += 1
             number = self._sequence_number
             self._pending_requests[number] = future
-        future.add_done_callback(self.remove_pending_request)
         for server in self._node._graph.servers(self.service_name, self.srv_type):
             server._deliver((RequestHeader(self, number), message.__received__()))
         return future
@@ -110,3 +109,15 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
             future = self._pending_requests.pop(number, None)
         if future is not None:
             future.set_result(response)
+
+
+class _Answer(Future[Any]):
+    """What a call gets; cancelled, its request is forgotten."""
+
+    def __init__(self, client: Client[Any, Any]) -> None:
+        super().__init__(executor=client._node.executor)
+        self._client = client
+
+    def cancel(self) -> None:
+        super().cancel()
+        self._client.remove_pending_request(self)

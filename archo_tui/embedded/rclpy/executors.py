@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future as PoolFuture
 from concurrent.futures import ThreadPoolExecutor
+from types import CoroutineType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rclpy import _time_source
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
+Work = Callable[[], Any]  # a task, or what an entity has to call
 ExecutorT = TypeVar("ExecutorT", bound="Executor")
 
 
@@ -47,12 +49,15 @@ class ExternalShutdownException(Exception):
 class Executor:
     """Base of the executors: collects what is ready and hands it out one by one."""
 
+    _is_concurrent = False  # several threads run its callbacks
+
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = get_default_context() if context is None else context
         if not self._context.ok():
             raise RuntimeError("Context must be initialized before an executor can be created")
         self._nodes: dict[Node, int] = {}  # with its place among them
-        self._condition = threading.Condition(threading.RLock())
+        self._lock = threading.RLock()
+        self._condition = threading.Condition(self._lock)
         self._tasks: deque[Task[Any]] = deque()
         self._ready: dict[Entity, None] = {}  # in the order in which they became so
         self._round: deque[Entity | Task[Any]] = deque()  # what is left of the one that goes on
@@ -154,7 +159,7 @@ class Executor:
     ) -> None:
         """Spin until the future is done, or `timeout_sec` (s) have passed."""
         deadline = _time_source.deadline_ns(timeout_sec)
-        future.add_done_callback(lambda _: self.wake())
+        future._when_done(self.wake)
         while self._context.ok() and not future.done() and not future.cancelled():
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
             if self._is_shutdown:
@@ -167,7 +172,7 @@ class Executor:
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
         """Run one callback unless the future is done before there is one."""
-        future.add_done_callback(lambda _: self.wake())
+        future._when_done(self.wake)
         self._spin_once_until(future, timeout_sec)
 
     def _spin_once_until(self, future: Future[Any], timeout_sec: float | None) -> None:
@@ -177,32 +182,54 @@ class Executor:
             return
         self._run(work, entity)
 
-    def _run(self, work: Task[Any], entity: Entity | None) -> None:
+    def _run(self, work: Work, entity: Entity | None) -> None:
         raise NotImplementedError
 
-    def _execute(self, work: Task[Any], entity: Entity | None) -> None:
+    def _execute(self, work: Work, entity: Entity | None) -> None:
         """Run one piece of work; raises what it raised."""
-        if entity is not None:
-            work._release = lambda: entity.callback_group.ending_execution(entity)
-        work()
-        with self._condition:
-            self._ready.update(dict.fromkeys(self._blocked))
-            self._blocked.clear()
-        error = work.exception()
+        if entity is None:
+            work()
+            error = work.exception()  # type: ignore[attr-defined]  # a task
+            if error is not None:
+                raise error
+        else:
+            self._execute_callback(work, entity)
+        if self._blocked or self._is_concurrent:
+            with self._condition:
+                self._ready.update(dict.fromkeys(self._blocked))
+                self._blocked.clear()
+
+    def _execute_callback(self, work: Work, entity: Entity) -> None:
+        """Call back; only what awaits needs a task."""
+        group = entity.callback_group
+        try:
+            found = work()
+        except BaseException:
+            group.ending_execution(entity)
+            raise
+        if not isinstance(found, CoroutineType):
+            group.ending_execution(entity)
+            return
+        task: Task[Any] = Task(lambda: found, executor=self)
+        task._release = lambda: group.ending_execution(entity)
+        task()
+        error = task.exception()
         if error is not None:
             raise error
 
     def _notify(self) -> None:
         """Have a waiting spin look again; the condition is held."""
-        self._notified = True
-        self._condition.notify_all()
+        if not self._notified:  # else nobody has begun to wait since
+            self._notified = True
+            self._condition.notify_all()
 
     def _make_ready(self, entity: Entity) -> None:
         """There is work of an entity."""
-        with self._condition:
+        with self._lock:
             if entity._node in self._nodes:  # it may have left meanwhile
                 self._ready[entity] = None
-                self._notify()
+                if not self._notified:
+                    self._notify()
 
     def _resume(self, task: Task[Any]) -> None:
         """Queue a task whose awaited future is done, without waking anybody."""
@@ -217,24 +244,34 @@ class Executor:
 
     def _next_work(
         self, timeout_sec: float | None, stop: Callable[[], bool]
-    ) -> tuple[Task[Any], Entity | None]:
-        deadline = _time_source.deadline_ns(timeout_sec)
+    ) -> tuple[Work, Entity | None]:
+        with self._lock:
+            self._check_alive()
+            found = self._pop_ready()
+            if found is not None:
+                return found
         with self._condition:
+            deadline = _time_source.deadline_ns(timeout_sec)
             while True:
-                if self._is_shutdown:
-                    raise ShutdownException
-                if not self._context.ok():
-                    raise ExternalShutdownException
-                due = self._collect_timers()
+                self._check_alive()
                 found = self._pop_ready()
                 if found is not None:
                     return found
+                due = self._collect_timers()
+                if self._ready:
+                    continue
                 now = _time_source.monotonic_ns()
                 if stop() or (deadline is not None and now >= deadline):
                     raise TimeoutException
                 until = min((ns for ns in (deadline, due) if ns is not None), default=None)
                 self._notified = False
                 _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
+
+    def _check_alive(self) -> None:
+        if self._is_shutdown:
+            raise ShutdownException
+        if not self._context.ok():
+            raise ExternalShutdownException
 
     def _is_idle(self) -> bool:
         """True while nobody has said that there is something to do."""
@@ -251,7 +288,7 @@ class Executor:
                 self._make_ready(timer)
         return None
 
-    def _pop_ready(self) -> tuple[Task[Any], Entity | None] | None:
+    def _pop_ready(self) -> tuple[Work, Entity | None] | None:
         """The next piece of work of this round, else of the next one; None when there is none."""
         if not self._round:
             self._begin_round()
@@ -274,6 +311,7 @@ class Executor:
             self._tasks.clear()
             return
         self._had_tasks = False
+        self._collect_timers()
         entities = sorted(self._ready, key=self._place) if len(self._ready) > 1 else self._ready
         self._round.extend(entities)
         self._ready = {}
@@ -282,7 +320,7 @@ class Executor:
         """By node, then by kind; among those alike the one that was ready first."""
         return self._nodes[entity._node], entity._rank
 
-    def _take(self, entity: Entity) -> Task[Any] | None:
+    def _take(self, entity: Entity) -> Work | None:
         """One piece of work of an entity, None when its callback group is taken or it has none."""
         if not entity.callback_group.beginning_execution(entity):
             self._blocked.append(entity)
@@ -292,19 +330,20 @@ class Executor:
             self._ready[entity] = None
         if work is None:
             entity.callback_group.ending_execution(entity)
-            return None
-        return Task(work, executor=self)
+        return work
 
 
 class SingleThreadedExecutor(Executor):
     """Runs every callback in the thread that spins."""
 
-    def _run(self, work: Task[Any], entity: Entity | None) -> None:
+    def _run(self, work: Work, entity: Entity | None) -> None:
         self._execute(work, entity)
 
 
 class MultiThreadedExecutor(Executor):
     """Runs callbacks in a pool of threads; callback groups say what may overlap."""
+
+    _is_concurrent = True
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
         super().__init__(context=context)
@@ -314,13 +353,13 @@ class MultiThreadedExecutor(Executor):
     def _is_idle(self) -> bool:
         return super()._is_idle() and all(future.done() for future in self._running)
 
-    def _run(self, work: Task[Any], entity: Entity | None) -> None:
+    def _run(self, work: Work, entity: Entity | None) -> None:
         self._running.append(self._pool.submit(self._execute_and_wake, work, entity))
         for future in [future for future in self._running if future.done()]:
             self._running.remove(future)
             future.result()
 
-    def _execute_and_wake(self, work: Task[Any], entity: Entity | None) -> None:
+    def _execute_and_wake(self, work: Work, entity: Entity | None) -> None:
         try:
             self._execute(work, entity)
         finally:

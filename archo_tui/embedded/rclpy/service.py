@@ -62,12 +62,15 @@ class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         graph = self._node._graph
         graph.remove_named(graph.services, self.service_name, self)
 
-    async def _handle(self, item: tuple[RequestHeader, Any]) -> None:
+    def _handle(self, item: tuple[RequestHeader, Any]) -> Any:
         header, request = item
         response = self.callback(request, self.srv_type.Response())
         if inspect.iscoroutine(response):
-            response = await response
-        self.send_response(response, header)
+            return self._answer_later(response, header)
+        return self.send_response(response, header)
+
+    async def _answer_later(self, response: Any, header: RequestHeader) -> None:
+        self.send_response(await response, header)
 
 
 class DeferredService(Service[Any, Any]):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
 
 from rclpy import _time_source
@@ -102,5 +103,5 @@ class Subscription(QueueEntity, Generic[MsgT]):
         }
         self._deliver((copied, info))
 
-    def _handle(self, item: Any) -> Any:
-        return self._callback(*item) if self._with_info else self._callback(item)
+    def _work(self, item: Any) -> Callable[[], Any]:
+        return partial(self._callback, *item) if self._with_info else partial(self._callback, item)

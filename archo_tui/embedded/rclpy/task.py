@@ -32,6 +32,7 @@ class Future(Generic[T]):
         self._exception: BaseException | None = None
         self._callbacks: list[Callable[[Any], Any]] = []
         self._waiting: list[Task[Any]] = []
+        self._hooks: list[Callable[[], None]] = []
         self._lock = threading.Lock()
         self._set_executor(executor)
 
@@ -105,6 +106,9 @@ class Future(Generic[T]):
             self._state = state
             callbacks, self._callbacks = self._callbacks, []
             waiting, self._waiting = self._waiting, []
+            hooks, self._hooks = self._hooks, []
+        for hook in hooks:
+            hook()
         for task in waiting:
             task._resume()
         executor = self._executor()
@@ -116,6 +120,12 @@ class Future(Generic[T]):
                 callback(self)
             except Exception as error:
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
+
+    def _when_done(self, hook: Callable[[], None]) -> None:
+        """Have the engine's own `hook()` called at once when done, in whichever thread."""
+        with self._lock:
+            if self._state == _PENDING and hook not in self._hooks:
+                self._hooks.append(hook)
 
     def _wait(self, task: Task[Any]) -> bool:
         """Have the task resumed when done; False when that is already so."""
