@@ -150,6 +150,7 @@ class Task(Future[T]):
         self._call: Callable[[], Any] | None = lambda: handler(*args, **(kwargs or {}))
         self._coroutine: Any = None
         self._is_executing = False
+        self._itself: Task[T] | None = None
         self._release: Callable[[], None] | None = None  # gives the callback group back
 
     def _finish(self, state: str, *, force: bool = False) -> None:
@@ -189,12 +190,17 @@ class Task(Future[T]):
             if not isinstance(awaited, Future):
                 self._resume()
                 return
+            # kept by itself alone: were it freed while the collector closes an inner coroutine of
+            # its own, that would be closed a second time from inside
+            self._itself = self
             if awaited._wait(self):
                 return
+            self._itself = None
 
     def _resume(self) -> None:
         """Queue for the executor's next turn. Does not wake it: a future set from another thread
         is noticed when the executor next wakes, as on ROS 2."""
+        self._itself = None
         executor = self._executor()
         if executor is not None:
             executor._resume(self)
