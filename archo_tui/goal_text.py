@@ -25,7 +25,7 @@ def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
         Phase.MOVING: (STRONG, doing(goal), _progress(goal, now)),
         Phase.CANCELLING: (
             STRONG,
-            "CANCELLING",
+            "CANCELLING" if goal.mine else doing(goal),
             f"asked {seconds_text(now - (goal.cancel_asked or now))} ago",
         ),
         Phase.CANCELLED: (BAD, "✗ CANCELLED", _where_ended(goal)),
@@ -46,6 +46,8 @@ def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
         ),
     }
     tone, word, rest = texts[goal.phase]
+    if goal.is_running and snapshot.running > 1:
+        rest += f"   +{snapshot.running - 1} more"
     gap = " " if len(word) <= _WORD else "   "
     return (f"{word:<{_WORD}}", tone), (f"{gap}{rest}", PLAIN)
 
@@ -91,6 +93,8 @@ def no_goal(snapshot: Snapshot, go_key: str) -> Spans:
 
 def doing(goal: Goal) -> str:
     """`MOVING to 12`, or `RUNNING fibonacci 10` of one that leads nowhere."""
+    if not goal.mine:
+        return f"{goal.word} ({goal.name})"
     if goal.kind.noun:
         return f"{goal.word} to {goal.target or goal.kind.noun}"
     return f"{goal.word} {goal.name}"
@@ -98,6 +102,8 @@ def doing(goal: Goal) -> str:
 
 def way(goal: Goal) -> str:
     """What a running goal does, in a sentence: `on its way to shelf 12`, `running fibonacci 10`."""
+    if not goal.mine:
+        return f"carrying out {goal.name}"
     return f"on its way to {goal.name}" if goal.kind.noun else f"running {goal.name}"
 
 
@@ -124,7 +130,7 @@ def _progress(goal: Goal, now: float) -> str:
 def _where_ended(goal: Goal) -> str:
     if goal.remaining is None:
         return goal.message
-    where = f"before {goal.name}" if goal.kind.noun else "left"
+    where = f"before {goal.name}" if goal.kind.noun and goal.mine else "left"
     return f"{goal.message}, {goal.remaining:.1f}{_unit(goal)} {where}"
 
 
@@ -138,6 +144,9 @@ def _arrival(goal: Goal) -> str:
 
 def _ended(goal: Goal) -> str:
     at, name = time_of_day(goal.time), goal.target if goal.kind.noun and goal.target else goal.name
+    if not goal.mine:
+        glyph = "✓" if goal.phase == Phase.ARRIVED else "?" if goal.phase == Phase.DISPUTED else "✗"
+        return f"{glyph} {goal.word.lower()} (another client) {at}"
     if goal.phase == Phase.ARRIVED:
         return f"✓ {name} {goal.word.lower()} {at}"
     if goal.phase == Phase.DISPUTED:

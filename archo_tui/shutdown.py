@@ -22,8 +22,8 @@ _LOOK = 0.02  # s between two looks at a goal that is being cancelled
 async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
     """Cancel the running goal and wait for its end, or leave it running; the events say which."""
     goal = robot.snapshot.goal
-    if goal is None or not goal.is_running:
-        return
+    if goal is None or not goal.is_running or not goal.mine:
+        return  # another client's is not ours to end
     if on_disconnect == LEAVE:
         robot.note("WARN", "console", f"{why}: the goal to {goal.name} is left running")
         return

@@ -21,6 +21,7 @@ def registry(described: Robot) -> tuple[Command, ...]:
     return (
         robot.Go(first),
         robot.Cancel(),
+        robot.CancelAll(),
         robot.StopNow(described.stop),
         robot.Release(described.stop),
         *(robot.Give(command) for command in described.commands),

@@ -95,6 +95,9 @@ class Quit(Command):
         if goal is None or not goal.is_running:
             console.exit()
             return
+        if not goal.mine:
+            self._leave_another(console)
+            return
         answers = ["Stay", "Cancel it and quit"]
         if station.attached:
             answers.append("Leave it running and quit")
@@ -109,6 +112,18 @@ class Quit(Command):
             console.exit()
 
         console.ask(Confirm("Quit", f"The robot is {way(goal)}.", *answers), then)
+
+    def _leave_another(self, console: Console) -> None:
+        """Another client's goal is not ours to end, but our nodes may be driving it."""
+        attached = console.station.attached
+        what = "it keeps running" if attached else "the nodes of this console would end with it"
+        question = Confirm("Quit", f"Another client's goal is running: {what}.", "Stay", "Quit")
+
+        def then(answer: str) -> None:
+            if answer == "Quit":
+                console.exit()
+
+        console.ask(question, then)
 
 
 class QuitEverywhere(Quit):

@@ -67,9 +67,13 @@ class Cancel(Command):
 
     def run(self, console: Console) -> Work | None:
         goal = console.view.snapshot.goal
-        if console.repeated and (goal is None or goal.phase in _CANCELLED):
+        if console.repeated and (goal is None or goal.phase in _CANCELLED or not goal.mine):
             return None
-        return self._run(console)
+        if goal is None or not goal.is_running or goal.mine:
+            return self._run(console)
+        question = Confirm("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
+        console.ask(question, lambda answer: self._run(console) if answer == "Cancel it" else None)
+        return None
 
     async def _run(self, console: Console) -> None:
         goal = console.view.snapshot.goal
@@ -78,6 +82,20 @@ class Cancel(Command):
         elif not console.copy_selection():
             keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
             console.say(f"No goal is running. Press {keys} to quit.")
+
+
+class CancelAll(Command):
+    id = "cancel_all"
+    help = "Cancel every goal of the robot's actions, whoever sent it (asks first)"
+
+    def run(self, console: Console) -> None:
+        question = "Cancel every goal of the robot's actions, other clients' too?"
+
+        async def cancel() -> None:
+            console.tell(await console.station.robot.cancel_all())
+
+        ask = Confirm("Cancel every goal", question, "No", "Cancel all")
+        console.ask(ask, lambda answer: cancel() if answer == "Cancel all" else None)
 
 
 class StopNow(Command):

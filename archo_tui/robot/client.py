@@ -17,7 +17,8 @@ from rclpy.node import Node
 from archo_tui.clock import Clock
 from archo_tui.robot import interfaces, messages, ros2_command, services
 from archo_tui.robot.events import EventLog
-from archo_tui.robot.goals import FARTHEST, Goals
+from archo_tui.robot.followed import FARTHEST
+from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph, logger_node
 from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.offers import Offers
@@ -181,6 +182,12 @@ class Robot:
         command = "" if goal is None else ros2_command.cancel(self._offers.full(goal.kind.action))
         return await self._do("cancel", command, self._goals.cancel)
 
+    async def cancel_all(self) -> Outcome:
+        """Ask to cancel every goal of the robot's actions, whoever sent it."""
+        names = [self._offers.full(kind.action) for kind in self.description.goals]
+        command = "; ".join(ros2_command.cancel(name) for name in names)
+        return await self._do("cancel every goal", command, self._goals.cancel_all)
+
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
         """Set parameters of one node, all or none, to values of the types that fit."""
         command = "; ".join(ros2_command.set_parameter(node, *item) for item in values.items())
@@ -263,11 +270,10 @@ class Robot:
         self._parameters.follow(self._graph.names, self._graph.services)
 
     def _watch(self) -> None:
-        goal = self._goals.goal
-        if goal is None or not goal.is_running:
+        if not self._goals.running:
             self._watcher.cancel()
             return
-        self._goals.way_is(self._way(goal.kind))
+        self._goals.way_is(self._way)
         self._goals.check(self._clock.monotonic(), self._telemetry.motion)
 
     def _goal_changed(self) -> None:
@@ -329,6 +335,7 @@ class Robot:
                 motion=self._telemetry.motion,
                 gauges=self._telemetry.gauges,
                 goal=self._goals.goal,
+                running=self._goals.running,
                 history=tuple(self._goals.history),
                 parameters=self._parameters.all(),
                 nodes=self._graph.states(),

@@ -1,7 +1,6 @@
-"""Follows the goals that this console sends. ROS thread only.
+"""Sends goals, and follows all that the robot's actions run, whoever sent them. ROS thread only.
 
-A goal is never declared ended because the console stopped waiting: without an answer it is UNKNOWN,
-without news while it moves LOST, until the robot says how it ended, or that it does not know it.
+The truth about them is the actions' own: status, feedback and result.
 """
 
 from __future__ import annotations
@@ -9,53 +8,61 @@ from __future__ import annotations
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from action_msgs.msg import GoalStatus
+from action_msgs.srv import CancelGoal
 from rclpy.action import ActionClient
-from rclpy.action.client import ClientGoalHandle
 from rclpy.node import Node
+from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
 from archo_tui.robot import interfaces, messages, services
-from archo_tui.robot.period import Period
-from archo_tui.robot.readings import as_received, number, read
+from archo_tui.robot.followed import Followed
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Outcome, Phase
-from archo_tui.robot.text import harmless
-from archo_tui.robot.values import text_of
 from archo_tui.robots import check
-from archo_tui.robots.model import Field, GoalKind
+from archo_tui.robots.model import GoalKind
 
-FARTHEST = 1e6  # a remainder beyond that is no reading
-SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 HISTORY = 20  # ended goals that are kept
 _FIND_PERIOD = 0.05  # s between two looks for the server of an action
 _REASON_WAIT = 0.3  # s that the log line with a refusal's reason may come after the refusal
+_LONGEST_AGE = 86_400.0  # s; a goal that is older has a stamp of another clock
 
-_ENDS = {
-    GoalStatus.STATUS_SUCCEEDED: Phase.ARRIVED,
-    GoalStatus.STATUS_CANCELED: Phase.CANCELLED,
-    GoalStatus.STATUS_ABORTED: Phase.ABORTED,
+_RUNNING = {
+    GoalStatus.STATUS_ACCEPTED: Phase.MOVING,
+    GoalStatus.STATUS_EXECUTING: Phase.MOVING,
+    GoalStatus.STATUS_CANCELING: Phase.CANCELLING,
 }
-_NO_REASON = "the robot gave no reason"
-_FORGOTTEN = "the robot no longer knows this goal (was it restarted?)"
 
 
 class _Action:
-    """The client of one action, and what its goals report."""
+    """The client of one action, and what it tells of its goals."""
 
-    def __init__(self, node: Node, kind: GoalKind, on_feedback: Callable[[Any], None]) -> None:
+    def __init__(
+        self,
+        node: Node,
+        kind: GoalKind,
+        on_feedback: Callable[[Any], None],
+        on_status: Callable[[_Action, Any], None],
+    ) -> None:
+        self.kind = kind
         self.type = interfaces.load(kind.type)  # None: not installed here, all else works
         if self.type is None:
             return
         self.client: Any = ActionClient(node, self.type, kind.action)
+        topics, impl = f"{kind.action}/_action", self.type.Impl
         # not by the client: it forgets a goal's feedback when the result is asked for anew
-        feedback = self.type.Impl.FeedbackMessage
-        node.create_subscription(feedback, f"{kind.action}/_action/feedback", on_feedback, 10)
+        node.create_subscription(impl.FeedbackMessage, f"{topics}/feedback", on_feedback, 10)
+        node.create_subscription(
+            impl.GoalStatusMessage,
+            f"{topics}/status",
+            lambda message: on_status(self, message),
+            qos_profile_action_status_default,
+        )
+        self.status_topic = f"{topics}/status"
 
     @property
     def is_served(self) -> bool:
@@ -64,7 +71,7 @@ class _Action:
 
 
 class Goals:
-    """The goal that runs, and those that ended."""
+    """The goals that run, and those that ended."""
 
     def __init__(
         self,
@@ -80,21 +87,37 @@ class Goals:
         self._changed = changed
         self._say = say
         self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
-        self._action: Any = None  # that of the last goal
-        self._pace = Period()  # of its feedback
-        self._goal_id = b""
-        self._handle: Any = None
-        self._result: Any = None  # the future of the last question for the result
-        self._asked = 0.0  # when that question was put
+        self._running: dict[bytes, Followed] = {}
+        self._last: Goal | None = None  # the one that ended last
         self._refusals: deque[str] = deque(maxlen=5)
-        self.goal: Goal | None = None
         self.history: deque[Goal] = deque(maxlen=HISTORY)
+
+    @property
+    def goal(self) -> Goal | None:
+        """The goal that matters: ours that runs, else another client's, else the last one."""
+        shown = self._shown
+        return self._last if shown is None else shown.goal
+
+    @property
+    def running(self) -> int:
+        """How many run."""
+        return len(self._running)
+
+    @property
+    def _shown(self) -> Followed | None:
+        ours = self._ours
+        return ours or next(reversed(self._running.values()), None)
+
+    @property
+    def _ours(self) -> Followed | None:
+        return next((one for one in self._running.values() if one.goal.mine), None)
 
     def open(self, kind: GoalKind) -> _Action:
         """The client of an action, from now on."""
         key = (kind.action, kind.type)
         if key not in self._actions:
-            self._actions[key] = _Action(self._node, kind, self._on_feedback)
+            made = _Action(self._node, kind, self._on_feedback, self._on_status)
+            self._actions[key] = made
         return self._actions[key]
 
     async def send(
@@ -107,10 +130,10 @@ class Goals:
             return Outcome(False, check.missing(kind.action, kind.type))
         if not known:
             await self._found(action)
-        if self.goal is not None and self.goal.phase in (Phase.UNKNOWN, Phase.LOST):
-            doubt = f"nothing is heard of the goal to {self.goal.name}"
+        if self._ours is not None and self._ours.goal.phase in (Phase.UNKNOWN, Phase.LOST):
+            doubt = f"nothing is heard of the goal to {self._ours.goal.name}"
             return Outcome(False, f"{doubt}: cancel it, or wait until the robot is heard")
-        if self.goal is not None and self.goal.is_running:
+        if self._ours is not None:
             return Outcome(False, "a goal is already running: cancel it first")
         if not action.is_served:
             return Outcome(False, f"{kind.action} is not offered by any node")
@@ -120,17 +143,14 @@ class Goals:
             return Outcome(False, str(error))
         now, time = self._clock.monotonic(), self._clock.now()
         goal = Goal(kind, values, Phase.SENT, now, time, length=length)
-        self._action, self._pace = action, Period()
-        self._set(goal)
         self._refusals.clear()
-        self._handle = self._result = None
-        self._goal_id = uuid.uuid4().bytes
-        goal_id = UUID(uuid=list(self._goal_id))
+        goal_id = UUID(uuid=list(uuid.uuid4().bytes))
+        one = self._follow(goal, bytes(goal_id.uuid), action)
         answered = self._future()
 
         def on_answer(done: Any) -> None:
-            if self._is_current(goal) and done.result() is not None:
-                self._answered(done.result())
+            if one.goal.is_running and done.result() is not None:
+                self._answered(one, done.result())
             answered.set_result(True)
             self._wake()
 
@@ -138,13 +158,21 @@ class Goals:
         future.add_done_callback(on_answer)
         self._services.watch(answered)
         if await answered is None:
-            self._unanswered(goal_id)
+            one.assume()
+            one.update(phase=Phase.UNKNOWN)
             return Outcome(False, f"no answer in {services.DEADLINE:g} s: the goal may be running")
-        if self._handle is None:
+        if one.goal.phase == Phase.SENT:
             reason = await self._reason()
-            self._end(Phase.REFUSED, reason)
+            one.end(Phase.REFUSED, reason)
             return Outcome(False, reason)
         return Outcome(True, "accepted")
+
+    def _answered(self, one: Followed, handle: Any) -> None:
+        """The server accepted or refused, in time or later."""
+        if handle.accepted:
+            one.accepted(handle)
+        elif one.goal.phase == Phase.UNKNOWN:
+            one.end(Phase.REFUSED, "refused (the answer came late)")
 
     async def _found(self, action: _Action) -> None:
         """Wait for the server of a client that was made just now."""
@@ -153,15 +181,46 @@ class Goals:
             await self._services.pause(_FIND_PERIOD)
 
     async def cancel(self) -> Outcome:
-        """Ask to cancel the running goal; how it ends is the robot's to say."""
-        goal = self.goal
-        if goal is None or not goal.is_running:
+        """Ask to cancel the goal that matters; how it ends is the robot's to say."""
+        one = self._shown
+        if one is None:
             return Outcome(False, "no goal is running")
-        if self._handle is None:
+        if one.handle is None:
             return Outcome(False, "the goal has not been accepted yet")
-        before = goal.phase
-        self._update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
-        future, in_time = self._handle.cancel_goal_async(), self._future()
+        before = one.goal.phase
+        one.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
+        answer = await self._in_time(one.handle.cancel_goal_async())
+        if answer is not None and len(answer.goals_canceling):
+            return Outcome(True, "cancelling")
+        if one.goal.phase == Phase.CANCELLING:
+            one.update(phase=before, cancel_asked=None)
+        if answer is None:
+            return Outcome(False, f"no answer to the cancel in {services.DEADLINE:g} s")
+        return Outcome(False, "the robot rejected the cancel: the goal continues or has ended")
+
+    async def cancel_all(self) -> Outcome:
+        """Ask every action that is known to cancel whatever it runs, whoever sent it."""
+        served = [action for action in self._actions.values() if action.is_served]
+        if not served:
+            return Outcome(False, "no action is offered by any node")
+        taken, silent = 0, []
+        for action in served:
+            name = f"{action.kind.action}/_action/cancel_goal"
+            # no goal id and no time mean all
+            answer = await self._services.call(CancelGoal, name, CancelGoal.Request())
+            if answer is None:
+                silent.append(action.kind.action)
+            else:
+                taken += len(answer.goals_canceling)
+        if silent:
+            waited = f"{services.DEADLINE:g} s"
+            return Outcome(False, f"no answer to the cancel in {waited}: {', '.join(silent)}")
+        goals = "goal" if taken == 1 else "goals"
+        return Outcome(taken > 0, f"cancelling {taken} {goals}" if taken else "none was cancelled")
+
+    async def _in_time(self, future: Any) -> Any:
+        """The answer to a cancel, None after the deadline; a rejection that comes later is said."""
+        in_time = self._future()
 
         def on_answer(done: Any) -> None:
             if in_time.cancelled() and not len(done.result().goals_canceling):
@@ -171,134 +230,67 @@ class Goals:
 
         future.add_done_callback(on_answer)
         self._services.watch(in_time)
-        answer = future.result() if await in_time else None
-        if answer is not None and len(answer.goals_canceling):
-            return Outcome(True, "cancelling")
-        if self._is_current(goal) and self.goal and self.goal.phase == Phase.CANCELLING:
-            self._update(phase=before, cancel_asked=None)
-        if answer is None:
-            return Outcome(False, f"no answer to the cancel in {services.DEADLINE:g} s")
-        return Outcome(False, "the robot rejected the cancel: the goal continues or has ended")
+        return future.result() if await in_time else None
 
-    def way_is(self, length: float | None) -> None:
-        """The length of the whole way became known, maybe only after the goal was sent."""
-        if length is not None and self.goal is not None and self.goal.length is None:
-            self._update(length=length)
+    def way_is(self, length_of: Callable[[GoalKind], float | None]) -> None:
+        """The length of a whole way may become known only after its goal was sent."""
+        for one in list(self._running.values()):
+            length = length_of(one.goal.kind) if one.goal.length is None else None
+            if length is not None:
+                one.update(length=length)
 
     def refused(self, reason: str) -> None:
         """Remember a log line that says why a goal is refused."""
         self._refusals.append(reason)
 
     def heard(self) -> None:
-        """The robot was heard again: ask whether it still knows a goal that was lost."""
-        if self.goal is not None and self.goal.phase == Phase.LOST:
-            self._update(phase=Phase.UNKNOWN)
-            self._asked = 0.0
+        """The robot was heard again."""
+        for one in list(self._running.values()):
+            one.heard()
 
     def check(self, now: float, motion: Motion) -> None:
-        """A goal that runs and is silent is lost; ask the robot about a doubtful one."""
-        goal = self.goal
-        if goal is None or not goal.is_running:
-            return
-        if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(goal, now, motion):
-            self._update(phase=Phase.LOST)
-        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST) and self._handle is not None
-        if doubtful and now - self._asked > services.DEADLINE and self._action.is_served:
-            self._ask_result()
+        """Silent goals are lost; the robot is asked about doubtful ones."""
+        for one in list(self._running.values()):
+            one.check(now, motion)
 
-    def _is_silent(self, goal: Goal, now: float, motion: Motion) -> bool:
-        """By feedback or motion, whichever came last; without motion by the feedback's own pace."""
-        heard = goal.heard or goal.sent
-        if motion.received is not None:
-            longest = max(SILENCE, 3 * (motion.period or 0.0))
-            return now - max(motion.received, heard) > longest
-        promised = goal.kind.remaining is not None
-        if self._action.is_served and self._pace.seconds is None and not promised:
-            return False  # an action may give no feedback at all
-        return now - heard > max(SILENCE, 3 * (self._pace.seconds or 0.0))
+    def _on_status(self, action: _Action, message: Any) -> None:
+        """The whole status of an action: goals of others are followed from now on."""
+        told = {bytes(s.goal_info.goal_id.uuid): s for s in message.status_list}
+        for goal_id, status in told.items():
+            one = self._running.get(goal_id)
+            if one is not None:
+                one.on_status(status.status)
+            elif status.status in _RUNNING:
+                self._follow_another(action, goal_id, status)
+        if self._node.count_publishers(action.status_topic) != 1:
+            return  # of several servers each tells of its own goals
+        for one in list(self._running.values()):
+            if one.action is action and not one.goal.mine and one.id not in told:
+                one.forgotten()
 
-    def _answered(self, handle: Any) -> None:
-        """The server accepted or refused, in time or later."""
-        if handle.accepted:
-            self._handle = handle
-            now = self._clock.monotonic()
-            self._update(phase=Phase.MOVING, started=now, heard=now)
-            self._ask_result()
-        elif self.goal is not None and self.goal.phase == Phase.UNKNOWN:
-            self._end(Phase.REFUSED, "refused (the answer came late)")
-
-    def _unanswered(self, goal_id: UUID) -> None:
-        """Nobody accepted or refused: go on as if accepted, and ask how it ended."""
-        accepted = self._action.type.Impl.SendGoalService.Response(accepted=True)
-        self._handle = ClientGoalHandle(self._action.client, goal_id, accepted)
-        self._update(phase=Phase.UNKNOWN)
-
-    def _ask_result(self) -> None:
-        if self._result is not None:
-            self._result.cancel()
-        goal = self.goal
-        self._asked = self._clock.monotonic()
-        self._result = self._handle.get_result_async()
-
-        def on_result(future: Any) -> None:
-            if not future.cancelled() and future.result() is not None and self._is_current(goal):
-                self._ended(future.result())
-
-        self._result.add_done_callback(on_result)
-
-    def _ended(self, answer: Any) -> None:
-        if answer.status == GoalStatus.STATUS_UNKNOWN:
-            self._end(Phase.ABORTED, _FORGOTTEN)
-            return
-        phase, result = _ENDS.get(answer.status, Phase.ABORTED), answer.result
-        succeeded = getattr(result, "success", None)
-        if isinstance(succeeded, bool) and succeeded != (phase == Phase.ARRIVED):
-            said = "succeeded" if phase == Phase.ARRIVED else phase.value.lower()
-            but = "says not" if not succeeded else "says success"
-            disagreement = f"the action says {said}, its result {but}"
-            self._end(Phase.DISPUTED, disagreement)
-            return
-        if phase == Phase.ARRIVED and self.goal is not None and self.goal.kind.remaining:
-            self.goal = replace(self.goal, remaining=0.0, unreadable="")
-        said = self._said(result)
-        self._end(phase, said if said or phase == Phase.ARRIVED else _NO_REASON)
-
-    def _said(self, result: Any) -> str:
-        """The robot's own words in a result; without a field for them, all its fields."""
-        assert self.goal is not None
-        kind = self.goal.kind
-        if kind.message:
-            return text_of(getattr(result, kind.message, "")) or _NO_REASON
-        return messages.text(result)
+    def _follow_another(self, action: _Action, goal_id: bytes, status: Any) -> None:
+        stamp = status.goal_info.stamp
+        now, time = self._clock.monotonic(), self._clock.now()
+        age = time - (stamp.sec + stamp.nanosec / 1e9)
+        begun = now - age if 0 <= age <= _LONGEST_AGE else now
+        phase = _RUNNING[status.status]
+        asked = now if phase == Phase.CANCELLING else None
+        goal = Goal(
+            *(action.kind, {}, phase, begun, time),
+            heard=now,
+            started=begun,
+            cancel_asked=asked,
+            mine=False,
+        )
+        one = self._follow(goal, goal_id, action)
+        one.assume()
+        one.ask_result()
+        self._say("GOAL", f"another client sent a goal to {action.kind.action}")
 
     def _on_feedback(self, message: Any) -> None:
-        goal = self.goal
-        if goal is None or not goal.is_running or bytes(message.goal_id.uuid) != self._goal_id:
-            return  # another client's
-        now = self._clock.monotonic()
-        self._pace = self._pace.heard(now)
-        changes = self._remainder(goal, message.feedback)
-        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
-        self._update(
-            phase=Phase.MOVING if doubtful else goal.phase,
-            heard=now,
-            started=goal.sent if goal.started is None else goal.started,
-            **changes,
-        )
-
-    def _remainder(self, goal: Goal, feedback: Any) -> dict[str, Any]:
-        """What a feedback says: how much is left where the robot file knows, else every field."""
-        remaining = goal.kind.remaining
-        if remaining is None:
-            return {"feedback": messages.text(feedback)}
-        said = read(Field(remaining.field), feedback)
-        left = number(said, 0.0, FARTHEST)
-        if left is None:
-            return {"unreadable": as_received(said)}
-        changes = {"remaining": left, "unreadable": ""}
-        if remaining.length is None:  # the longest that was left is the way
-            changes["length"] = max(left, goal.length or 0.0)
-        return changes
+        one = self._running.get(bytes(message.goal_id.uuid))
+        if one is not None:
+            one.on_feedback(message.feedback)
 
     async def _reason(self) -> str:
         """Why the goal was refused: an action has no field for the reason, the log has it."""
@@ -307,32 +299,20 @@ class Goals:
             await self._services.pause(0.02)
         return self._refusals[-1] if self._refusals else "refused, no reason given"
 
-    def _is_current(self, goal: Goal | None) -> bool:
-        """True while `goal` (or a later state of it) is the one that runs."""
-        now = self.goal
-        return now is not None and goal is not None and now.sent == goal.sent and now.is_running
+    def _follow(self, goal: Goal, goal_id: bytes, action: _Action) -> Followed:
+        one = Followed(goal, goal_id, action, self._clock, self._goal_changed)
+        self._running[goal_id] = one
+        self._changed()
+        return one
 
-    def _end(self, phase: Phase, message: str) -> None:
-        self._handle = self._result = None
-        if self.goal is not None:
-            now = self._clock.monotonic()
-            message = harmless(message)
-            ended = replace(
-                self.goal, phase=phase, message=message, ended=now, time=self._clock.now()
-            )
-            self.history.appendleft(ended)
-            if phase != Phase.REFUSED or self.goal.phase != Phase.SENT:  # else the verb says it
-                self._say("GOAL", f"{ended.name} {ended.word.lower()}: {message}".rstrip(": "))
-            self._set(ended)
-
-    def _update(self, **changes: Any) -> None:
-        if self.goal is not None:
-            if changes.get("phase", self.goal.phase) != self.goal.phase:
-                changes["time"] = self._clock.now()
-            self._set(replace(self.goal, **changes))
-
-    def _set(self, goal: Goal) -> None:
-        self.goal = goal
+    def _goal_changed(self, one: Followed, before: Goal) -> None:
+        goal = one.goal
+        if before.is_running and not goal.is_running:
+            self._running.pop(one.id, None)
+            self._last = goal
+            self.history.appendleft(goal)
+            if goal.phase != Phase.REFUSED or before.phase != Phase.SENT:  # else the verb says it
+                self._say("GOAL", f"{goal.name} {goal.word.lower()}: {goal.message}".rstrip(": "))
         self._changed()
 
     def _future(self) -> Future[bool]:

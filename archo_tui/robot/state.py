@@ -103,7 +103,7 @@ def target(kind: GoalKind, values: Mapping[str, Any]) -> str:
 
 @dataclass(frozen=True)
 class Goal:
-    """One goal that was sent from here."""
+    """One goal, of this console's or of another client."""
 
     kind: GoalKind
     fields: Mapping[str, Any]  # what was typed, by dotted path
@@ -119,6 +119,7 @@ class Goal:
     unreadable: str = ""  # the last remainder as received, when it is none
     feedback: str = ""  # the last feedback, field by field
     message: str = ""  # the robot's own words for the end, or the reason of a refusal
+    mine: bool = True  # else another client's, whose values are not on the graph
 
     @property
     def target(self) -> str:
@@ -128,6 +129,8 @@ class Goal:
     @property
     def name(self) -> str:
         """What it is called in a sentence: `shelf 12`, `fibonacci 10`."""
+        if not self.mine:
+            return "another client's goal"
         return f"{self.kind.noun or self.kind.title.lower()} {self.target}".rstrip()
 
     @property
@@ -257,6 +260,7 @@ class Snapshot:
     motion: Motion = field(default_factory=Motion)
     gauges: tuple[Reading, ...] = ()
     goal: Goal | None = None
+    running: int = 0  # goals
     history: tuple[Goal, ...] = ()  # ended goals, newest first
     parameters: tuple[Parameter, ...] = ()
     nodes: tuple[NodeState, ...] = ()

@@ -1,0 +1,184 @@
+"""One goal from its beginning to its end, whoever sent it. ROS thread only.
+
+A goal is never declared ended because the console stopped waiting: without an answer it is UNKNOWN,
+without news while it runs LOST, until the robot says how it ended, or that it does not know it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from rclpy.action.client import ClientGoalHandle
+from unique_identifier_msgs.msg import UUID
+
+from archo_tui.clock import Clock
+from archo_tui.robot import messages, services
+from archo_tui.robot.period import Period
+from archo_tui.robot.readings import as_received, number, read
+from archo_tui.robot.state import Goal, Motion, Phase
+from archo_tui.robot.text import harmless
+from archo_tui.robot.values import text_of
+from archo_tui.robots.model import Field
+
+FARTHEST = 1e6  # a remainder beyond that is no reading
+SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
+
+_ENDS = {
+    GoalStatus.STATUS_SUCCEEDED: Phase.ARRIVED,
+    GoalStatus.STATUS_CANCELED: Phase.CANCELLED,
+    GoalStatus.STATUS_ABORTED: Phase.ABORTED,
+}
+_NO_REASON = "the robot gave no reason"
+_FORGOTTEN = "the robot no longer knows this goal (was it restarted?)"
+
+
+class Followed:
+    """A goal, its client's handle, and what is heard of it."""
+
+    def __init__(
+        self,
+        goal: Goal,
+        goal_id: bytes,
+        action: Any,
+        clock: Clock,
+        changed: Callable[[Followed, Goal], None],
+    ) -> None:
+        """`changed(self, before)` is called with each new state."""
+        self.goal, self.id, self.action = goal, goal_id, action
+        self._clock, self._changed = clock, changed
+        self.handle: Any = None
+        self._result: Any = None  # the future of the last question for the result
+        self._asked = 0.0  # when that question was put
+        self._pace = Period()  # of its feedback
+        self._ended_as: tuple[Phase, float] | None = None  # by the action's status, and since when
+
+    def accepted(self, handle: Any) -> None:
+        """The server took it, in time or later."""
+        self.handle = handle
+        now = self._clock.monotonic()
+        self.update(phase=Phase.MOVING, started=now, heard=now)
+        self.ask_result()
+
+    def assume(self) -> None:
+        """Go on as if the server had taken it: it was not heard that it did."""
+        accepted = self.action.type.Impl.SendGoalService.Response(accepted=True)
+        goal_id = UUID(uuid=list(self.id))
+        self.handle = ClientGoalHandle(self.action.client, goal_id, accepted)
+
+    def ask_result(self) -> None:
+        """Ask how it ends; the answer comes when it has."""
+        if self._result is not None:
+            self._result.cancel()
+        self._asked = self._clock.monotonic()
+        self._result = self.handle.get_result_async()
+
+        def on_result(future: Any) -> None:
+            if not future.cancelled() and future.result() is not None and self.goal.is_running:
+                self._on_result(future.result())
+
+        self._result.add_done_callback(on_result)
+
+    def heard(self) -> None:
+        """The robot was heard again: ask whether it still knows a goal that was lost."""
+        if self.goal.phase == Phase.LOST:
+            self.update(phase=Phase.UNKNOWN)
+            self._asked = 0.0
+
+    def check(self, now: float, motion: Motion) -> None:
+        """Silent it is lost; ask the robot about a doubtful one."""
+        goal = self.goal
+        if self._ended_as is not None and now - self._ended_as[1] > services.DEADLINE:
+            self.end(self._ended_as[0], _NO_REASON)  # the result does not come
+            return
+        if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(now, motion):
+            self.update(phase=Phase.LOST)
+        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST) and self.handle is not None
+        if doubtful and now - self._asked > services.DEADLINE and self.action.is_served:
+            self.ask_result()
+
+    def _is_silent(self, now: float, motion: Motion) -> bool:
+        """By feedback or motion, whichever came last; without motion by the feedback's own pace."""
+        heard = self.goal.heard or self.goal.sent
+        if motion.received is not None:
+            longest = max(SILENCE, 3 * (motion.period or 0.0))
+            return now - max(motion.received, heard) > longest
+        promised = self.goal.kind.remaining is not None
+        if self.action.is_served and self._pace.seconds is None and not promised:
+            return False  # an action may give no feedback at all
+        return now - heard > max(SILENCE, 3 * (self._pace.seconds or 0.0))
+
+    def on_status(self, status: int) -> None:
+        """What the action says of it."""
+        if status in _ENDS:
+            self._ended_as = self._ended_as or (_ENDS[status], self._clock.monotonic())
+        elif status == GoalStatus.STATUS_CANCELING and self.goal.phase == Phase.MOVING:
+            self.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
+
+    def on_feedback(self, feedback: Any) -> None:
+        """How it goes on."""
+        goal, now = self.goal, self._clock.monotonic()
+        self._pace = self._pace.heard(now)
+        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
+        self.update(
+            phase=Phase.MOVING if doubtful else goal.phase,
+            heard=now,
+            started=goal.sent if goal.started is None else goal.started,
+            **self._remainder(feedback),
+        )
+
+    def _remainder(self, feedback: Any) -> dict[str, Any]:
+        """What a feedback says: how much is left where the robot file knows, else every field."""
+        remaining = self.goal.kind.remaining
+        if remaining is None:
+            return {"feedback": messages.text(feedback)}
+        said = read(Field(remaining.field), feedback)
+        left = number(said, 0.0, FARTHEST)
+        if left is None:
+            return {"unreadable": as_received(said)}
+        changes = {"remaining": left, "unreadable": ""}
+        if remaining.length is None:  # the longest that was left is the way
+            changes["length"] = max(left, self.goal.length or 0.0)
+        return changes
+
+    def _on_result(self, answer: Any) -> None:
+        if answer.status == GoalStatus.STATUS_UNKNOWN:
+            self.forgotten()
+            return
+        phase, result = _ENDS.get(answer.status, Phase.ABORTED), answer.result
+        succeeded = getattr(result, "success", None)
+        if isinstance(succeeded, bool) and succeeded != (phase == Phase.ARRIVED):
+            said = "succeeded" if phase == Phase.ARRIVED else phase.value.lower()
+            but = "says not" if not succeeded else "says success"
+            self.end(Phase.DISPUTED, f"the action says {said}, its result {but}")
+            return
+        if phase == Phase.ARRIVED and self.goal.kind.remaining:
+            self.goal = replace(self.goal, remaining=0.0, unreadable="")
+        said = self._said(result)
+        self.end(phase, said if said or phase == Phase.ARRIVED else _NO_REASON)
+
+    def _said(self, result: Any) -> str:
+        """The robot's own words in a result; without a field for them, all its fields."""
+        if self.goal.kind.message:
+            return text_of(getattr(result, self.goal.kind.message, "")) or _NO_REASON
+        return messages.text(result)
+
+    def forgotten(self) -> None:
+        """The robot does not know it."""
+        self.end(Phase.ABORTED, _FORGOTTEN)
+
+    def end(self, phase: Phase, message: str) -> None:
+        """It is over."""
+        self.handle = self._result = None
+        now = self._clock.monotonic()
+        self.update(phase=phase, message=harmless(message), ended=now)
+
+    def update(self, **changes: Any) -> None:
+        """It is so now."""
+        before = self.goal
+        if changes.get("phase", before.phase) != before.phase:
+            changes["time"] = self._clock.now()
+        self.goal = replace(before, **changes)
+        self._changed(self, before)

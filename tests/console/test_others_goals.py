@@ -1,0 +1,195 @@
+"""Goals that other clients send: seen, followed to their end, cancelled after a question."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+from action_msgs.msg import GoalStatus
+from archo_interfaces.action import MoveToShelf
+from rclpy.action import ActionClient, ActionServer
+from rclpy.node import Node
+
+from archo_tui.robot.state import Phase
+from archo_tui.session import _robots_nodes
+from tests.support.console import FAST, LONG, Console, console
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
+
+ROBOT = [*_robots_nodes(False).values()]
+
+
+class Other(Node):
+    """Another client of the robot's action; `told` is how its goals ended."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("other", **options)
+        self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
+        self.told: list[int] = []
+        self.handle: Any = None
+
+    def go(self, shelf: int) -> None:
+        sent = self.client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf))
+        sent.add_done_callback(self._answered)
+
+    def _answered(self, sent: Any) -> None:
+        self.handle = sent.result()
+        result = self.handle.get_result_async()
+        result.add_done_callback(lambda done: self.told.append(done.result().status))
+
+
+@asynccontextmanager
+async def shared(*ros_args: str) -> AsyncIterator[tuple[Console, Other]]:
+    """The console with ARCHO, and another client of it."""
+    made: list[Other] = []
+
+    def other(**options: Any) -> Other:
+        made.append(Other(**options))
+        return made[-1]
+
+    async with console(*ros_args, node_makers=[*ROBOT, other]) as op:
+        await op.until(made[0].client.server_is_ready)
+        yield op, made[0]
+
+
+async def test_the_goal_of_another_client_is_shown_and_its_end_is_history() -> None:
+    async with shared(*FAST) as (op, other):
+        other.go(12)
+        await op.until("MOVING (another client's goal)")
+        await op.until("m left of 18.0 m")
+        assert "MOVING (another client's goal)" in op.line(" ARCHO ")
+        await op.until("✓ ARRIVED")
+        assert "Arrived at shelf 12" in op.line("✓ ARRIVED")
+        await op.until("✓ arrived (another client)")
+        await op.until("another client's goal arrived: Arrived at shelf 12")
+        assert other.told == [GoalStatus.STATUS_SUCCEEDED]
+
+
+async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it() -> None:
+    made: list[Other] = []
+
+    def other(**options: Any) -> Other:
+        made.append(Other(**options))
+        return made[-1]
+
+    slow = ("-p", "feedback_period:=0.1", "-p", "route_length:=1000.0")
+    async with robot(*ROBOT, other, ros_args=slow) as first:
+        await until(lambda: made[0].client.server_is_ready())
+        made[0].go(7)
+        await until(lambda: first.snapshot.goal and first.snapshot.goal.remaining)
+        domain = made[0].context.get_domain_id()
+        async with robot(only=True, nodes=4, domain_id=domain) as second:
+            await until(lambda: second.snapshot.goal and second.snapshot.goal.remaining)
+            goal = second.snapshot.goal
+            assert goal is not None
+            assert (goal.mine, goal.phase) == (False, Phase.MOVING)
+            assert not (await ended(second.send(goal.kind, {"shelf_number": 3}))).ok
+            assert (await ended(second.cancel())).ok
+            await until(lambda: made[0].told == [GoalStatus.STATUS_CANCELED])
+            await until(lambda: second.snapshot.goal and not second.snapshot.goal.is_running)
+
+
+async def test_ctrl_c_asks_before_it_cancels_another_clients_goal() -> None:
+    async with shared(*LONG) as (op, other):
+        other.go(12)
+        await op.until("MOVING (another client's goal)")
+        await op.press("ctrl+c")
+        await op.until("Another client sent this goal. Cancel it?")
+        await op.press("n")
+        await op.settle()
+        assert other.told == []
+        await op.press("ctrl+c")
+        await op.until("Another client sent this goal. Cancel it?")
+        await op.press("y")
+        await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
+        await op.until("✗ cancelled (another client)")
+
+
+async def test_the_interlocks_follow_the_robot_whoever_sent_the_goal() -> None:
+    async with shared(*LONG) as (op, other):
+        other.go(12)
+        await op.until("MOVING (another client's goal)")
+        await op.press("r")
+        await op.until("The robot is carrying out another client's goal. Reset encoder now?")
+        await op.press("n", "q")
+        await op.until("the nodes of this console would")
+        await op.press("n", "5", "home", "down", "down", "s")
+        await op.until("carrying out another client's goal, and")
+        await op.press("n", "ctrl+z")
+        await op.until("its nodes would pause")
+        await op.press("n")
+        await op.settle()
+        assert other.told == []
+        assert "MOVING (another client's goal)" in op.text
+
+
+async def test_every_goal_is_cancelled_from_the_palette_after_a_question() -> None:
+    async with shared(*LONG) as (op, other):
+        other.go(12)
+        await op.until("MOVING (another client's goal)")
+        await op.press("ctrl+p")
+        await op.type("cancel every goal")
+        await op.until("whoever sent it")
+        await op.press("down", "enter")
+        await op.until("other clients' too?")
+        await op.press("y")
+        await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
+        await op.until("cancel every goal: cancelling 1 goal")
+
+
+async def test_a_cancel_of_anothers_goal_that_the_robot_rejects_says_so() -> None:
+    class Stubborn(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("stubborn", **options)
+            self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
+            ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+            self.create_timer(0.5, self.go)
+
+        def go(self) -> None:
+            self.client.send_goal_async(MoveToShelf.Goal(shelf_number=1))
+            next(iter(self.timers)).cancel()
+
+        async def execute(self, goal: Any) -> Any:
+            await self.executor.create_future()  # type: ignore[union-attr]
+
+    async with console(node_makers=[Stubborn], wait=False) as op:
+        await op.until("MOVING (another client's goal)")
+        await op.press("ctrl+c", "y")
+        await op.until("the robot rejected the cancel")
+        await op.until("MOVING (another client's goal)")
+
+
+async def test_what_the_console_says_ended_is_what_each_client_was_told_forty_of_forty() -> None:
+    chance = random.Random(13)
+    async with shared(*FAST) as (op, other):
+        for number in range(40):
+            ours = number % 2 == 0
+            cancelled = chance.random() < 0.5
+            before = len(op.app.view.snapshot.history)
+            told = len(other.told)
+            if ours:
+                await op.press("g", *"12", "enter")
+            else:
+                other.go(12)
+            await op.until(
+                lambda ours=ours: (  # type: ignore[misc]
+                    (goal := op.app.view.snapshot.goal)
+                    and goal.is_running
+                    and goal.mine == ours
+                    and goal.remaining is not None
+                )
+            )
+            if cancelled:
+                await op.press("ctrl+c", *(() if ours else ("y",)))
+            await op.until(
+                lambda: not op.app.view.snapshot.goal or not op.app.view.snapshot.goal.is_running
+            )
+            ended_goal = op.app.view.snapshot.history[0]
+            assert ended_goal.mine == ours
+            assert len(op.app.view.snapshot.history) == min(before + 1, 20)
+            if not ours:
+                await op.until(lambda told=told: len(other.told) == told + 1)  # type: ignore[misc]
+                succeeded = other.told[-1] == GoalStatus.STATUS_SUCCEEDED
+                assert succeeded == (ended_goal.phase == Phase.ARRIVED)
