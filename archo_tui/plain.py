@@ -26,7 +26,7 @@ from archo_tui.terminal.ascii import ascii_only, in_ascii
 if TYPE_CHECKING:
     from archo_tui.station import Station
 
-_SHOWN_LEVELS = ("YOU", "WARN", "ERROR", "FATAL")
+_SHOWN_LEVELS = ("YOU", "PEER", "WARN", "ERROR", "FATAL")
 _STOP = ["stop"]
 _LONGEST = 64 * 1024  # bytes of a line that is read
 _WAIT = 5.0  # s for the robot to be there before a command is tried

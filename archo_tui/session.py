@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
     from archo_tui.robot.state import Event
 
+_KINDS = {"YOU": "command", "GOAL": "goal", "PEER": "other console"}  # else an event
 _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)  # of a repeated event that the journal notes
 
 
@@ -134,7 +135,9 @@ class Session:
     def _happened(self, event: Event) -> None:
         """An event came, or repeated, on the robot's thread."""
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
-            kind = {"YOU": "command", "GOAL": "goal"}.get(event.level, "event")
+            kind = {"YOU": "command", "GOAL": "goal", "PEER": "other console"}.get(
+                event.level, "event"
+            )
             what = {"level": event.level, "source": event.source, "text": event.text}
             if event.command:
                 what["command"] = event.command

@@ -16,12 +16,14 @@ from rclpy.node import Node
 
 from archo_tui.clock import Clock
 from archo_tui.robot import interfaces, messages, ros2_command, services
+from archo_tui.robot.consoles import author, own_name
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.followed import FARTHEST
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph, logger_node
 from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.offers import Offers
+from archo_tui.robot.others import Others
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Event, Leaf, Outcome, Snapshot, linked, target
@@ -31,7 +33,6 @@ from archo_tui.robot.thread import RosThread
 from archo_tui.robot.values import text_of
 from archo_tui.robots import check, model
 
-NODE_NAME = "archo_console"
 FLUSH_PERIOD = 0.125  # s between two snapshots while data streams in: 8 a second
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
@@ -58,12 +59,14 @@ class Robot:
         self._unseen = False  # something was heard that differs in its time only
         self._stop_asked: float | None = None
         self._faults: dict[str, str] = {}
-        node = self._node = Node(NODE_NAME, context=context, start_parameter_services=False)
+        self._consoles: set[str] | None = None  # the others, at the last look
+        self._others = Others(command.title for command in description.commands)
+        node = self._node = Node(own_name(), context=context, start_parameter_services=False)
         self._services = Services(node, clock)
         self._telemetry = Telemetry(node, description, clock, self._on_telemetry, self._warn)
         self._goals = Goals(node, clock, self._services, self._goal_changed, self._say)
         self._parameters = Parameters(
-            node, clock, self._services, self._mark, self._telemetry.measure_anew
+            node, clock, self._services, self._mark, self._telemetry.measure_anew, self._on_change
         )
         self._graph = Graph(node, description)
         self._offers = Offers(node, description, self._graph)
@@ -242,6 +245,8 @@ class Robot:
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))
             text = f"{title}: {outcome.text}"
+            self._node.get_logger().info(text)  # for other consoles
+            self._others.heard(text, self._clock.monotonic())
             self._add_event(Event(self._clock.now(), "YOU", "console", text, command))
             self._flush()
             return outcome
@@ -262,7 +267,10 @@ class Robot:
 
     def _look(self) -> None:
         changed = self._graph.look()
+        self._tell_of_consoles()
         self._telemetry.look()
+        for said in self._others.unexplained(self._clock.monotonic()):
+            self._say("PEER", said)
         faults = {**self._telemetry.faults, **self._offers.misfits()}
         if changed or faults != self._faults or self._unseen:
             self._faults = faults
@@ -286,13 +294,30 @@ class Robot:
         motion = self.description.motion
         if motion is not None and topic == motion.topic:
             self._goals.heard()
+            self._others.motion(self._telemetry.motion, self._clock.monotonic())
             if self._telemetry.motion.stopped:
                 self._stop_asked = None
         self._unseen = True
         if news:
             self._mark()
 
+    def _tell_of_consoles(self) -> None:
+        """Coming and going; those that are there at the start are in the header."""
+        now = set(self._graph.consoles)
+        if self._consoles is not None:
+            for name in sorted(now - self._consoles):
+                self._say("PEER", f"console {name} came")
+            for name in sorted(self._consoles - now):
+                self._say("PEER", f"console {name} left")
+        self._consoles = now
+
     def _on_log(self, message: Log) -> None:
+        who = author(logger_node(message.name))
+        if who:
+            if who in self._graph.consoles:
+                self._others.heard(message.msg, self._clock.monotonic())
+                self._add_event(Event(self._clock.now(), "PEER", who, message.msg))
+            return
         level = _LEVELS.get(message.level if isinstance(message.level, int) else 0, "INFO")
         node = logger_node(message.name)
         if not self._graph.is_ours(node):
@@ -304,6 +329,9 @@ class Robot:
         self._graph.heard_log(node, self._clock.monotonic())
         # by this clock and not the stamp: the robot's may be another, and the list is in order
         self._add_event(Event(self._clock.now(), level, message.name, message.msg))
+
+    def _on_change(self, node: str, name: str, old: Any, new: Any) -> None:
+        self._others.parameter(node, name, old, new, self._clock.monotonic())
 
     def _warn(self, text: str) -> None:
         self._say("WARN", text)
@@ -348,6 +376,7 @@ class Robot:
                 publishers=self._graph.publishers,
                 twice=self._graph.twice,
                 elsewhere=self._graph.elsewhere,
+                consoles=self._graph.consoles,
                 forms=self._offers.forms,
                 actions=self._graph.actions,
                 services=self._graph.served,

@@ -6,7 +6,7 @@ import re
 from collections import OrderedDict
 from dataclasses import replace
 
-from archo_tui.robot.state import Event
+from archo_tui.robot.state import OWN_LEVELS, Event
 from archo_tui.robot.text import harmless
 
 LIMIT = 1000  # events kept
@@ -37,7 +37,7 @@ class EventLog:
             first=event.time,
             number=self._count,
         )
-        if event.level in ("YOU", "GOAL"):
+        if event.level in OWN_LEVELS:
             return self._keep(self._own, _OWN, self._count, event)
         key = (event.level, event.source, _NUMBER.sub("#", event.text))
         return self._keep(self._others, LIMIT - _OWN, key, event)

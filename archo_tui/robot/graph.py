@@ -9,6 +9,7 @@ from typing import Any
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # rclpy has no public name for it
 from rclpy.node import Node
 
+from archo_tui.robot.consoles import author
 from archo_tui.robot.state import NodeState, in_namespace
 from archo_tui.robots.model import Robot
 
@@ -31,6 +32,7 @@ class Graph:
         self.publishers: dict[str, tuple[str, ...]] = {}  # nodes, by topic, where there are several
         self.twice: tuple[str, ...] = ()  # names that several nodes have
         self.elsewhere: tuple[str, ...] = ()  # other namespaces with nodes
+        self.consoles: tuple[str, ...] = ()  # other consoles of this namespace
         self.servers: dict[str, frozenset[str]] = {}  # the nodes that serve each action
         self.action_types: dict[str, tuple[str, ...]] = {}
         self._seen: object = None  # at the last look, of what a snapshot shows
@@ -50,6 +52,9 @@ class Graph:
         names = sorted(name for name in found if self.is_ours(name))
         others = {name.rpartition("/")[0] or "/" for name in found if not _is_hidden(name)}
         self.elsewhere = tuple(sorted(others - {self.namespace}))
+        own = self._node.get_fully_qualified_name()
+        here = [name for name in found if name.rpartition("/")[0] == self._below[:-1]]
+        self.consoles = tuple(sorted(filter(None, (author(n) for n in here if n != own))))
         self.twice = tuple(name for name in names if found[name] > 1)
         services = dict(self._node.get_service_names_and_types())
         # a name alone may be that of a client, our own for one: servers are counted
@@ -72,8 +77,8 @@ class Graph:
         for name in set(self._last) - set(names):  # its rate starts over when it comes back
             del self._last[name]
             self._interval.pop(name, None)
-        here = names, offered, self.actions, self.served
-        seen = here, self.publishers, self.twice, self.elsewhere
+        there = names, offered, self.actions, self.served, self.consoles
+        seen = there, self.publishers, self.twice, self.elsewhere
         changed = seen != self._seen
         self._seen = seen
         self.names, self.services, self.offered = names, services, frozenset(offered)

@@ -37,8 +37,13 @@ class Parameters:
         pending: Services,
         changed: Callable[[], None],
         set_anew: Callable[[], None],
+        told: Callable[[str, str, Any, Any], None],
     ) -> None:
-        """`set_anew()` is called when a node says that a value has changed."""
+        """`set_anew()` is called when a value has changed.
+
+        `told(node, name, old, new)` when its node says so, whoever did it.
+        """
+        self._told = told
         self._node, self._clock = node, clock
         self._set_anew = set_anew
         self._known: set[str] = set()  # nodes of the last look
@@ -161,6 +166,10 @@ class Parameters:
         return None if known is None else known.value
 
     def _on_event(self, event: ParameterEvent) -> None:
+        for message in event.changed_parameters:
+            old, new = self._value(event.node, message.name), as_python(message.value)
+            if old is not None and old != new:
+                self._told(event.node, message.name, old, new)
         for message in (*event.new_parameters, *event.changed_parameters):
             self._take(event.node, message.name, as_python(message.value))
         for message in event.deleted_parameters:

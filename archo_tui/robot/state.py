@@ -209,6 +209,10 @@ class NodeState:
         return now - self.heard > max(3 / self.rate, 2.5)
 
 
+# of the console's own events: what its operator did, how goals ended, what other consoles did
+OWN_LEVELS = ("YOU", "GOAL", "PEER")
+
+
 class Life(Enum):
     """How a node that this process hosts is doing."""
 
@@ -234,7 +238,7 @@ class Event:
     """One line of the log: from a node, or the console's own. Times are when it was heard."""
 
     time: float
-    level: str  # DEBUG INFO WARN ERROR FATAL, YOU for the operator, GOAL for how one ended
+    level: str  # DEBUG INFO WARN ERROR FATAL, or one of OWN_LEVELS
     source: str
     text: str
     command: str = ""  # the ros2 command line that does the same
@@ -273,6 +277,7 @@ class Snapshot:
     publishers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # nodes, by topic
     twice: tuple[str, ...] = ()  # names that several nodes have
     elsewhere: tuple[str, ...] = ()  # namespaces with nodes, beside this one
+    consoles: tuple[str, ...] = ()  # the others of this namespace: user_host_pid
     forms: Mapping[str, tuple[Leaf, ...]] = field(default_factory=dict)  # by id of the goal
     actions: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # types, of all served
     services: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # types, of all served

@@ -15,9 +15,16 @@ from archo_tui.station import View
 def header(view: View, width: int) -> Content:
     """Which robot, in contact or not, which engine, and what it does."""
     does, name = _doing(view), harmless(view.snapshot.robot.name)
+    others = view.snapshot.consoles
+    count = f"{len(others) + 1} consoles"
     wide = f" {name}  {view.namespace:<12} {_contact(view):<20} {view.engine:<10}  {does}"
     tight = f" {name} {view.namespace} {_contact(view)} {view.engine}  {does}"
-    return Content.styled(wide if len(wide) <= width else tight, "bold")
+    line = wide if len(wide) <= width else tight
+    for more in (f"   {count}: {', '.join(others)}", f"   {count}") if others else ():
+        if len(line.rstrip()) + len(more) <= width:
+            line = line.rstrip() + more
+            break
+    return Content.styled(line, "bold")
 
 
 def clock(view: View) -> Content:

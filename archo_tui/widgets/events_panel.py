@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from textual.app import ComposeResult
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Event
+from archo_tui.robot.state import OWN_LEVELS, Event
 from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
@@ -23,7 +23,7 @@ _STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": "dim"}
 
 def is_shown(event: Event, level: str) -> bool:
     """True for the console's own, and from `level` up."""
-    return event.level in ("YOU", "GOAL") or LEVELS.index(event.level) >= LEVELS.index(level)
+    return event.level in OWN_LEVELS or LEVELS.index(event.level) >= LEVELS.index(level)
 
 
 def event_columns(events: Sequence[Event], _width: int) -> Columns:

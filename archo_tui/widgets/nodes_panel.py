@@ -15,7 +15,6 @@ from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
 
 _MARK, _AGE, _RATE = 2, 6, 9  # columns
-_CLIENT = "/archo_console"  # the console's own node
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ class NodeRow:
 def node_rows(view: View) -> tuple[NodeRow, ...]:
     """The nodes of the graph and of this process, by name."""
     hosted = {node.name: node for node in view.hosted}
-    states = {node.name: node for node in view.snapshot.nodes if not node.name.endswith(_CLIENT)}
+    states = {node.name: node for node in view.snapshot.nodes}
     return tuple(
         NodeRow(states.get(name, NodeState(name)), hosted.get(name), view.second)
         for name in sorted(states.keys() | hosted.keys())

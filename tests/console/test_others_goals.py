@@ -9,11 +9,15 @@ from typing import Any
 
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
+from archo_interfaces.srv import EmergencyStop, ResetEncoder
 from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.parameter_client import AsyncParameterClient
 
 from archo_tui.robot.state import Phase
 from archo_tui.session import _robots_nodes
+from tests.support.archo import reset
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
@@ -112,13 +116,13 @@ async def test_the_interlocks_follow_the_robot_whoever_sent_the_goal() -> None:
         other.go(12)
         await op.until("MOVING (another client's goal)")
         await op.press("r")
-        await op.until("The robot is carrying out another client's goal. Reset encoder now?")
+        await op.until("The robot is carrying out another client's goal. Reset")
         await op.press("n", "q")
         await op.until("the nodes of this console would")
         await op.press("n", "5", "home", "down", "down", "s")
         await op.until("carrying out another client's goal, and")
         await op.press("n", "ctrl+z")
-        await op.until("its nodes would pause")
+        await op.until("its nodes would")
         await op.press("n")
         await op.settle()
         assert other.told == []
@@ -193,3 +197,40 @@ async def test_what_the_console_says_ended_is_what_each_client_was_told_forty_of
                 await op.until(lambda told=told: len(other.told) == told + 1)  # type: ignore[misc]
                 succeeded = other.told[-1] == GoalStatus.STATUS_SUCCEEDED
                 assert succeeded == (ended_goal.phase == Phase.ARRIVED)
+
+
+async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does() -> None:
+    async with shared(*FAST) as (op, other):
+        domain = other.context.get_domain_id()
+        assert "consoles" not in op.line(" ARCHO ")
+        async with robot(only=True, nodes=4, domain_id=domain) as second:
+            await op.until("2 consoles")
+            await op.until(f"console {op.app.view.snapshot.consoles[0]} came")
+            await until(lambda: len(second.snapshot.consoles) == 1)
+            assert second.snapshot.twice == ()
+            assert not any("_archo_console" in node.name for node in second.snapshot.nodes)
+            assert (await ended(reset(second))).ok
+            await op.until("reset encoder: Encoder reset to zero")
+            assert "PEER" in op.line("reset encoder: Encoder reset to zero")
+            await until(lambda: second.snapshot.motion.count == 0)
+            await op.press("ctrl+x")
+            await until(lambda: any("STOP: " in event.text for event in second.snapshot.events))
+        await op.until("left")
+        await op.until(lambda: "consoles" not in op.line(" ARCHO "))
+        assert "by another client" not in op.text
+
+
+async def test_what_no_console_did_is_by_another_client() -> None:
+    async with shared(*FAST) as (op, other):
+        client = other.create_client(EmergencyStop, "emergency_stop")
+        await op.until(client.service_is_ready)
+        client.call_async(EmergencyStop.Request())
+        await op.until("stopped by another client")
+        reset_client = other.create_client(ResetEncoder, "reset_encoder")
+        await op.until(reset_client.service_is_ready)
+        reset_client.call_async(ResetEncoder.Request())
+        await op.until("encoder reset by another client (15420 -> 0)")
+        parameters = AsyncParameterClient(other, "motor_controller")
+        await op.until(parameters.services_are_ready)
+        parameters.set_parameters([Parameter("max_speed", value=0.5)])
+        await op.until("motor_controller max_speed changed by another client (0.8 -> 0.5)")

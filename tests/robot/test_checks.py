@@ -137,7 +137,7 @@ async def test_another_robots_nodes_parameters_and_logs_are_not_its_own() -> Non
     async with robot(*makers, nodes=1, namespace="/r1") as it:
         await until(lambda: it.snapshot.parameters)
         await until(lambda: it.snapshot.events)
-        assert {n.name for n in it.snapshot.nodes} == {"/r1/battery_monitor", "/r1/archo_console"}
+        assert {n.name for n in it.snapshot.nodes} == {"/r1/battery_monitor"}
         assert {p.node for p in it.snapshot.parameters} == {"/r1/battery_monitor"}
         assert {e.source for e in it.snapshot.events} == {"r1.battery_monitor"}
         assert it.snapshot.threshold == 77.0

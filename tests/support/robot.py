@@ -23,5 +23,7 @@ async def robot(
     with Session(
         Options(engine=chosen.ENGINE, node_makers=makers, **given), clock.current
     ) as session:
-        await until(lambda: len(session.robot.snapshot.nodes) == (nodes or len(makers)) + 1)
+        await until(
+            lambda: len(session.robot.snapshot.nodes) == len(makers) if nodes is None else nodes
+        )
         yield session.robot
