@@ -13,17 +13,18 @@ from textual.binding import Binding
 from textual.screen import Screen
 from textual.widgets import Input
 
+from archo_tui import recall
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
 from archo_tui.commands.keymap import shown_keys
 from archo_tui.robot.state import Outcome, Snapshot
-from archo_tui.robots.model import GoalKind
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.palette import Palette
 from archo_tui.screens.text import ShowText
 from archo_tui.station import Station, View
+from archo_tui.targets import Target
 from archo_tui.terminal.app import TerminalApp
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.goal_panel import GoalPanel
@@ -91,7 +92,9 @@ class ArchoApp(TerminalApp):
         return self.main
 
     def on_mount(self) -> None:
+        self.station.drive = self._drive
         self.station.robot.subscribe(self._take)
+        self.run_worker(self._recall(), group="recall")
         self.run_worker(self._tick_for_ever(), group="tick")
         if self._failed_before:
             said = "The screen crashed and was restarted; the nodes kept running."
@@ -319,12 +322,24 @@ class ArchoApp(TerminalApp):
         self.station.robot.note("ERROR", "console", message.said)
 
     def on_goal_panel_send(self, message: GoalPanel.Send) -> None:
-        if not self._waits("send"):
-            work = self._send(message.kind, message.values)
-            self.run_worker(self._answered("send", work), group="send")
+        self._keep(message.typed)
+        self.station.submit(message.targets)
+        self._show()
 
-    async def _send(self, kind: GoalKind, values: Mapping[str, Any]) -> None:
-        outcome = await self.station.robot.send(kind, values)
-        if outcome.ok:
-            self.main.goal.clear()
+    def _keep(self, typed: list[str]) -> None:
+        """For the arrows, also after a restart."""
+        kind, panel = self.view.snapshot.robot.goals[0], self.main.goal
+        panel.recalls([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
+        self.run_worker(asyncio.to_thread(recall.save, kind.id, panel.typed), group="recall")
+
+    async def _recall(self) -> None:
+        goals = self.view.snapshot.robot.goals
+        if goals:
+            self.main.goal.recalls(await asyncio.to_thread(recall.load, goals[0].id))
+
+    def _drive(self, target: Target, queued: bool) -> None:
+        self.run_worker(self._send(target, queued), group="send")
+
+    async def _send(self, target: Target, queued: bool) -> None:
+        outcome = await self.station.send(target, queued=queued)
         self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.state_text import BAD, OLD, PLAIN, STRONG, WARN, Spans, seconds_text
@@ -63,8 +65,12 @@ def goal_bar(goal: Goal | None, width: int) -> Spans:
     return ("━" * done, tone), ("─" * (room - done), OLD), (f" {fraction:5.0%} ", PLAIN)
 
 
-def goal_history(history: tuple[Goal, ...], width: int) -> Spans:
-    """The goals before, newest first, as many as there is room for."""
+def goal_history(
+    history: tuple[Goal, ...], width: int, waiting: Sequence[str] = (), held: str = ""
+) -> Spans:
+    """What is driven next, and the goals before, newest first, as many as there is room for."""
+    if waiting:
+        return _queue(waiting, held, width)
     if not history:
         return (("before: none", OLD),)
     text = f"before: {_ended(history[0])}"
@@ -74,6 +80,14 @@ def goal_history(history: tuple[Goal, ...], width: int) -> Spans:
             break
         text = longer
     return ((text, OLD),)
+
+
+def _queue(waiting: Sequence[str], held: str, width: int) -> Spans:
+    """`then 7, 3`, or `held: 7, 3 (cancelled)`."""
+    after = f" ({held})" if held else ""
+    text = ("held: " if held else "then ") + ", ".join(waiting)
+    text = text if len(text) + len(after) <= width else f"{text[: width - len(after) - 1]}…"
+    return ((text + after, WARN if held else PLAIN),)
 
 
 def no_goal(snapshot: Snapshot, go_key: str) -> Spans:

@@ -21,6 +21,7 @@ from archo_tui.robot.text import safe
 from archo_tui.robot.values import text_of
 from archo_tui.robots.model import GoalKind, Robot
 from archo_tui.shutdown import Shutdown
+from archo_tui.targets import Target
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 
 if TYPE_CHECKING:
@@ -37,10 +38,13 @@ def help_text(robot: Robot) -> str:
     lines = []
     for number, kind in enumerate(robot.goals):
         labels = [given.label or path for path, given in kind.form.items()]
-        typed = "N" if len(labels) == 1 else " ".join(f"{label.lower()}=..." for label in labels)
+        typed = (
+            "N ..." if len(labels) == 1 else " ".join(f"{label.lower()}=..." for label in labels)
+        )
         lines.append((f"{'go' if number == 0 else kind.id} {typed}", kind.title))
     lines += [
-        ("cancel", "cancel the running goal"),
+        ("cancel", "cancel the running goal; what waits behind it is held"),
+        ("continue, skip", "continue a held queue of goals, or leave out its next one"),
         ("stop", "software stop, at once and latched; not the hardware one"),
         ("release", "release the stop; nothing resumes by itself"),
     ]
@@ -97,6 +101,7 @@ class Plain:
         self._printed: set[tuple[float, str, str]] = set()  # events that were printed
         self._goal: Goal | None = None
         self._failed = self._go_failed = False
+        self._sent: Outcome | None = None  # how the robot answered what was sent last
         self._stopping = 0  # stops that are not answered yet
         self._tasks: list[asyncio.Future[None]] = []
         self._shutdown = Shutdown(self._robot, self._clock, station.on_disconnect, self._finish)
@@ -106,6 +111,7 @@ class Plain:
 
     async def run(self) -> int:
         """Until `quit`, the end of the input, or a signal; returns the exit code."""
+        self._station.drive = self._drive
         self._robot.subscribe(self._take)
         loop = asyncio.get_running_loop()
         self._shutdown.on_signals()
@@ -159,10 +165,21 @@ class Plain:
             elif line.strip() and line.split() != _STOP:
                 await self._run(line.split())
         await self._until(lambda: not self._stopping)
-        await self._until(lambda: self._goal is None or not self._goal.is_running)
+        await self._until(self._is_over)
+        held = self._station.targets.held
+        if held:
+            waiting = ", ".join(target.text for target in self._station.targets.waiting)
+            self._say(f"not driven: {waiting} ({held})")
         arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
         if not self._shutdown.has_begun:
-            self._finish(0 if arrived and not self._failed and not self._go_failed else 1)
+            well = arrived and not self._failed and not self._go_failed
+            self._finish(0 if well and not self._station.targets.waiting else 1)
+
+    def _is_over(self) -> bool:
+        """No goal of ours runs, and none is to be sent."""
+        goal, targets = self._goal, self._station.targets
+        runs = goal is not None and goal.is_running and goal.mine
+        return not runs and not targets.is_going
 
     async def _tick(self) -> None:
         while True:
@@ -211,6 +228,8 @@ class Plain:
             simple[command.id] = partial(robot.command, command)
             if command.toggle:
                 simple[command.off or f"{command.id}_off"] = partial(robot.command, command, False)
+        if verb in ("continue", "skip"):
+            return self._queue(verb)
         if verb in simple:
             await self._until(lambda: robot.snapshot.offered, _WAIT)
             return await simple[verb]()
@@ -225,6 +244,16 @@ class Plain:
         answers[verb]()
         return None
 
+    def _queue(self, verb: str) -> Outcome:
+        station = self._station
+        if not station.targets.waiting:
+            return Outcome(False, "no goal waits in the queue")
+        if verb == "continue":
+            station.resume()
+        else:
+            station.drop()
+        return Outcome(True, "")
+
     def _kind(self, verb: str) -> GoalKind | None:
         """The goal of the robot file that a verb sends: `go` is the first one."""
         goals = self._robot.description.goals
@@ -235,18 +264,48 @@ class Plain:
     async def _go(self, kind: GoalKind, words: list[str]) -> Outcome:
         snapshot = self._robot.snapshot
         before, leaves = snapshot.goal, snapshot.forms[kind.id]
+        several = len(leaves) == 1 and forms.is_number(leaves[0]) and "=" not in "".join(words)
         try:
-            texts = forms.named(leaves, kind.form, words)
-            values = forms.parse_all(leaves, kind.form, texts)
+            rows = [[word] for word in words] if several and words else [words]
+            targets = [
+                Target(
+                    kind, forms.parse_all(leaves, kind.form, forms.named(leaves, kind.form, row))
+                )
+                for row in rows
+            ]
         except ValueError as error:
             outcome = Outcome(False, str(error))
         else:
             await self._until(lambda: kind.action in self._robot.snapshot.offered, _WAIT)
-            outcome = await self._robot.send(kind, values)
+            outcome = await self._send_all(targets)
         self._take(self._robot.snapshot)
         same = before is self._goal or (before and self._goal and before.sent == self._goal.sent)
         self._go_failed = not outcome.ok and bool(same)  # it did not even become a goal
         return outcome
+
+    def _drive(self, target: Target, queued: bool) -> None:
+        self._start(self._send(target, queued))
+
+    async def _send(self, target: Target, queued: bool) -> None:
+        outcome = await self._station.send(target, queued=queued)
+        self._sent = outcome
+        if not outcome.ok and queued:
+            self._say(f"failed: {target.text}: {outcome.text}")
+            self._failed = True
+        self._station.look()
+        self._changed.set()
+
+    async def _send_all(self, targets: list[Target]) -> Outcome:
+        """The first at once, or behind what runs; the others one after the other."""
+        self._sent = None
+        going = self._station.targets.is_going
+        goal = self._robot.snapshot.goal
+        self._station.submit(targets)
+        if going or (goal is not None and goal.is_running):
+            return Outcome(True, "queued")
+        await self._until(lambda: self._sent is not None)
+        assert self._sent is not None
+        return self._sent
 
     async def _set(self, node: str, name: str, text: str) -> Outcome:
         full = node if node.startswith("/") else f"/{node}"

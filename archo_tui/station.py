@@ -5,7 +5,7 @@ The console's app and `--plain` both sit on it; each only shows what it says.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from archo_tui.alarms import Alarm, AlarmBoard, conditions
 from archo_tui.clock import Clock
 from archo_tui.parameters.undo import UndoList
 from archo_tui.robot.state import Hosted, Outcome, Snapshot
+from archo_tui.targets import Target, Targets
 
 if TYPE_CHECKING:
     from archo_tui.host import Host
@@ -34,6 +35,8 @@ class View:
     hosted: tuple[Hosted, ...] = ()  # the nodes of this process
     keys: Mapping[str, str] = field(default_factory=dict)  # of each command, as a person reads it
     blocked: frozenset[str] = frozenset()  # commands that cannot run now
+    waiting: tuple[str, ...] = ()  # targets of the queue
+    held: str = ""  # why the queue is held
 
     def key(self, command: str) -> str:
         """The key of a command, by its id."""
@@ -59,6 +62,9 @@ class Station:
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.edits = UndoList()
+        self.targets = Targets()
+        # sends a target that is due; True: it comes from the queue
+        self.drive: Callable[[Target, bool], None] = lambda *_: None
         self._journal = journal
         self._engine, self._namespace = engine, namespace
         self._board = AlarmBoard()
@@ -82,8 +88,46 @@ class Station:
         found = conditions(self._snapshot, now, self.host.states(), self._journal.failure)
         changed = self._board.update(found, now, self.clock.now())
         self._record(changed)
+        self._advance()
         self.view = self._view()
         return changed
+
+    def _advance(self) -> None:
+        """Send what is due in the queue, and say when it is held."""
+        held = self.targets.held
+        due = self.targets.next(self._snapshot, self._board.all())
+        if self.targets.held and not held:
+            texts = ", ".join(target.text for target in self.targets.waiting)
+            said = f"queue held: {texts} ({self.targets.held})"
+            self.robot.note("WARN", "console", said)
+        if due is not None:
+            self.drive(due, True)
+
+    def submit(self, targets: Sequence[Target]) -> None:
+        """Drive these, one after the other; behind what runs or is being sent."""
+        first = self.targets.submit(targets, self._snapshot)
+        if first is not None:
+            self.drive(first, False)
+        self.look()
+
+    def resume(self) -> None:
+        """Continue a held queue."""
+        self.targets.resume()
+        self.robot.note("YOU", "console", "continue the queue")
+        self.look()
+
+    def drop(self) -> None:
+        """Leave out the next target of the queue."""
+        text = self.targets.waiting[0].text
+        self.targets.drop()
+        self.robot.note("YOU", "console", f"left out of the queue: {text}")
+        self.look()
+
+    async def send(self, target: Target, *, queued: bool) -> Outcome:
+        """Send a goal; from the queue not behind a STOP."""
+        outcome = await self.robot.send(target.kind, target.values, queued=queued)
+        self.targets.answered(ok=outcome.ok)
+        return outcome
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:
         """The operator has seen these alarms."""
@@ -122,4 +166,6 @@ class Station:
             self._namespace,
             self._board.all(),
             self.host.states(),
+            waiting=tuple(target.text for target in self.targets.waiting),
+            held=self.targets.held,
         )

@@ -22,6 +22,8 @@ def registry(described: Robot) -> tuple[Command, ...]:
         robot.Go(first),
         robot.Cancel(),
         robot.CancelAll(),
+        robot.Continue(),
+        robot.Drop(),
         robot.StopNow(described.stop),
         robot.Release(described.stop),
         *(robot.Give(command) for command in described.commands),

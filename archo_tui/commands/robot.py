@@ -98,6 +98,30 @@ class CancelAll(Command):
         console.ask(ask, lambda answer: cancel() if answer == "Cancel all" else None)
 
 
+class Continue(Command):
+    id, key = "continue_queue", "n"
+    help = "Continue the queue of goals that is held"
+
+    def blocked(self, console: Console) -> str:
+        return "" if console.view.held else "no queue is held"
+
+    def run(self, console: Console) -> None:
+        console.station.resume()
+        console.look()
+
+
+class Drop(Command):
+    id, key = "drop_target", "k"
+    help = "Leave out the next goal of the queue"
+
+    def blocked(self, console: Console) -> str:
+        return "" if console.view.waiting else "no goal waits in the queue"
+
+    def run(self, console: Console) -> None:
+        console.station.drop()
+        console.look()
+
+
 class StopNow(Command):
     id, key, footer = "stop", "ctrl+x", "STOP"
     help = "STOP: software stop, at once and latched; does not replace the hardware one"

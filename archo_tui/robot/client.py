@@ -136,13 +136,20 @@ class Robot:
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
         return await self._service(title, command.service, dict.fromkeys(command.toggle, on))
 
-    async def send(self, kind: model.GoalKind, values: Mapping[str, Any]) -> Outcome:
-        """Send a goal, with values by dotted path; ends when the robot has accepted or refused."""
+    async def send(
+        self, kind: model.GoalKind, values: Mapping[str, Any], *, queued: bool = False
+    ) -> Outcome:
+        """Send a goal, with values by dotted path; ends when the robot has accepted or refused.
+
+        A queued one is not sent behind a STOP, whatever the robot would do with it.
+        """
         length = self._way(kind)
         title = " ".join(filter(None, (kind.title.lower(), target(kind, values))))
 
         async def go() -> Outcome:
             sent = self._clock.monotonic()
+            if queued and (self._stop_asked is not None or self._telemetry.motion.stopped):
+                return Outcome(False, "held: STOP")
             if kind.action in self._faults:
                 return Outcome(False, self._faults[kind.action])
             outcome = await self._goals.send(kind, values, length)

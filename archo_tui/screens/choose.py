@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Coroutine, Sequence
 from typing import Any
 
-from textual import events
 from textual.app import ComposeResult
 from textual.containers import Vertical
 from textual.content import Content
@@ -60,12 +59,10 @@ class Choose(Dialog[None]):
             self.end()
             self.app.run_worker(self._then(rows[self._cursor][0]), group="chosen")
 
-    def on_key(self, event: events.Key) -> None:
-        step = {"up": -1, "down": 1, "pageup": -_SHOWN, "pagedown": _SHOWN}.get(event.key, 0)
-        if step:
-            event.stop()
-            self._cursor = min(max(self._cursor + step, 0), max(len(self._rows) - 1, 0))
-            self._draw()
+    def on_field_recall(self, event: Field.Recall) -> None:
+        """The arrows move the cursor."""
+        self._cursor = min(max(self._cursor + event.step, 0), max(len(self._rows) - 1, 0))
+        self._draw()
 
     def _draw(self) -> None:
         rows = self._rows

@@ -90,6 +90,11 @@ class MessageForm(Dialog[None]):
         else:
             self._submit({number: event.value})  # the keys behind enter may have changed it since
 
+    def on_field_recall(self, event: Field.Recall) -> None:
+        """The arrows lead from field to field."""
+        number = next((n for n, field in enumerate(self._fields) if field.has_focus), 0)
+        self._fields[(number + event.step) % len(self._fields)].focus()
+
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == "send":
             self._submit({})

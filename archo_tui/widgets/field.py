@@ -25,6 +25,13 @@ class Field(Input):
             super().__init__()
             self.reason = reason
 
+    class Recall(Message):
+        """The arrows ask for what was typed before (-1) or after that (1)."""
+
+        def __init__(self, step: int) -> None:
+            super().__init__()
+            self.step = step
+
     def __init__(
         self, value: str = "", *, takes: str = "", placeholder: str = "", id: str | None = None
     ) -> None:
@@ -41,6 +48,11 @@ class Field(Input):
         return super().check_consume_key(key, character) and self.takes(character or "")
 
     async def _on_key(self, event: events.Key) -> None:
+        if event.key in ("up", "down"):
+            event.stop()
+            event.prevent_default()
+            self.post_message(self.Recall(-1 if event.key == "up" else 1))
+            return
         for binding in self._bindings.key_to_bindings.get(event.key, ()):
             event.stop()
             event.prevent_default()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from textual.app import ComposeResult
@@ -13,8 +13,8 @@ from textual.widgets import Button, Label
 from archo_tui import goal_text, state_text
 from archo_tui.robot.forms import is_integer, is_number, parse
 from archo_tui.robot.state import Leaf, Phase, Snapshot
-from archo_tui.robots.model import GoalKind
 from archo_tui.station import View
+from archo_tui.targets import Target
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -29,11 +29,11 @@ class GoalPanel(Panel):
     _about: object = None  # what the robot's answer that is shown was about
 
     class Send(Message):
-        """The operator wants the robot to do that."""
+        """The operator wants the robot to do that, one after the other."""
 
-        def __init__(self, kind: GoalKind, values: Mapping[str, Any]) -> None:
+        def __init__(self, targets: Sequence[Target], typed: Sequence[str]) -> None:
             super().__init__()
-            self.kind, self.values = kind, values
+            self.targets, self.typed = targets, list(typed)
 
     def __init__(self, snapshot: Snapshot) -> None:
         """`snapshot` knows the robot's file, and what the fields of its forms take."""
@@ -51,6 +51,8 @@ class GoalPanel(Panel):
         self._labels = [f"{label} ({unit}) " if unit else f"{label} " for label, unit in units]
         self._go = Button("Go", id="go", compact=True)
         self._cancel = Button("Cancel", id="cancel", compact=True, action="app.command('cancel')")
+        self.typed: list[list[str]] = []  # what was sent
+        self._place, self._draft = 0, [""] * len(self.fields)
         self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
         self._line, self._history = Line(id="goal-line"), Line(id="goal-history")
 
@@ -82,7 +84,7 @@ class GoalPanel(Panel):
         self._bar.show(content(goal_text.goal_bar(snapshot.goal, width)))
         line = goal_text.goal_line(snapshot, view.now, view.key("go"))
         self._line.show(content(line))
-        before = goal_text.goal_history(snapshot.history, width)
+        before = goal_text.goal_history(snapshot.history, width, view.waiting, view.held)
         self._history.show(content(before))
         self.grey(view, [("" if self._kind is None else self._kind.action, self._go)])
         self._cancel.set_class(snapshot.goal is None and self._go.has_class("-blocked"), "-blocked")
@@ -109,10 +111,21 @@ class GoalPanel(Panel):
         if event.button.id == "go":
             self.submit([field.value for field in self.fields])
 
-    def clear(self) -> None:
-        """What was typed has been sent."""
-        for field in self.fields:
-            field.clear()
+    def on_field_recall(self, event: Field.Recall) -> None:
+        """Show what was sent before, or after that; behind the last one what stood there."""
+        if self._place == len(self.typed):
+            self._draft = [field.value for field in self.fields]
+        self._place = min(max(self._place + event.step, 0), len(self.typed))
+        behind = self._place == len(self.typed)
+        for field, text in zip(
+            self.fields, self._draft if behind else self.typed[self._place], strict=False
+        ):
+            field.value = text
+            field.cursor_position = len(text)
+
+    def recalls(self, typed: list[list[str]]) -> None:
+        """What was sent, the oldest first."""
+        self.typed, self._place = typed, len(typed)
 
     def on_field_refused(self, event: Field.Refused) -> None:
         self.hint(event.reason)
@@ -130,20 +143,31 @@ class GoalPanel(Panel):
         self._about = _situation(snapshot)
 
     def submit(self, typed: Sequence[str]) -> None:
-        """Ask for what was typed, or say what is wrong with it."""
+        """Ask for what was typed, or say what is wrong with it; nothing asks for nothing."""
         if self._kind is None:
             self.hint(f"{self.app.title}: the robot file names no goal")
             return
-        values: dict[str, Any] = {}
-        for leaf, field, text in zip(self._leaves, self.fields, typed, strict=True):
-            try:
-                values[leaf.path] = parse(leaf, self._kind.form[leaf.path], text)
-            except ValueError as error:
-                self.hint(str(error))
-                self.screen.set_focus(field)
-                return
+        if self.fields and not any(text.strip() for text in typed):
+            return
+        several = len(self._leaves) == 1 and is_number(self._leaves[0])
+        rows = [[word] for word in typed[0].split()] if several else [typed]
+        targets = []
+        for row in rows:
+            values: dict[str, Any] = {}
+            for leaf, field, text in zip(self._leaves, self.fields, row, strict=True):
+                try:
+                    values[leaf.path] = parse(leaf, self._kind.form[leaf.path], text)
+                except ValueError as error:
+                    self.hint(str(error))
+                    self.screen.set_focus(field)
+                    return
+            targets.append(Target(self._kind, values))
         self.hint("")
-        self.post_message(self.Send(self._kind, values))
+        for field in self.fields:
+            field.clear()
+        if self.fields:
+            self.screen.set_focus(self.fields[0])
+        self.post_message(self.Send(targets, typed))
 
 
 def _takes(leaf: Leaf) -> str:

@@ -67,15 +67,16 @@ async def test_enter_twice_sends_one_goal() -> None:
         assert len(op.app.view.snapshot.history) == 1
 
 
-async def test_a_second_goal_is_refused_and_the_first_goes_on() -> None:
+async def test_a_second_goal_waits_for_the_first_and_a_cancel_holds_it() -> None:
     async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")
         await op.until("MOVING to 12")
         await op.press("3", "enter")
-        await op.until("a goal is already running: cancel it first")
+        await op.until("then 3")
         assert "MOVING to 12" in op.text
         await op.press("ctrl+c")
         await op.until("✗ CANCELLED")
+        await op.until("held: 3 (cancelled)")
 
 
 async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words() -> None:
@@ -97,7 +98,6 @@ async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
     async with console(*FAST) as op:
         await op.press("g")
         for typed, said in (
-            ("", "Shelf: type a value"),
             ("abc", "Shelf: not a whole number: abc"),
             ("1.5", "Shelf: not a whole number: 1.5"),
             ("-1", "Shelf: at least 1, not -1"),
@@ -151,14 +151,15 @@ def _key(name: str):  # type: ignore[no-untyped-def]
 
 async def test_a_red_hint_leaves_with_its_cause() -> None:
     async with console(*LONG) as op:
-        await op.press("g", "1", "2", "enter")
-        await op.until("m left of")
+        await op.press("g", "ctrl+x")
+        await op.until("✗ STOPPED")
         await op.press("7", "enter")
-        await op.until("a goal is already running: cancel it first")
-        await op.press("ctrl+c")
-        await op.until("✗ CANCELLED")
-        await op.until(lambda: "a goal is already running" not in op.line("Shelf"))
-        assert op.line("Shelf 7")
+        await op.until("emergency stop: release it first")
+        await op.press("escape", "R", "y")
+        await op.until("● IDLE")
+        await op.press("g", "7", "enter")
+        await op.until("MOVING to 7")
+        assert "release it first" not in op.line("Shelf")
 
 
 async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:

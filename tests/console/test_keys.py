@@ -134,6 +134,7 @@ async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
         assert "move_to_shelf: not offered by any node" in op.text
         await op.press("g", "1", "2", "enter")
         await op.until("move_to_shelf is not offered by any node")
+        await op.press("up")
         assert op.app.query_one("#goal-0", Input).value == "12"
         assert op.focused_panel == 3
 

@@ -159,7 +159,7 @@ async def test_it_is_operated_line_by_line() -> None:
     for descriptor in (in_, said):
         os.close(descriptor)
     for part in (
-        "go N                      haul to bay",
+        "go N ...                  haul to bay",
         "plug, unplug              plug in",
         "battery ● GOOD      80.0 % 36.5 V",
         "plug in: done",

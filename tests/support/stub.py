@@ -48,7 +48,7 @@ class StubRobot:
         self._receiver(snapshot)
 
     def __getattr__(self, verb: str) -> Any:
-        async def refuse(*_: Any) -> Outcome:
+        async def refuse(*_: Any, **__: Any) -> Outcome:
             return Outcome(False, f"{verb}: the robot says why not")
 
         if verb == "note":

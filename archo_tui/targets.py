@@ -1,0 +1,107 @@
+"""The queue: goals that are driven one after the other, and what holds them. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from archo_tui.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
+from archo_tui.robot.state import Goal, Phase, Snapshot, target
+from archo_tui.robots.model import GoalKind
+
+
+@dataclass(frozen=True)
+class Target:
+    """A goal that is to be sent."""
+
+    kind: GoalKind
+    values: Mapping[str, Any]
+
+    @property
+    def text(self) -> str:
+        """`7`, or `x 1.5, y 2`."""
+        return target(self.kind, self.values) or self.kind.title
+
+
+class Targets:
+    """What is still to be driven. Held, nothing is sent until the operator says so."""
+
+    def __init__(self) -> None:
+        self.waiting: list[Target] = []
+        self.held = ""  # why
+        self._seen: float | None = None  # the goal whose end was looked at last
+        self._sending = False  # the robot has not answered yet, or its goal is not seen yet
+        self._before: float | None = None  # the goal before the one that is being sent
+
+    @property
+    def is_going(self) -> bool:
+        """True while something is sent, or will be by itself."""
+        return self._sending or (bool(self.waiting) and not self.held)
+
+    def submit(self, targets: Sequence[Target], snapshot: Snapshot) -> Target | None:
+        """The operator wants these: returns the first when it can be sent now; the rest waits."""
+        if self._sending or _runs(snapshot.goal):
+            self.waiting += targets
+            return None
+        self.waiting += targets[1:]
+        return self._begin(targets[0], snapshot)
+
+    def resume(self) -> None:
+        """Go on, whatever held it."""
+        self.held = ""
+
+    def drop(self) -> None:
+        """Without the next one."""
+        del self.waiting[:1]
+
+    def hold(self, why: str) -> None:
+        """Send nothing more."""
+        if self.waiting and not self.held:
+            self.held = why
+
+    def answered(self, *, ok: bool) -> None:
+        """The robot has answered what was sent last."""
+        if not ok:
+            self._sending = False
+            self.hold("refused")
+
+    def next(self, snapshot: Snapshot, alarms: Iterable[Alarm]) -> Target | None:
+        """What is to be sent now, taken out of the queue."""
+        goal = snapshot.goal
+        if goal is not None and goal.sent != self._before:
+            self._sending = False
+        if goal is not None and not goal.is_running and goal.sent != self._seen:
+            self._seen = goal.sent
+            if goal.phase != Phase.ARRIVED:
+                self.hold(goal.word.lower())
+        if not self.waiting:
+            self.held = ""
+            return None
+        why = _in_the_way(snapshot, alarms)
+        if why:
+            self.hold(why)
+        if self.held or self._sending or _runs(goal):
+            return None
+        return self._begin(self.waiting.pop(0), snapshot)
+
+    def _begin(self, target: Target, snapshot: Snapshot) -> Target:
+        self._sending = True
+        self._before = None if snapshot.goal is None else snapshot.goal.sent
+        return target
+
+
+def _runs(goal: Goal | None) -> bool:
+    return goal is not None and goal.is_running
+
+
+def _in_the_way(snapshot: Snapshot, alarms: Iterable[Alarm]) -> str:
+    """What holds every queue."""
+    if snapshot.stop_asked is not None or snapshot.motion.stopped:
+        return "STOP"
+    for alarm in alarms:
+        if alarm.name == CONTACT_LOST and not alarm.is_over:
+            return CONTACT_LOST
+        if alarm.name in (LOW, EMPTY) and alarm.state == State.UNACKNOWLEDGED:
+            return alarm.name
+    return ""

@@ -1,0 +1,188 @@
+"""Several targets: driven one after the other, held by whatever is not an arrival."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui import recall
+from archo_tui.alarms import CONTACT_LOST, LOW, Alarm, State
+from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
+from archo_tui.targets import Target, Targets
+from tests.support.archo import ARCHO, SHELF
+from tests.support.console import FAST, LONG, Console, console
+
+
+def history(op: Console) -> list[str]:
+    """The targets that were driven, the oldest first."""
+    return [f"{goal.target} {goal.word}" for goal in reversed(op.app.view.snapshot.history)]
+
+
+async def test_several_targets_are_driven_one_after_the_other() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", *"12 7 3", "enter")
+        await op.until("MOVING to 12")
+        assert "then 7, 3" in op.text
+        await op.until("MOVING to 7")
+        assert "then 3" in op.text
+        await op.until(lambda: len(op.app.view.snapshot.history) == 3)
+        assert history(op) == ["12 ARRIVED", "7 ARRIVED", "3 ARRIVED"]
+        assert not op.app.view.waiting
+
+
+async def test_one_that_is_not_a_number_sends_none_of_them() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", *"12 99999999999 3", "enter")
+        await op.until("Shelf: at most")
+        await op.settle()
+        assert op.app.view.snapshot.goal is None
+        assert not op.app.view.waiting
+
+
+async def test_enter_adds_to_the_queue_while_a_goal_runs_and_double_enter_never_sends_twice() -> (
+    None
+):
+    async with console(*LONG) as op:
+        await op.press("g", "5", "enter", "enter")
+        await op.until("MOVING to 5")
+        await op.press("6", "enter", "enter", "enter")
+        await op.until("then 6")
+        await op.settle()
+        assert op.app.view.waiting == ("6",)
+
+
+async def test_a_refused_target_holds_the_rest_until_it_is_continued() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", *"12 99 7 3", "enter")
+        await op.until("held: 7, 3 (refused)")
+        assert history(op) == ["12 ARRIVED", "99 REFUSED"]
+        await op.until("queue held: 7, 3 (refused)")
+        await op.press("escape", "k")
+        await op.until("held: 3 (refused)")
+        await op.press("n")
+        await op.until("MOVING to 3")
+        await op.until(lambda: history(op)[-1] == "3 ARRIVED")
+
+
+async def test_a_cancel_ends_the_running_one_and_holds_the_rest() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", *"12 7", "enter")
+        await op.until("m left of")
+        await op.press("ctrl+c")
+        await op.until("held: 7 (cancelled)")
+        await op.settle()
+        assert history(op) == ["12 CANCELLED"]
+
+
+async def test_nothing_is_sent_behind_a_stop_and_its_release_continues_nothing() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", *"12 7", "enter")
+        await op.until("m left of")
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        await op.until("held: 7")
+        await op.press("escape", "R", "y")
+        await op.until("● IDLE")
+        await op.settle()
+        assert history(op) == ["12 ABORTED"]
+        assert op.app.view.waiting == ("7",)
+        await op.press("n")
+        await op.until("MOVING to 7")
+
+
+async def test_without_a_queue_its_commands_say_so() -> None:
+    async with console(*FAST) as op:
+        await op.press("n")
+        await op.until("no queue is held")
+        await op.press("k")
+        await op.until("no goal waits in the queue")
+
+
+async def test_the_arrows_recall_what_was_sent_also_after_a_restart() -> None:
+    async with console(*FAST) as op:
+        for text in ("12", "7 3"):
+            await op.press("g", *text, "enter")
+            await op.until(lambda: not op.app.view.waiting)
+        await op.type("4")
+        field = op.app.main.goal.fields[0]
+        seen = []
+        for key in ("up", "up", "up", "down", "down"):
+            await op.press(key)
+            seen.append(field.value)
+        assert seen == ["7 3", "12", "12", "7 3", "4"]
+    async with console(*FAST) as op:
+        await op.press("g", "up", "up")
+        assert op.app.main.goal.fields[0].value == "12"
+
+
+def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) -> None:
+    recall.save("shelf", [[str(number)] for number in range(80)])
+    assert recall.load("shelf")[0] == ["30"]
+    assert recall.load("other") == []
+    file = tmp_path / "state" / "archo-tui" / "typed.json"
+    file.write_text("{ broken")
+    assert recall.load("shelf") == []
+    recall.save("shelf", [["1"]])
+    assert recall.load("shelf") == [["1"]]
+
+
+# the rules, without a robot
+
+
+def target(number: int) -> Target:
+    return Target(SHELF, {"shelf_number": number})
+
+
+def ended(number: int, phase: Phase = Phase.ARRIVED) -> Goal:
+    return Goal(SHELF, {"shelf_number": number}, phase, float(number), 0.0)
+
+
+def queue(*numbers: int) -> Targets:
+    """What waits after a first goal that has arrived."""
+    made = Targets()
+    made.submit([target(0), *(target(number) for number in numbers)], Snapshot(robot=ARCHO))
+    made.answered(ok=True)
+    return made
+
+
+ARRIVED = Snapshot(robot=ARCHO, goal=ended(0))
+
+
+@pytest.mark.parametrize(
+    ("change", "alarms", "why"),
+    [
+        ({"goal": ended(0, Phase.ABORTED)}, [], "aborted"),
+        ({"goal": ended(0, Phase.DISPUTED)}, [], "ended"),
+        ({"stop_asked": 1.0}, [], "STOP"),
+        ({"motion": Motion(stopped=True)}, [], "STOP"),
+        ({}, [Alarm(LOW, "", 0.0)], LOW),
+        ({}, [Alarm(CONTACT_LOST, "", 0.0)], CONTACT_LOST),
+    ],
+)
+def test_what_holds_the_queue_stays_until_the_operator_goes_on(
+    change: dict[str, Any], alarms: list[Alarm], why: str
+) -> None:
+    waiting = queue(7)
+    assert waiting.next(Snapshot(robot=ARCHO, **{"goal": ended(0), **change}), alarms) is None
+    assert waiting.held == why
+    assert waiting.next(ARRIVED, []) is None  # whatever it was is over
+    waiting.resume()
+    assert waiting.next(ARRIVED, []) == target(7)
+
+
+def test_an_alarm_that_was_acknowledged_holds_nothing() -> None:
+    seen = Alarm(LOW, "", 0.0, State.ACKNOWLEDGED)
+    assert queue(7).next(ARRIVED, [seen]) == target(7)
+
+
+def test_the_next_one_waits_until_the_one_before_was_seen_to_run() -> None:
+    waiting = queue(7, 3)
+    assert waiting.next(Snapshot(robot=ARCHO), []) is None  # accepted, and not seen yet
+    assert waiting.next(Snapshot(robot=ARCHO, goal=ended(0, Phase.MOVING)), []) is None
+    assert waiting.next(ARRIVED, []) == target(7)
+    assert waiting.next(ARRIVED, []) is None
+    waiting.answered(ok=True)
+    assert waiting.next(ARRIVED, []) is None
+    assert waiting.next(Snapshot(robot=ARCHO, goal=ended(7)), []) == target(3)
