@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import importlib.metadata
 import importlib.util
 import os
 from pathlib import Path
@@ -115,7 +114,9 @@ def _distribution() -> str:
     sourced = os.environ.get("ROS_DISTRO")
     if sourced:
         return sourced
-    for distribution in importlib.metadata.distributions():
+    from importlib.metadata import distributions  # 25 modules, for this line of the header only
+
+    for distribution in distributions():
         name = (distribution.metadata["Name"] or "").replace("_", "-")
         if name.startswith("ros-") and name.endswith("-rclpy"):
             return name.removeprefix("ros-").removesuffix("-rclpy")

@@ -78,26 +78,37 @@ def test_the_keymap_is_printed_in_the_form_of_its_file(tmp_path: Path, refused: 
     assert refused("--keys") == f"{file}:1: 1 is already the key of panel_1"
 
 
-def test_the_keymap_is_that_of_the_robot_file(tmp_path: Path) -> None:
+def test_the_keymap_is_that_of_the_robot_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     file = str(Path(__file__).parent / "robots" / "rover.yaml")
-    done = archo("--keys", "--robot", file)
-    assert "\ndock: d " in done.stdout
-    assert "\nreset: " not in done.stdout
+
+    def keys(*words: str) -> str:
+        assert main(["--keys", *words]) == 0
+        return capsys.readouterr().out
+
+    assert "\ndock: d " in keys("--robot", file)
+    assert "\nreset: " not in keys("--robot", file)
     (tmp_path / "config" / "archo-tui").mkdir(parents=True)
     keymap = tmp_path / "config" / "archo-tui" / "keymap.yaml"
     keymap.write_text("dock: f6\nreset: f7\n")  # one keymap serves two robots
-    assert "\ndock: f6 " in archo("--keys", "--robot", file).stdout
-    assert "\nreset: f7 " in archo("--keys").stdout
+    assert "\ndock: f6 " in keys("--robot", file)
+    assert "\nreset: f7 " in keys()
 
 
 @pytest.mark.parametrize("mode", [[], ["--plain"], ["--keys"]])
 def test_a_wrong_robot_file_is_one_line_before_the_terminal_is_touched(
-    mode: list[str], tmp_path: Path, refused: Refused
+    mode: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     file = tmp_path / "robot.yaml"
     file.write_text("name: x\nbatery: none\n")
-    said = refused("--robot", str(file), *mode)
-    assert said == f"{file}:2: unknown key batery (nearest: battery)"
+    monkeypatch.setattr("archo_tui.cli._need_terminal", lambda: None)
+    assert main(["--robot", str(file), *mode]) == 2
+    said = capsys.readouterr().err
+    assert said == f"archo-tui: {file}:2: unknown key batery (nearest: battery)\n"
 
 
 def test_without_docstrings_the_help_texts_are_there() -> None:

@@ -86,16 +86,6 @@ def test_a_goal_that_arrives_is_exit_code_0(last: str) -> None:
     assert "goal ✓ ARRIVED Arrived at shelf 12, 18.0 m in" in script.said
 
 
-def test_several_targets_are_driven_and_all_must_arrive() -> None:
-    script = Script(*FAST)
-    assert script.end("go 12 7 3\n") == 0, script.said
-    assert [int(n) for n in re.findall(r"Arrived at shelf (\d+), 18", script.said)] == [12, 7, 3]
-    refused = Script(*FAST)
-    assert refused.end("go 12 99 3\n") == 1, refused.said
-    assert "not driven: 3 (refused)" in refused.said
-    assert "Arrived at shelf 3" not in refused.said
-
-
 def test_a_goal_that_is_cancelled_is_exit_code_1() -> None:
     script = Script(*SLOW)
     script.type("go 12\n")

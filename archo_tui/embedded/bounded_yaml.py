@@ -8,9 +8,11 @@ from __future__ import annotations
 import os
 import stat
 from pathlib import Path
+from typing import Any
 
 import yaml
 
+_FAST: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C where PyYAML was built with it
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
 
@@ -33,8 +35,11 @@ def read(path: Path) -> str:
 def compose(text: str, path: Path) -> yaml.Node | None:
     """The node tree of a text, None when it is empty. Raises YamlError."""
     try:
-        _check(text, path)
-        return yaml.compose(text, Loader=yaml.SafeLoader)
+        return _composed(text, path, _FAST)
+    except yaml.YAMLError:
+        pass  # said by the other one, whose lines are the same on every machine
+    try:
+        return _composed(text, path, yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 1
@@ -43,10 +48,16 @@ def compose(text: str, path: Path) -> yaml.Node | None:
         raise YamlError(f"{path}:1: not YAML: {str(error).splitlines()[0]}") from None
 
 
-def _check(text: str, path: Path) -> None:
+def _composed(text: str, path: Path, loader: Any) -> yaml.Node | None:
+    _check(text, path, loader)
+    node: yaml.Node | None = yaml.compose(text, Loader=loader)
+    return node
+
+
+def _check(text: str, path: Path, loader: Any) -> None:
     """Look at the events, which costs no more than the text is long."""
     depth = 0
-    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+    for event in yaml.parse(text, Loader=loader):
         line = event.start_mark.line + 1 if event.start_mark else 1
         if isinstance(event, yaml.AliasEvent):
             raise YamlError(f"{path}:{line}: aliases (*{event.anchor}) are not read: write it out")

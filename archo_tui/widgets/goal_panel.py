@@ -75,7 +75,8 @@ class GoalPanel(Panel):
         return len(self.fields) > 1
 
     def on_mount(self) -> None:
-        self._hint.display = not self._is_wide
+        if self._is_wide:
+            self._hint.display = False
 
     def show(self, view: View) -> None:
         self.show_keys(view, "enter go")

@@ -17,7 +17,7 @@ from rclpy.parameter_client import AsyncParameterClient
 
 from archo_tui.robot.state import Phase
 from archo_tui.session import _robots_nodes
-from tests.support.archo import reset
+from tests.support.archo import go, reset
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
@@ -166,37 +166,38 @@ async def test_a_cancel_of_anothers_goal_that_the_robot_rejects_says_so() -> Non
 
 
 async def test_what_the_console_says_ended_is_what_each_client_was_told_forty_of_forty() -> None:
-    chance = random.Random(13)
-    async with shared(*FAST) as (op, other):
+    chance, made = random.Random(13), []
+
+    def other(**options: Any) -> Other:
+        made.append(Other(**options))
+        return made[0]
+
+    async with robot(*ROBOT, other, ros_args=FAST) as it:
+        await until(lambda: made[0].client.server_is_ready())
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
         for number in range(40):
-            ours = number % 2 == 0
-            cancelled = chance.random() < 0.5
-            before = len(op.app.view.snapshot.history)
-            told = len(other.told)
+            ours, told = number % 2 == 0, len(made[0].told)
             if ours:
-                await op.press("g", *"12", "enter")
+                assert (await ended(go(it, 12))).ok
             else:
-                other.go(12)
-            await op.until(
+                made[0].go(12)
+            await until(
                 lambda ours=ours: (  # type: ignore[misc]
-                    (goal := op.app.view.snapshot.goal)
+                    (goal := it.snapshot.goal)
                     and goal.is_running
                     and goal.mine == ours
                     and goal.remaining is not None
                 )
             )
-            if cancelled:
-                await op.press("ctrl+c", *(() if ours else ("y",)))
-            await op.until(
-                lambda: not op.app.view.snapshot.goal or not op.app.view.snapshot.goal.is_running
-            )
-            ended_goal = op.app.view.snapshot.history[0]
-            assert ended_goal.mine == ours
-            assert len(op.app.view.snapshot.history) == min(before + 1, 20)
+            if chance.random() < 0.5:
+                assert (await ended(it.cancel())).ok
+            await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
+            over = it.snapshot.history[0]
+            assert over.mine == ours
             if not ours:
-                await op.until(lambda told=told: len(other.told) == told + 1)  # type: ignore[misc]
-                succeeded = other.told[-1] == GoalStatus.STATUS_SUCCEEDED
-                assert succeeded == (ended_goal.phase == Phase.ARRIVED)
+                await until(lambda told=told: len(made[0].told) == told + 1)  # type: ignore[misc]
+                succeeded = made[0].told[-1] == GoalStatus.STATUS_SUCCEEDED
+                assert succeeded == (over.phase == Phase.ARRIVED)
 
 
 async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
 from archo_tui.targets import Target, Targets
 from tests.support.archo import ARCHO, SHELF
 from tests.support.console import FAST, LONG, Console, console
+from tests.support.plain import plain
 
 
 def history(op: Console) -> list[str]:
@@ -90,6 +92,16 @@ async def test_nothing_is_sent_behind_a_stop_and_its_release_continues_nothing()
         assert op.app.view.waiting == ("7",)
         await op.press("n")
         await op.until("MOVING to 7")
+
+
+async def test_line_by_line_all_must_arrive() -> None:
+    code, said = await plain("go 12 7 3\n", ros_args=FAST)
+    assert code == 0, said
+    assert re.findall(r"Arrived at shelf (\d+), 18", said) == ["12", "7", "3"]
+    code, said = await plain("go 12 99 3\n", ros_args=FAST)
+    assert code == 1, said
+    assert "not driven: 3 (refused)" in said
+    assert "Arrived at shelf 3" not in said
 
 
 async def test_without_a_queue_its_commands_say_so() -> None:

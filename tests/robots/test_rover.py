@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
-import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -14,12 +12,9 @@ import pytest
 
 pytest.importorskip("depot_interfaces")
 
-from archo_tui.plain import Plain
-from archo_tui.session import Options, Session
 from tests.robots.rover import Rover
-from tests.support import chosen, clock
 from tests.support.console import Console, console
-from tests.support.quiet import Quiet
+from tests.support.plain import plain
 
 FILE = Path(__file__).with_name("rover.yaml")
 
@@ -115,21 +110,10 @@ async def test_a_field_that_the_type_has_not_is_said_with_file_and_line(tmp_path
 
 
 async def test_it_is_operated_line_by_line() -> None:
-    options = Options(
-        engine=chosen.ENGINE, robot=FILE, domain_id=chosen.next_domain(), node_makers=[Rover]
+    code, text = await plain(
+        "status\ngo x=1 y=2\ngo x=1 y=2 z=3\nstop\ngo x=1 y=2 yaw=0\n", Rover, robot=FILE
     )
-    in_, typed = os.pipe()
-    said, out = os.pipe()
-    with Session(options, clock.current) as session:
-        plain = asyncio.ensure_future(Plain(session.station, in_, out).run())
-        os.write(typed, b"status\ngo x=1 y=2\ngo x=1 y=2 z=3\nstop\ngo x=1 y=2 yaw=0\n")
-        os.close(typed)
-        await Quiet().until(plain.done, lambda: "the end")
-        assert await plain == 1
-    os.close(out)
-    text = os.read(said, 100_000).decode()
-    for descriptor in (in_, said):
-        os.close(descriptor)
+    assert code == 1
     for part in (
         "Temperature 31.5 °C",
         "failed: go: expected x=... y=... yaw=...\n",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
-import os
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -13,12 +11,9 @@ import pytest
 
 pytest.importorskip("depot_interfaces")
 
-from archo_tui.plain import Plain
-from archo_tui.session import Options, Session
 from tests.robots.tug import Hauler, Power
-from tests.support import chosen, clock
 from tests.support.console import Console, console
-from tests.support.quiet import Quiet
+from tests.support.plain import plain
 
 FILE = Path(__file__).with_name("tug.yaml")
 
@@ -140,24 +135,8 @@ async def test_a_node_that_serves_its_stop_is_not_stopped_unasked() -> None:
 
 
 async def test_it_is_operated_line_by_line() -> None:
-    options = Options(
-        engine=chosen.ENGINE,
-        robot=FILE,
-        domain_id=chosen.next_domain(),
-        node_makers=[Power, Hauler],
-    )
-    in_, typed = os.pipe()
-    said, out = os.pipe()
-    with Session(options, clock.current) as session:
-        plain = asyncio.ensure_future(Plain(session.station, in_, out).run())
-        os.write(typed, b"help\nstatus\nplug\nunplug\nzero\ngo 3\n")
-        os.close(typed)
-        await Quiet().until(plain.done, lambda: "the end")
-        assert await plain == 0
-    os.close(out)
-    text = os.read(said, 100_000).decode()
-    for descriptor in (in_, said):
-        os.close(descriptor)
+    code, text = await plain("help\nstatus\nplug\nunplug\nzero\ngo 3\n", Power, Hauler, robot=FILE)
+    assert code == 0
     for part in (
         "go N ...                  haul to bay",
         "plug, unplug              plug in",
