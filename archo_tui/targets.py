@@ -30,9 +30,9 @@ class Targets:
     def __init__(self) -> None:
         self.waiting: list[Target] = []
         self.held = ""  # why
-        self._seen: float | None = None  # the goal whose end was looked at last
+        self._seen: int | None = None  # the goal whose end was looked at last
         self._sending = False  # the robot has not answered yet, or its goal is not seen yet
-        self._before: float | None = None  # the goal before the one that is being sent
+        self._before: int | None = None  # the goal before the one that is being sent
 
     @property
     def is_going(self) -> bool:
@@ -69,10 +69,10 @@ class Targets:
     def next(self, snapshot: Snapshot, alarms: Iterable[Alarm]) -> Target | None:
         """What is to be sent now, taken out of the queue."""
         goal = snapshot.goal
-        if goal is not None and goal.sent != self._before:
+        if goal is not None and goal.number != self._before:
             self._sending = False
-        if goal is not None and not goal.is_running and goal.sent != self._seen:
-            self._seen = goal.sent
+        if goal is not None and not goal.is_running and goal.number != self._seen:
+            self._seen = goal.number
             if goal.phase != Phase.ARRIVED:
                 self.hold(goal.word.lower())
         if not self.waiting:
@@ -87,7 +87,7 @@ class Targets:
 
     def _begin(self, target: Target, snapshot: Snapshot) -> Target:
         self._sending = True
-        self._before = None if snapshot.goal is None else snapshot.goal.sent
+        self._before = None if snapshot.goal is None else snapshot.goal.number
         return target
 
 

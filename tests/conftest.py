@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from textual.css.stylesheet import Stylesheet
 
 from archo_tui import engine
 
@@ -93,6 +94,20 @@ def _time(request: pytest.FixtureRequest) -> Iterator[None]:
     yield
     _time_source.use(before)
     clock.current = None
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _parsed_once() -> None:
+    """A style sheet is parsed once for all the apps of a run, not once for each."""
+    parse, known = Stylesheet._parse_rules, dict[object, Any]()
+
+    def parse_once(self: Stylesheet, css: str, *options: Any, **named: Any) -> Any:
+        key = (css, options, *sorted(named.items()), *sorted(self._variables.items()))
+        if key not in known:
+            known[key] = parse(self, css, *options, **named)
+        return known[key]
+
+    Stylesheet._parse_rules = parse_once  # type: ignore[method-assign]
 
 
 @pytest.fixture

@@ -18,6 +18,8 @@ from archo_tui.plain import TOO_LONG, Lines, Plain
 from archo_tui.robot.state import Outcome
 from tests.console.states import NORMAL
 from tests.support import chosen
+from tests.support.console import FAST as QUICK
+from tests.support.plain import plain
 from tests.support.quiet import Quiet, ended, until
 from tests.support.stub import StubRobot, stub_station
 from tests.support.waiting import DEADLINE
@@ -77,13 +79,19 @@ class Script:
         return code
 
 
-@pytest.mark.parametrize("last", ["go 12\n", "go 12\nquit\n", "go 12"])
-def test_a_goal_that_arrives_is_exit_code_0(last: str) -> None:
+def test_a_goal_that_arrives_is_exit_code_0() -> None:
     script = Script(*FAST)
-    assert script.end(last) == 0, script.said
+    assert script.end("go 12\n") == 0, script.said
     assert "YOU console: go to shelf 12: accepted" in script.said
     assert re.search(r"goal MOVING to 12 \d+\.\d m left of 18\.0 m", script.said)
     assert "goal ✓ ARRIVED Arrived at shelf 12, 18.0 m in" in script.said
+
+
+@pytest.mark.parametrize("last", ["go 12\nquit\n", "go 12"])
+async def test_the_end_waits_for_the_goal_however_it_is_asked_for(last: str) -> None:
+    code, said = await plain(last, ros_args=QUICK)
+    assert code == 0, said
+    assert "goal ✓ ARRIVED Arrived at shelf 12, 18.0 m in" in said
 
 
 def test_a_goal_that_is_cancelled_is_exit_code_1() -> None:
@@ -115,13 +123,13 @@ def test_stop_does_not_wait_for_what_was_typed_before() -> None:
     assert said.index("STOP: Stopped") < said.rindex("reset encoder: Encoder reset to zero")
 
 
-def test_a_refused_goal_may_be_tried_again() -> None:
-    script = Script(*FAST)
-    assert script.end("go 99\ngo 7\n") == 0, script.said
-    assert "failed: go: shelf 99 is not in 1 .. 40" in script.said
+async def test_a_refused_goal_may_be_tried_again() -> None:
+    code, said = await plain("go 99\ngo 7\n", ros_args=QUICK)
+    assert code == 0, said
+    assert "failed: go: shelf 99 is not in 1 .. 40" in said
 
 
-def test_what_cannot_be_done_is_one_line_and_exit_code_1() -> None:
+async def test_what_cannot_be_done_is_one_line_and_exit_code_1() -> None:
     wrong = {
         "go 99": "failed: go: shelf 99 is not in 1 .. 40",
         "go there": "failed: go: Shelf: not a whole number: there",
@@ -132,29 +140,29 @@ def test_what_cannot_be_done_is_one_line_and_exit_code_1() -> None:
         "set motor_controller ticks_per_revolution 5": "ticks_per_revolution is read-only",
         "cancel": "failed: cancel: no goal is running",
     }
-    script = Script(*FAST)
-    assert script.end("\n".join(wrong)) == 1
+    code, output = await plain("\n".join(wrong), ros_args=QUICK)
+    assert code == 1
     for said in wrong.values():
-        assert said in script.said
-    assert "Traceback" not in script.said
+        assert said in output
+    assert "Traceback" not in output
 
 
 @pytest.mark.parametrize("typed", ["go 99", "jump", "cancel"])
-def test_one_of_them_alone_is_exit_code_1(typed: str) -> None:
-    assert Script(*FAST).end(f"{typed}\n") == 1
+async def test_one_of_them_alone_is_exit_code_1(typed: str) -> None:
+    assert (await plain(f"{typed}\n", ros_args=QUICK))[0] == 1
 
 
-def test_what_is_asked_is_told() -> None:
-    script = Script(*FAST)
+async def test_what_is_asked_is_told() -> None:
     typed = "set motor_controller max_speed 0.5\nreset\ncharge\nparams\nstatus\nhelp\n"
-    assert script.end(typed) == 0, script.said
-    assert "YOU console: set motor_controller max_speed 0.5: max_speed is 0.5" in script.said
-    assert "motor_controller max_speed 0.5* double 0.05 .. 2" in script.said
-    assert "YOU console: reset encoder: Encoder reset to zero" in script.said
-    assert "YOU console: charge: Charging" in script.said
-    assert "goal No goal yet." in script.said
-    assert "\nbattery " in script.said
-    assert "go N " in script.said
+    code, said = await plain(typed, ros_args=QUICK)
+    assert code == 0, said
+    assert "YOU console: set motor_controller max_speed 0.5: max_speed is 0.5" in said
+    assert "motor_controller max_speed 0.5* double 0.05 .. 2" in said
+    assert "YOU console: reset encoder: Encoder reset to zero" in said
+    assert "YOU console: charge: Charging" in said
+    assert "goal No goal yet." in said
+    assert "\nbattery " in said
+    assert "go N " in said
 
 
 def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:

@@ -5,6 +5,7 @@ The truth about them is the actions' own: status, feedback and result.
 
 from __future__ import annotations
 
+import itertools
 import uuid
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -87,6 +88,7 @@ class Goals:
         self._changed = changed
         self._say = say
         self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
+        self._numbers = itertools.count(1)
         self._running: dict[bytes, Followed] = {}
         self._last: Goal | None = None  # the one that ended last
         self._refusals: deque[str] = deque(maxlen=5)
@@ -142,7 +144,7 @@ class Goals:
         except ValueError as error:
             return Outcome(False, str(error))
         now, time = self._clock.monotonic(), self._clock.now()
-        goal = Goal(kind, values, Phase.SENT, now, time, length=length)
+        goal = Goal(kind, values, Phase.SENT, now, time, length=length, number=next(self._numbers))
         self._refusals.clear()
         goal_id = UUID(uuid=list(uuid.uuid4().bytes))
         one = self._follow(goal, bytes(goal_id.uuid), action)
@@ -281,6 +283,7 @@ class Goals:
             started=begun,
             cancel_asked=asked,
             mine=False,
+            number=next(self._numbers),
         )
         one = self._follow(goal, goal_id, action)
         one.assume()

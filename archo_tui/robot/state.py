@@ -120,6 +120,7 @@ class Goal:
     feedback: str = ""  # the last feedback, field by field
     message: str = ""  # the robot's own words for the end, or the reason of a refusal
     mine: bool = True  # else another client's, whose values are not on the graph
+    number: int = 0  # tells the goals of a session apart
 
     @property
     def target(self) -> str:

@@ -148,7 +148,7 @@ def target(number: int) -> Target:
 
 
 def ended(number: int, phase: Phase = Phase.ARRIVED) -> Goal:
-    return Goal(SHELF, {"shelf_number": number}, phase, float(number), 0.0)
+    return Goal(SHELF, {"shelf_number": number}, phase, 0.0, 0.0, number=number + 1)
 
 
 def queue(*numbers: int) -> Targets:
