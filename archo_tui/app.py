@@ -17,7 +17,7 @@ from archo_tui import recall
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
 from archo_tui.commands.keymap import shown_keys
-from archo_tui.robot.state import Outcome, Snapshot
+from archo_tui.robot.state import WATCHING, Outcome, Snapshot
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.main import MainScreen
@@ -221,9 +221,9 @@ class ArchoApp(TerminalApp):
             return
         reason = self.blocked(command)
         if reason:
-            if not command.insists:
+            if not command.insists or reason == WATCHING:
                 self.notify(reason, severity="warning", markup=False)
-            if not (command.runs_blocked or command.insists):
+            if reason == WATCHING or not (command.runs_blocked or command.insists):
                 return
         work = command.run(self)  # at once: the next key may be for what this one focused
         if work is not None:
@@ -273,6 +273,8 @@ class ArchoApp(TerminalApp):
 
     def blocked(self, command: Command) -> str:
         """Why a command cannot run now, or an empty string."""
+        if command.acts and self.station.robot.watching:
+            return WATCHING
         return command.blocked(self)
 
     def open(self, dialog: Screen[Any]) -> None:

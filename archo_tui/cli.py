@@ -77,6 +77,9 @@ def parser() -> argparse.ArgumentParser:
         help="host no nodes: operate the robot on the ROS 2 graph",
     )
     made.add_argument(
+        "--watch", action="store_true", help="show everything and command nothing, STOP neither"
+    )
+    made.add_argument(
         "--on-disconnect",
         choices=("cancel", "leave"),
         default="cancel",
@@ -199,6 +202,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             node_files=options.node,
             only=options.only,
             robot=options.robot,
+            watch=options.watch,
             ros_args=ros_args,
             attach=options.attach,
             on_disconnect=options.on_disconnect,

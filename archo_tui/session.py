@@ -42,6 +42,7 @@ class Options:
     node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
     node_files: Sequence[Path] = ()  # nodes of the user's own, in place of those of their names
     only: bool = False  # none of the robot's own nodes
+    watch: bool = False  # command nothing
     robot: Path | None = None  # a robot file, instead of ARCHO's
 
 
@@ -99,7 +100,13 @@ class Session:
             raise ArchoError((str(error).splitlines() or [repr(error)])[0]) from None
         self.journal = Journal(journal.path())
         try:
-            self.robot = Robot(self._context, self.description, self._clock, self._happened)
+            self.robot = Robot(
+                self._context,
+                self.description,
+                self._clock,
+                self._happened,
+                watching=options.watch,
+            )
             self.host = Host(self._context, self.robot.note)
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:

@@ -35,6 +35,7 @@ class View:
     hosted: tuple[Hosted, ...] = ()  # the nodes of this process
     keys: Mapping[str, str] = field(default_factory=dict)  # of each command, as a person reads it
     blocked: frozenset[str] = frozenset()  # commands that cannot run now
+    watching: bool = False  # nothing is commanded from here
     waiting: tuple[str, ...] = ()  # targets of the queue
     held: str = ""  # why the queue is held
 
@@ -166,6 +167,7 @@ class Station:
             self._namespace,
             self._board.all(),
             self.host.states(),
+            watching=self.robot.watching,
             waiting=tuple(target.text for target in self.targets.waiting),
             held=self.targets.held,
         )

@@ -22,6 +22,7 @@ class _AnyOf(Command):
     """Lists what is on the graph, then makes a form of its type."""
 
     what = ""
+    acts = True
 
     def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         """Names with their types."""

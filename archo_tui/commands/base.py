@@ -111,6 +111,7 @@ class Command:
     insists: bool = False  # tried in any case: what is in the way may be over
     once: bool = False  # a held key gives it once; not again before the answer
     every: float = 0.0  # s until it is sent again while there is no answer
+    acts: bool = False  # on the robot: not while watching only
     from_file: str = ""  # file and line of the robot file that it comes from
 
     @property

@@ -24,6 +24,7 @@ class _InParameters(Command):
 
 
 class Edit(_InParameters):
+    acts = True
     id, key = "edit", "enter"
     help = "Edit the selected parameter"
 
@@ -43,6 +44,7 @@ class Filter(_InParameters):
 
 
 class Undo(_InParameters):
+    acts = True
     id, key = "undo", "u"
     help = "Undo your last change of a parameter"
     once = True
@@ -94,6 +96,7 @@ class Save(_InParameters):
 
 
 class Load(_InParameters):
+    acts = True
     id, key = "load", "ctrl+o"
     help = "Load a ROS parameter file; first shows what would change"
 

@@ -17,6 +17,7 @@ _CANCELLED = {Phase.CANCELLING} | (set(Phase) - set(RUNNING))
 
 
 class Go(Command):
+    acts = True
     id, key, footer = "go", "g", "Go"
     runs_blocked = True  # what is typed next is meant for the field, not for the panels
 
@@ -34,6 +35,8 @@ class Go(Command):
 
 class SendGoal(Command):
     """A goal of the robot file beside the first one."""
+
+    acts = True
 
     once = True
 
@@ -60,6 +63,7 @@ class SendGoal(Command):
 
 
 class Cancel(Command):
+    acts = True
     id, key, footer = "cancel", "ctrl+c", "Cancel"
     help = "Cancel the running goal; if none is running, copy the selection"
     where = EVERYWHERE
@@ -85,6 +89,7 @@ class Cancel(Command):
 
 
 class CancelAll(Command):
+    acts = True
     id = "cancel_all"
     help = "Cancel every goal of the robot's actions, whoever sent it (asks first)"
 
@@ -99,6 +104,7 @@ class CancelAll(Command):
 
 
 class Continue(Command):
+    acts = True
     id, key = "continue_queue", "n"
     help = "Continue the queue of goals that is held"
 
@@ -111,6 +117,7 @@ class Continue(Command):
 
 
 class Drop(Command):
+    acts = True
     id, key = "drop_target", "k"
     help = "Leave out the next goal of the queue"
 
@@ -123,6 +130,7 @@ class Drop(Command):
 
 
 class StopNow(Command):
+    acts = True
     id, key, footer = "stop", "ctrl+x", "STOP"
     help = "STOP: software stop, at once and latched; does not replace the hardware one"
     where = EVERYWHERE
@@ -142,6 +150,7 @@ class StopNow(Command):
 
 
 class Release(Command):
+    acts = True
     id, key = "release", "R"
     help = "Release the stop (asks first); nothing resumes by itself"
     once = True
@@ -169,6 +178,8 @@ class Release(Command):
 
 class Give(Command):
     """A command of the robot file."""
+
+    acts = True
 
     once = True
 

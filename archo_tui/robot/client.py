@@ -26,7 +26,7 @@ from archo_tui.robot.offers import Offers
 from archo_tui.robot.others import Others
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Event, Leaf, Outcome, Snapshot, linked, target
+from archo_tui.robot.state import WATCHING, Event, Leaf, Outcome, Snapshot, linked, target
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
@@ -49,8 +49,14 @@ class Robot:
         description: model.Robot,
         clock: Clock,
         happened: Callable[[Event], None] = lambda _: None,
+        *,
+        watching: bool = False,
     ) -> None:
-        """`happened(event)` is called on the ROS thread for each event, and when one repeats."""
+        """`happened(event)` is called on the ROS thread for each event, and when one repeats.
+
+        Watching, it calls nothing but what reads, and every verb is refused.
+        """
+        self.watching = watching
         self.description = description
         self._clock, self._happened = clock, happened
         self._mailbox = Mailbox()
@@ -64,7 +70,7 @@ class Robot:
         node = self._node = Node(own_name(), context=context, start_parameter_services=False)
         self._services = Services(node, clock)
         self._telemetry = Telemetry(node, description, clock, self._on_telemetry, self._warn)
-        self._goals = Goals(node, clock, self._services, self._goal_changed, self._say)
+        self._goals = Goals(node, clock, self._services, self._goal_changed, self._say, watching)
         self._parameters = Parameters(
             node, clock, self._services, self._mark, self._telemetry.measure_anew, self._on_change
         )
@@ -248,6 +254,8 @@ class Robot:
         self, title: str, command: str, work: Callable[[], Coroutine[Any, Any, Outcome]]
     ) -> Outcome:
         """Run a verb on the ROS thread and log how it ended; the snapshot then shows it."""
+        if self.watching:
+            return Outcome(False, WATCHING)
 
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))

@@ -73,7 +73,7 @@ class Followed:
         if self._result is not None:
             self._result.cancel()
         self._asked = self._clock.monotonic()
-        self._result = self.handle.get_result_async()
+        self._result = self.action.ask_result(self.id)
 
         def on_result(future: Any) -> None:
             if not future.cancelled() and future.result() is not None and self.goal.is_running:
@@ -95,7 +95,7 @@ class Followed:
             return
         if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(now, motion):
             self.update(phase=Phase.LOST)
-        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST) and self.handle is not None
+        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
         if doubtful and now - self._asked > services.DEADLINE and self.action.is_served:
             self.ask_result()
 

@@ -48,13 +48,16 @@ class _Action:
         kind: GoalKind,
         on_feedback: Callable[[Any], None],
         on_status: Callable[[_Action, Any], None],
+        watching: bool,
     ) -> None:
+        """Watching, it makes no client but the one that asks for results."""
         self.kind = kind
         self.type = interfaces.load(kind.type)  # None: not installed here, all else works
         if self.type is None:
             return
-        self.client: Any = ActionClient(node, self.type, kind.action)
         topics, impl = f"{kind.action}/_action", self.type.Impl
+        self.client: Any = None if watching else ActionClient(node, self.type, kind.action)
+        self._results = node.create_client(impl.GetResultService, f"{topics}/get_result")
         # not by the client: it forgets a goal's feedback when the result is asked for anew
         node.create_subscription(impl.FeedbackMessage, f"{topics}/feedback", on_feedback, 10)
         node.create_subscription(
@@ -68,7 +71,16 @@ class _Action:
     @property
     def is_served(self) -> bool:
         """True when a server can be reached."""
-        return self.type is not None and bool(self.client.server_is_ready())
+        if self.type is None:
+            return False
+        if self.client is None:
+            return bool(self._results.service_is_ready())
+        return bool(self.client.server_is_ready())
+
+    def ask_result(self, goal_id: bytes) -> Any:
+        """The future of how a goal ends."""
+        request = self.type.Impl.GetResultService.Request(goal_id=UUID(uuid=list(goal_id)))
+        return self._results.call_async(request)
 
 
 class Goals:
@@ -81,12 +93,14 @@ class Goals:
         pending: Services,
         changed: Callable[[], None],
         say: Callable[[str, str], None],
+        watching: bool = False,
     ) -> None:
         """`say(level, text)` is called with what happens after the verb it belongs to has ended."""
         self._node, self._clock = node, clock
         self._services = pending
         self._changed = changed
         self._say = say
+        self._watching = watching
         self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
         self._numbers = itertools.count(1)
         self._running: dict[bytes, Followed] = {}
@@ -118,7 +132,7 @@ class Goals:
         """The client of an action, from now on."""
         key = (kind.action, kind.type)
         if key not in self._actions:
-            made = _Action(self._node, kind, self._on_feedback, self._on_status)
+            made = _Action(self._node, kind, self._on_feedback, self._on_status, self._watching)
             self._actions[key] = made
         return self._actions[key]
 
@@ -286,7 +300,8 @@ class Goals:
             number=next(self._numbers),
         )
         one = self._follow(goal, goal_id, action)
-        one.assume()
+        if not self._watching:
+            one.assume()
         one.ask_result()
         self._say("GOAL", f"another client sent a goal to {action.kind.action}")
 

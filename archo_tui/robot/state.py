@@ -214,6 +214,9 @@ class NodeState:
 OWN_LEVELS = ("YOU", "GOAL", "PEER")
 
 
+WATCHING = "watching only: start archo-tui without --watch to operate the robot"
+
+
 class Life(Enum):
     """How a node that this process hosts is doing."""
 

@@ -14,7 +14,10 @@ from archo_tui.station import View
 
 def header(view: View, width: int) -> Content:
     """Which robot, in contact or not, which engine, and what it does."""
-    does, name = _doing(view), harmless(view.snapshot.robot.name)
+    does, name = (
+        f"{'watching   ' if view.watching else ''}{_doing(view)}".rstrip(),
+        harmless(view.snapshot.robot.name),
+    )
     others = view.snapshot.consoles
     count = f"{len(others) + 1} consoles"
     wide = f" {name}  {view.namespace:<12} {_contact(view):<20} {view.engine:<10}  {does}"

@@ -12,7 +12,7 @@ from textual.widgets import Button, Label
 
 from archo_tui import goal_text, state_text
 from archo_tui.robot.forms import is_integer, is_number, parse
-from archo_tui.robot.state import Leaf, Phase, Snapshot
+from archo_tui.robot.state import WATCHING, Leaf, Phase, Snapshot
 from archo_tui.station import View
 from archo_tui.targets import Target
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
@@ -26,6 +26,7 @@ class GoalPanel(Panel):
 
     number, title_text = 3, "Goal"
     keys = (("cancel", "cancel"),)
+    _watching = False
     _about: object = None  # what the robot's answer that is shown was about
 
     class Send(Message):
@@ -80,7 +81,7 @@ class GoalPanel(Panel):
 
     def show(self, view: View) -> None:
         self.show_keys(view, "enter go")
-        snapshot = view.snapshot
+        snapshot, self._watching = view.snapshot, view.watching
         width = self._bar.size.width
         self._bar.show(content(goal_text.goal_bar(snapshot.goal, width)))
         line = goal_text.goal_line(snapshot, view.now, view.key("go"))
@@ -147,6 +148,9 @@ class GoalPanel(Panel):
         """Ask for what was typed, or say what is wrong with it; nothing asks for nothing."""
         if self._kind is None:
             self.hint(f"{self.app.title}: the robot file names no goal")
+            return
+        if self._watching:
+            self.hint(WATCHING)
             return
         if self.fields and not any(text.strip() for text in typed):
             return

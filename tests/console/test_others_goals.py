@@ -235,3 +235,33 @@ async def test_what_no_console_did_is_by_another_client() -> None:
         await op.until(parameters.services_are_ready)
         parameters.set_parameters([Parameter("max_speed", value=0.5)])
         await op.until("motor_controller max_speed changed by another client (0.8 -> 0.5)")
+
+
+async def test_watching_shows_everything_and_commands_nothing() -> None:
+    made: list[Other] = []
+
+    def other(**options: Any) -> Other:
+        made.append(Other(**options))
+        return made[0]
+
+    async with console(*LONG, node_makers=[*ROBOT, other], watch=True) as op:
+        await op.until(made[0].client.server_is_ready)
+        assert "watching" in op.line(" ARCHO ")
+        own = op.session.robot._node
+        clients = {client.service_name for client in own.clients}
+        assert not any("send_goal" in name or "cancel_goal" in name for name in clients)
+        assert not any("emergency_stop" in name or "/set_parameters" in name for name in clients)
+        made[0].go(12)
+        await op.until("MOVING (another client's goal)")
+        await op.until("m left of")
+        for key in ("ctrl+x", "r", "ctrl+c", "c"):
+            await op.press(key)
+            await op.until("watching only: start archo-tui without --watch")
+            op.app.clear_notifications()
+            await op.until(lambda: "watching only" not in op.text)
+        await op.press("4", "enter")
+        await op.until("watching only: start archo-tui without --watch")
+        assert op.app.screen is op.app.main
+        assert not op.app.view.snapshot.motion.stopped
+        assert made[0].told == []
+        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]

@@ -138,6 +138,7 @@ async def console(
     node_files: Sequence[Path] = (),
     only: bool = False,
     robot: Path | None = None,
+    watch: bool = False,
     attach: bool = False,
     domain_id: int | None = None,
     wait: bool = True,
@@ -153,6 +154,7 @@ async def console(
         node_files=node_files,
         only=only,
         robot=robot,
+        watch=watch,
     )
     with Session(options, clock.current) as session:
         app = ArchoApp(session.station)

@@ -31,6 +31,7 @@ class StubRobot:
 
     def __init__(self, snapshot: Snapshot) -> None:
         self.snapshot, self.description = snapshot, snapshot.robot
+        self.watching = False
         self._receiver: Any = None
 
     def subscribe(self, receiver: Any) -> None:
