@@ -40,6 +40,7 @@ class ArchoApp(TerminalApp):
     CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
     BINDINGS = [
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
+        Binding("enter", "next_field", "The next field of the form", show=False, priority=True),
         *(Binding(key, f"move('{key}')", show=False, priority=True) for key in Rows.KEYS),
     ]
 
@@ -85,7 +86,7 @@ class ArchoApp(TerminalApp):
             binding = Binding(key, action, command.help, id=command.id, priority=True)
             # another list: the class's own bindings are shared by all apps
             known = self._bindings.key_to_bindings.get(key, [])
-            ours = [b for b in known if b.action.startswith("command(")]
+            ours = [b for b in known if b.action.startswith(("command(", "next_field"))]
             self._bindings.key_to_bindings[key] = [*ours, binding]
 
     def get_default_screen(self) -> Screen[None]:
@@ -172,7 +173,8 @@ class ArchoApp(TerminalApp):
 
     async def _handle(self, event: events.Event, repeated: bool) -> None:
         self.repeated = repeated
-        if not (repeated and isinstance(event, events.Key) and event.key == "enter"):
+        held = repeated and isinstance(event, events.Key) and event.key == "enter"
+        if not held or self.check_action("next_field", ()):  # from field to field it may run
             await super().on_event(event)
 
     @property
@@ -193,6 +195,8 @@ class ArchoApp(TerminalApp):
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
             return field is not None and self.screen is self.main
+        if action == "next_field":
+            return isinstance(field, Field) and field.next_field is not None
         if action == "move":
             return isinstance(self.focused, Rows)
         if action != "command":
@@ -247,6 +251,11 @@ class ArchoApp(TerminalApp):
         """Move the cursor of the list that has the focus."""
         if isinstance(self.focused, Rows):
             self.focused.press(key)
+
+    def action_next_field(self) -> None:
+        """At once: the keys behind enter are for the next field, however fast they come."""
+        if isinstance(self.focused, Field):
+            self.screen.set_focus(self.focused.next_field)
 
     def action_leave_field(self) -> None:
         """Out of a field, to where the focus was."""

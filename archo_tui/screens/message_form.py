@@ -66,6 +66,8 @@ class MessageForm(Dialog[None]):
         width = max((len(self._label(leaf)) for leaf in self._leaves), default=0) + 1
         for number, leaf in enumerate(self._leaves):
             field = Field(self._typed.get(leaf.path, default_text(leaf)), id=f"field-{number}")
+            if self._fields:
+                self._fields[-1].next_field = field
             self._fields.append(field)
             with Horizontal(classes="leaf"):
                 yield Label(f"{self._label(leaf):<{width}}", markup=False)
@@ -84,11 +86,8 @@ class MessageForm(Dialog[None]):
         self.query_one(first).focus()
 
     def on_input_submitted(self, event: Field.Submitted) -> None:
-        number = next(n for n, field in enumerate(self._fields) if field is event.input)
-        if number + 1 < len(self._fields):
-            self._fields[number + 1].focus()
-        else:
-            self._submit({number: event.value})  # the keys behind enter may have changed it since
+        last = len(self._fields) - 1
+        self._submit({last: event.value})  # the keys behind enter may have changed it since
 
     def on_field_recall(self, event: Field.Recall) -> None:
         """The arrows lead from field to field."""

@@ -32,6 +32,8 @@ class Field(Input):
             super().__init__()
             self.step = step
 
+    next_field: Field | None = None  # where enter leads, in a form of several
+
     def __init__(
         self, value: str = "", *, takes: str = "", placeholder: str = "", id: str | None = None
     ) -> None:

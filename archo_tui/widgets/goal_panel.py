@@ -48,6 +48,8 @@ class GoalPanel(Panel):
             Field(id=f"goal-{number}", takes=_takes(leaf))
             for number, leaf in enumerate(self._leaves)
         ]
+        for field, following in zip(self.fields, self.fields[1:], strict=False):
+            field.next_field = following
         units = [(given.label or path, given.unit) for path, given in form.items()]
         self._labels = [f"{label} ({unit}) " if unit else f"{label} " for label, unit in units]
         self._go = Button("Go", id="go", compact=True)
@@ -101,13 +103,9 @@ class GoalPanel(Panel):
         self.hint("")
 
     def on_input_submitted(self, event: Field.Submitted) -> None:
-        number = next(n for n, field in enumerate(self.fields) if field is event.input)
-        if number + 1 < len(self.fields):
-            self.screen.set_focus(self.fields[number + 1])
-            return
-        typed = [field.value for field in self.fields]
-        typed[number] = event.value  # as it was: the keys behind enter may have changed it since
-        self.submit(typed)
+        # the last one as it was: the keys behind enter may have changed it since
+        behind = event.input.value.removeprefix(event.value)
+        self.submit([*(field.value for field in self.fields[:-1]), event.value], behind)
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == "go":
@@ -144,8 +142,11 @@ class GoalPanel(Panel):
         self.hint(text)
         self._about = _situation(snapshot)
 
-    def submit(self, typed: Sequence[str]) -> None:
-        """Ask for what was typed, or say what is wrong with it; nothing asks for nothing."""
+    def submit(self, typed: Sequence[str], behind: str = "") -> None:
+        """Ask for what was typed, or say what is wrong with it; nothing asks for nothing.
+
+        `behind` was typed since, and is for the next time.
+        """
         if self._kind is None:
             self.hint(f"{self.app.title}: the robot file names no goal")
             return
@@ -171,6 +172,8 @@ class GoalPanel(Panel):
         for field in self.fields:
             field.clear()
         if self.fields:
+            self.fields[0].value = behind
+            self.fields[0].cursor_position = len(behind)
             self.screen.set_focus(self.fields[0])
         self.post_message(self.Send(targets, typed))
 

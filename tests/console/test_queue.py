@@ -55,6 +55,15 @@ async def test_enter_adds_to_the_queue_while_a_goal_runs_and_double_enter_never_
         assert op.app.view.waiting == ("6",)
 
 
+async def test_what_is_typed_behind_enter_in_one_burst_is_the_next_target() -> None:
+    async with console(*LONG) as op:
+        op.send("g", *"12", "enter", *"7")
+        await op.until("MOVING to 12")
+        assert op.app.main.goal.fields[0].value == "7"
+        await op.press("enter")
+        await op.until("then 7")
+
+
 async def test_a_refused_target_holds_the_rest_until_it_is_continued() -> None:
     async with console(*FAST) as op:
         await op.press("g", *"12 99 7 3", "enter")

@@ -97,6 +97,17 @@ async def test_a_service_with_nested_messages_and_arrays_is_called() -> None:
         assert (list(request.weights), request.fast) == ([1.0, 2.5], True)
 
 
+async def test_a_service_form_that_is_typed_in_one_burst_calls_what_was_typed() -> None:
+    async with counting() as (op, node):
+        await form(op, "C", *"plan", "enter")
+        op.send(*"1.5", "enter", *"2.5", "enter", *"-3", *["enter"] * 3, "4", *["enter"] * 4)
+        await op.press("enter")  # a held one stops at the last field
+        await op.until(lambda: node.planned)
+        start = node.planned[0].start
+        assert (start.position.x, start.position.y, start.position.z) == (1.5, 2.5, -3.0)
+        assert (start.orientation.z, start.orientation.w) == (4.0, 1.0)
+
+
 async def test_a_wrong_element_of_an_array_is_said_and_nothing_is_sent() -> None:
     async with counting() as (op, node):
         screen = await form(op, "C", *"plan", "enter")

@@ -56,6 +56,18 @@ async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
         assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
 
 
+async def test_a_form_that_is_typed_in_one_burst_sends_what_was_typed() -> None:
+    async with rover() as (op, node):
+        op.send("g", *"123456789.5", "enter", "2", "enter", *"90", "enter")
+        await op.until("MOVING to x 123456789.5, y 2.0, yaw 90.0")
+        await op.until("✓ ARRIVED")
+        op.send(*"1", "enter", *"-2.25", "enter", "7", "enter", *"99", "enter")
+        await op.until("MOVING to x 1.0, y -2.25, yaw 7.0")
+        assert op.app.main.goal.fields[0].value == "99"
+        target = node.heard[0].pose.position
+        assert (target.x, target.y) == (123456789.5, 2.0)
+
+
 async def test_what_is_no_number_is_said_in_its_field_and_nothing_is_sent() -> None:
     async with rover() as (op, _):
         await op.press("g", "1", "enter", "2", "enter", *"400", "enter")
