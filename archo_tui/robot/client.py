@@ -103,7 +103,8 @@ class Robot:
     def stop(self) -> None:
         """Stop delivering and leave the graph."""
         self._mailbox.close()
-        self._thread.stop()
+        if self._thread.stop():
+            self._goals.close()
 
     @property
     def snapshot(self) -> Snapshot:

@@ -136,6 +136,12 @@ class Goals:
             self._actions[key] = made
         return self._actions[key]
 
+    def close(self) -> None:
+        """Let go of the actions: rclpy keeps a node on the graph while it has a client of one."""
+        for action in self._actions.values():
+            if action.type is not None and action.client is not None:
+                action.client.destroy()
+
     async def send(
         self, kind: GoalKind, values: Mapping[str, Any], length: float | None
     ) -> Outcome:

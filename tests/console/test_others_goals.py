@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+import pytest
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import EmergencyStop, ResetEncoder
@@ -32,15 +33,15 @@ class Other(Node):
         super().__init__("other", **options)
         self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
         self.told: list[int] = []
-        self.handle: Any = None
+        self.sent: Any = None
 
     def go(self, shelf: int) -> None:
         sent = self.client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf))
         sent.add_done_callback(self._answered)
 
     def _answered(self, sent: Any) -> None:
-        self.handle = sent.result()
-        result = self.handle.get_result_async()
+        self.sent = sent.result()
+        result = self.sent.get_result_async()
         result.add_done_callback(lambda done: self.told.append(done.result().status))
 
 
@@ -71,7 +72,10 @@ async def test_the_goal_of_another_client_is_shown_and_its_end_is_history() -> N
         assert other.told == [GoalStatus.STATUS_SUCCEEDED]
 
 
-async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it() -> None:
+async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # two participants
     made: list[Other] = []
 
     def other(**options: Any) -> Other:
@@ -200,7 +204,10 @@ async def test_what_the_console_says_ended_is_what_each_client_was_told_forty_of
                 assert succeeded == (over.phase == Phase.ARRIVED)
 
 
-async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does() -> None:
+async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # two participants
     async with shared(*FAST) as (op, other):
         domain = other.context.get_domain_id()
         assert "consoles" not in op.line(" ARCHO ")
