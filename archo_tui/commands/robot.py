@@ -76,7 +76,11 @@ class Cancel(Command):
         if goal is None or not goal.is_running or goal.mine:
             return self._run(console)
         question = Confirm("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
-        console.ask(question, lambda answer: self._run(console) if answer == "Cancel it" else None)
+
+        async def cancel() -> None:
+            console.tell(await console.station.robot.cancel(another=True))
+
+        console.ask(question, lambda answer: cancel() if answer == "Cancel it" else None)
         return None
 
     async def _run(self, console: Console) -> None:

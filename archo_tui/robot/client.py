@@ -181,7 +181,9 @@ class Robot:
             if answer is None:
                 return Outcome(False, f"no answer in {services.DEADLINE:g} s")
             said = interfaces.outcome(answer)
-            return Outcome(getattr(answer, "success", True), messages.text(answer) or said.text)
+            return Outcome(
+                bool(getattr(answer, "success", True)), messages.text(answer) or said.text
+            )
 
         command = ros2_command.service_call(service, type_name, request)
         return await self._do(f"call {service.lstrip('/')}", command, work)
@@ -193,11 +195,11 @@ class Robot:
             return None
         return tuple(messages.leaves(found.Goal() if "/action/" in type_name else found.Request()))
 
-    async def cancel(self) -> Outcome:
-        """Ask to cancel the running goal."""
+    async def cancel(self, *, another: bool = False) -> Outcome:
+        """Ask to cancel the running goal; another client's only when that is meant."""
         goal = self._goals.goal
         command = "" if goal is None else ros2_command.cancel(self._offers.full(goal.kind.action))
-        return await self._do("cancel", command, self._goals.cancel)
+        return await self._do("cancel", command, lambda: self._goals.cancel(another=another))
 
     async def cancel_all(self) -> Outcome:
         """Ask to cancel every goal of the robot's actions, whoever sent it."""

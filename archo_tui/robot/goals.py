@@ -202,11 +202,11 @@ class Goals:
         while not action.is_served and self._clock.monotonic() < end:
             await self._services.pause(_FIND_PERIOD)
 
-    async def cancel(self) -> Outcome:
-        """Ask to cancel the goal that matters; how it ends is the robot's to say."""
-        one = self._shown
-        if one is None:
-            return Outcome(False, "no goal is running")
+    async def cancel(self, *, another: bool) -> Outcome:
+        """Ask to cancel our goal, or another client's; how it ends is the robot's to say."""
+        one = self._shown if another else self._ours
+        if one is None or one.goal.mine == another:
+            return Outcome(False, "no goal is running" if one is None else "another goal runs now")
         if one.handle is None:
             return Outcome(False, "the goal has not been accepted yet")
         before = one.goal.phase
