@@ -72,8 +72,9 @@ class Console:
         # what a person must let go before it acts again
         once = {"enter", *(command.key for command in self.app.registry if command.once)}
         for key in keys:
-            released = self._pressed + HELD if key == self._last and key in once else 0.0
-            await self.at(released)
+            if key == self._last and key in once:
+                # since the console took it, which on a loaded machine is after it was sent
+                await self.at(max(self._pressed, self.app._last_typed) + HELD)
             send(self.app, key)
             await self._quiet.settle()
             self._last, self._pressed = key, clock.seconds()  # when the console has taken it
