@@ -35,7 +35,6 @@ FAULTS = [
     # seen to go unnoticed once
     Fault("robot/client.py", "            if outcome.ok:\n                self._stop_asked = None\n                return", "            self._stop_asked = None\n            if outcome.ok:\n                return", ROBOT),
     Fault("robot/followed.py", "goal.phase in (Phase.MOVING, Phase.CANCELLING) and", "goal.phase in (Phase.MOVING,) and", ROBOT),
-    Fault("robot/followed.py", "future.result() is not None and self.goal.is_running:", "future.result() is not None:", ROBOT),
     Fault("commands/console.py", "CANCEL if answer == answers[1] else LEAVE", "CANCEL", CONSOLE + "/test_leaving.py"),
     Fault("parameters/undo.py", "        if outcome.ok:\n            before", "        if True:\n            before", "tests/parameters"),
     Fault("parameters/undo.py", "[-LIMIT:]", "", "tests/parameters"),
