@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from archo_tui.clock import Clock
 from archo_tui.robot.state import Outcome, Snapshot
 from archo_tui.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
-from tests.console.states import NORMAL, STATES
+from tests.console.states import MOVING, NORMAL, STATES
 from tests.support import clock
 from tests.support.quiet import ended
 
@@ -43,6 +44,13 @@ async def test_a_running_goal_is_cancelled_and_its_end_waited_for() -> None:
     await let_go(it, clock.current or Clock(), CANCEL, "ended by SIGHUP")
     assert it.cancelled
     assert it.said == ["WARN ended by SIGHUP: cancelling the goal to shelf 12"]
+
+
+async def test_the_goal_of_another_client_is_neither_cancelled_nor_spoken_of() -> None:
+    it: Any = Robot(replace(STATES["motor moving"], goal=replace(MOVING, mine=False)))
+    await let_go(it, clock.current or Clock(), CANCEL, "ended by SIGHUP")
+    assert not it.cancelled
+    assert it.said == []
 
 
 async def test_a_robot_that_does_not_answer_is_not_waited_for_long() -> None:
