@@ -50,6 +50,8 @@ class Undo(_InParameters):
     once = True
 
     def blocked(self, console: Console) -> str:
+        if console.station.edits.is_changing:
+            return "a change has no answer yet: undo it when it has"
         edit = console.station.edits.last
         if edit is None:
             return "nothing to undo"

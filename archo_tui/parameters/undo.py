@@ -27,6 +27,12 @@ class UndoList:
 
     def __init__(self) -> None:
         self._done: list[Edit] = []
+        self._unanswered = 0
+
+    @property
+    def is_changing(self) -> bool:
+        """Whether a change has not been answered yet; it may have been seen by its event."""
+        return self._unanswered > 0
 
     @property
     def last(self) -> Edit | None:
@@ -36,7 +42,11 @@ class UndoList:
     async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
         """Set parameters of a node, all or none, and keep what they were."""
         known = {p.name: p.value for p in robot.snapshot.parameters if p.node == node}
-        outcome = await robot.set_parameters(node, values)
+        self._unanswered += 1
+        try:
+            outcome = await robot.set_parameters(node, values)
+        finally:
+            self._unanswered -= 1
         if outcome.ok:
             before = {name: known[name] for name in values}
             self._done = [*self._done, Edit(node, before, values)][-LIMIT:]

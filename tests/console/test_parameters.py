@@ -182,7 +182,8 @@ async def test_parameters_are_saved_and_loaded_with_a_preview(tmp_path: Path) ->
         await op.press("enter")
         await op.until("motor_controller max_speed: 0.8 -> 0.4")
         await op.press("tab", "enter")
-        await op.until("0.4 *  double")
+        # the new value may be seen before the change is answered, and only then can it be undone
+        await op.until(lambda: op.text.count("max_speed is 0.4, was 0.8") == 2)
         await op.press("u")
         await op.until("0.8    double   0.05 .. 2")
 

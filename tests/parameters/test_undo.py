@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,12 +15,15 @@ class Robot:
 
     def __init__(self) -> None:
         self.value, self.refuses = 0, False
+        self.answer: asyncio.Event | None = None
 
     @property
     def snapshot(self) -> Any:
         return SimpleNamespace(parameters=(Parameter("/n", "p", "integer", self.value, 0),))
 
     async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
+        if self.answer:
+            await self.answer.wait()
         if self.refuses:
             return Outcome(False, "no")
         self.value = values["p"]
@@ -33,6 +37,19 @@ async def test_a_change_that_was_refused_cannot_be_undone() -> None:
     assert not (await edits.set_parameters(robot, "/n", {"p": 1})).ok
     assert edits.last is None
     assert (await edits.undo(robot)).text == "nothing to undo"
+
+
+async def test_a_change_is_under_way_until_it_is_answered() -> None:
+    robot: Any = Robot()
+    edits, answer = UndoList(), asyncio.Event()
+    robot.answer = answer
+    change = asyncio.create_task(edits.set_parameters(robot, "/n", {"p": 1}))
+    await asyncio.sleep(0)
+    assert (edits.is_changing, edits.last) == (True, None)
+    answer.set()
+    await change
+    assert not edits.is_changing
+    assert edits.last is not None
 
 
 async def test_what_cannot_be_undone_now_can_be_undone_later() -> None:
