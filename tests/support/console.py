@@ -74,6 +74,7 @@ class Console:
         for key in keys:
             if key == self._last and key in once:
                 # since the console took it, which on a loaded machine is after it was sent
+                await self._quiet.settle()
                 await self.at(max(self._pressed, self.app._last_typed) + HELD)
             send(self.app, key)
             await self._quiet.settle()
