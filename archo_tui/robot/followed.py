@@ -26,7 +26,7 @@ from archo_tui.robots.model import Field
 FARTHEST = 1e6  # a remainder beyond that is no reading
 SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 
-_ENDS = {
+ENDS = {
     GoalStatus.STATUS_SUCCEEDED: Phase.ARRIVED,
     GoalStatus.STATUS_CANCELED: Phase.CANCELLED,
     GoalStatus.STATUS_ABORTED: Phase.ABORTED,
@@ -112,8 +112,8 @@ class Followed:
 
     def on_status(self, status: int) -> None:
         """What the action says of it."""
-        if status in _ENDS:
-            self._ended_as = self._ended_as or (_ENDS[status], self._clock.monotonic())
+        if status in ENDS:
+            self._ended_as = self._ended_as or (ENDS[status], self._clock.monotonic())
         elif status == GoalStatus.STATUS_CANCELING and self.goal.phase == Phase.MOVING:
             self.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
 
@@ -147,7 +147,7 @@ class Followed:
         if answer.status == GoalStatus.STATUS_UNKNOWN:
             self.forgotten()
             return
-        phase, result = _ENDS.get(answer.status, Phase.ABORTED), answer.result
+        phase, result = ENDS.get(answer.status, Phase.ABORTED), answer.result
         succeeded = getattr(result, "success", None)
         if isinstance(succeeded, bool) and succeeded != (phase == Phase.ARRIVED):
             said = "succeeded" if phase == Phase.ARRIVED else phase.value.lower()

@@ -21,13 +21,14 @@ from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
 from archo_tui.robot import interfaces, messages, services
-from archo_tui.robot.followed import Followed
+from archo_tui.robot.followed import ENDS, Followed
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Outcome, Phase
 from archo_tui.robots import check
 from archo_tui.robots.model import GoalKind
 
 HISTORY = 20  # ended goals that are kept
+_OVER = 100  # ids that are kept: more than the goals that end between two looks at a status
 _FIND_PERIOD = 0.05  # s between two looks for the server of an action
 _REASON_WAIT = 0.3  # s that the log line with a refusal's reason may come after the refusal
 _LONGEST_AGE = 86_400.0  # s; a goal that is older has a stamp of another clock
@@ -37,6 +38,12 @@ _RUNNING = {
     GoalStatus.STATUS_EXECUTING: Phase.MOVING,
     GoalStatus.STATUS_CANCELING: Phase.CANCELLING,
 }
+
+
+def _seconds(status: Any) -> float:
+    """When the robot took that goal, in s since the epoch of its clock."""
+    stamp = status.goal_info.stamp
+    return float(stamp.sec + stamp.nanosec / 1e9)
 
 
 class _Action:
@@ -49,9 +56,14 @@ class _Action:
         on_feedback: Callable[[Any], None],
         on_status: Callable[[_Action, Any], None],
         watching: bool,
+        since: float,
     ) -> None:
-        """Watching, it makes no client but the one that asks for results."""
-        self.kind = kind
+        """Watching, it makes no client but the one that asks for results.
+
+        `since` is the time now, in s since the epoch.
+        """
+        self.kind, self.since = kind, since
+        self.told: set[bytes] | None = None  # the goals in its last status
         self.type = interfaces.load(kind.type)  # None: not installed here, all else works
         if self.type is None:
             return
@@ -104,6 +116,7 @@ class Goals:
         self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
         self._numbers = itertools.count(1)
         self._running: dict[bytes, Followed] = {}
+        self._over: deque[bytes] = deque(maxlen=_OVER)  # those that ended
         self._last: Goal | None = None  # the one that ended last
         self._refusals: deque[str] = deque(maxlen=5)
         self.history: deque[Goal] = deque(maxlen=HISTORY)
@@ -132,7 +145,8 @@ class Goals:
         """The client of an action, from now on."""
         key = (kind.action, kind.type)
         if key not in self._actions:
-            made = _Action(self._node, kind, self._on_feedback, self._on_status, self._watching)
+            said = self._on_feedback, self._on_status
+            made = _Action(self._node, kind, *said, self._watching, self._clock.now())
             self._actions[key] = made
         return self._actions[key]
 
@@ -278,24 +292,35 @@ class Goals:
     def _on_status(self, action: _Action, message: Any) -> None:
         """The whole status of an action: goals of others are followed from now on."""
         told = {bytes(s.goal_info.goal_id.uuid): s for s in message.status_list}
+        # of several servers each tells of its own goals
+        alone = self._node.count_publishers(action.status_topic) == 1
         for goal_id, status in told.items():
             one = self._running.get(goal_id)
             if one is not None:
                 one.on_status(status.status)
-            elif status.status in _RUNNING:
+            elif status.status in _RUNNING or (alone and self._was_short(action, status)):
                 self._follow_another(action, goal_id, status)
-        if self._node.count_publishers(action.status_topic) != 1:
-            return  # of several servers each tells of its own goals
+        if not alone:
+            return
+        action.told = set(told)
         for one in list(self._running.values()):
             if one.action is action and not one.goal.mine and one.id not in told:
                 one.forgotten()
 
+    def _was_short(self, action: _Action, status: Any) -> bool:
+        """True for a goal that began and ended between two looks at the status."""
+        goal_id = bytes(status.goal_info.goal_id.uuid)
+        if status.status not in ENDS or goal_id in self._over:
+            return False
+        if action.told is not None:
+            return goal_id not in action.told
+        return _seconds(status) >= action.since  # else it ended before the console came
+
     def _follow_another(self, action: _Action, goal_id: bytes, status: Any) -> None:
-        stamp = status.goal_info.stamp
         now, time = self._clock.monotonic(), self._clock.now()
-        age = time - (stamp.sec + stamp.nanosec / 1e9)
+        age = time - _seconds(status)
         begun = now - age if 0 <= age <= _LONGEST_AGE else now
-        phase = _RUNNING[status.status]
+        phase = _RUNNING.get(status.status, Phase.MOVING)
         asked = now if phase == Phase.CANCELLING else None
         goal = Goal(
             *(action.kind, {}, phase, begun, time),
@@ -308,6 +333,7 @@ class Goals:
         one = self._follow(goal, goal_id, action)
         if not self._watching:
             one.assume()
+        one.on_status(status.status)
         one.ask_result()
         self._say("GOAL", f"another client sent a goal to {action.kind.action}")
 
@@ -333,6 +359,7 @@ class Goals:
         goal = one.goal
         if before.is_running and not goal.is_running:
             self._running.pop(one.id, None)
+            self._over.append(one.id)
             self._last = goal
             self.history.appendleft(goal)
             if goal.phase != Phase.REFUSED or before.phase != Phase.SENT:  # else the verb says it

@@ -29,10 +29,18 @@ class Processes:
         self._running: list[subprocess.Popen[bytes]] = []
 
     def start(self, module: str, *words: str) -> subprocess.Popen[bytes]:
-        """Run a module's main()."""
+        """Run a node's main()."""
+        return self._start(subprocess.DEVNULL, module, "--ros-args", *words)
+
+    def start_console(self, *words: str) -> subprocess.Popen[bytes]:
+        """Run a console; its commands are written to its stdin."""
+        return self._start(subprocess.PIPE, "archo_tui", "--engine", "ros2", *words)
+
+    def _start(self, stdin: int, module: str, *words: str) -> subprocess.Popen[bytes]:
         process = subprocess.Popen(
-            [sys.executable, "-m", module, "--ros-args", *words],
+            [sys.executable, "-m", module, *words],
             env=os.environ | {"ROS_DOMAIN_ID": str(self.domain)},
+            stdin=stdin,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -52,6 +60,8 @@ class Processes:
                 process.wait(10)
             except subprocess.TimeoutExpired:
                 self.kill(process)
+            if process.stdin is not None:
+                process.stdin.close()
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ import asyncio
 import time
 from collections.abc import Awaitable, Callable
 from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
 
 from textual.app import App
 
@@ -15,21 +16,32 @@ from tests.support.waiting import DEADLINE, Waited
 T = TypeVar("T")
 
 
+_given: WeakKeyDictionary[Any, set[Any]] = WeakKeyDictionary()  # by loop
+
+
+def _given_to_threads(loop: Any) -> set[Any]:
+    """What a loop has given to threads, and they have not ended."""
+    if loop not in _given:
+        running = _given[loop] = set()
+        run_in_executor = loop.run_in_executor
+
+        def tracked(executor: Any, function: Any, *args: Any) -> Any:
+            future = run_in_executor(executor, function, *args)
+            running.add(future)
+            future.add_done_callback(running.discard)
+            return future
+
+        loop.run_in_executor = tracked
+    return _given[loop]
+
+
 class Quiet:
     """Watches the running loop, what the loop has given to threads, and an app's screen."""
 
     def __init__(self, app: App[Any] | None = None) -> None:
         self._app = app
         self._loop: Any = asyncio.get_running_loop()
-        self._run_in_executor = self._loop.run_in_executor
-        setattr(self._loop, "run_in_executor", self._tracked)  # noqa: B010
-        self._threads: set[Any] = set()
-
-    def _tracked(self, executor: Any, function: Any, *args: Any) -> Any:
-        future = self._run_in_executor(executor, function, *args)
-        self._threads.add(future)
-        future.add_done_callback(self._threads.discard)
-        return future
+        self._threads = _given_to_threads(self._loop)
 
     async def settle(self) -> None:
         """Return when nobody has anything to do before time moves on, and all is drawn."""

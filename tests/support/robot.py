@@ -23,7 +23,6 @@ async def robot(
     with Session(
         Options(engine=chosen.ENGINE, node_makers=makers, **given), clock.current
     ) as session:
-        await until(
-            lambda: len(session.robot.snapshot.nodes) == len(makers) if nodes is None else nodes
-        )
+        wanted = len(makers) if nodes is None else nodes
+        await until(lambda: len(session.robot.snapshot.nodes) == wanted)
         yield session.robot
