@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import errno
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -188,6 +189,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     if options.journal:
         print(journal.path())
         return 0
+    gc.disable()  # until all is imported and made: nothing of that is garbage
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
 
@@ -212,6 +214,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     try:
         code = _plain(session) if options.plain else _console(session)
     finally:
+        gc.enable()
         ignore_signals()
         stuck = session.close()
     for name in stuck:
@@ -225,6 +228,7 @@ def _plain(session: Session) -> int:
 
     heed_signals()
     session.start()
+    gc.enable()
     return plain.run(session.station)
 
 
@@ -241,6 +245,7 @@ def _console(session: Session) -> int:
     keys, others = keymap.load(config_file("keymap.yaml"), registry(session.description))
     heed_signals()
     session.start()
+    gc.enable()
     if others:
         station.robot.note("WARN", "console", others)
     failed, failures = "", 0

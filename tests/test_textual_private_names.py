@@ -32,6 +32,7 @@ METHODS = [
     ("terminal/driver.py", XTermParser, "feed"),
     ("terminal/driver.py", XTermParser, "tick"),
     ("widgets/rows.py", Widget, "_refresh_scrollbars"),
+    ("screens/main.py", Screen, "_compositor_refresh"),
     ("commands/keymap.py", keys, "_character_to_key"),
     ("tests/support/console.py", keys, "_get_unicode_name_from_key"),
     ("tests/support/quiet.py", Screen, "_on_timer_update"),

@@ -293,7 +293,7 @@ class Robot:
         if changed or faults != self._faults or self._unseen:
             self._faults = faults
             self._mark()
-        self._parameters.follow(self._graph.names, self._graph.services)
+        self._parameters.follow(self._graph.count, self._graph.services)
 
     def _watch(self) -> None:
         if not self._goals.running:

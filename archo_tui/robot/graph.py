@@ -41,6 +41,7 @@ class Graph:
         self._last: dict[str, float] = {}
         self._publisher: dict[str, str] = {}
         self.names: list[str] = []
+        self.count: dict[str, int] = {}  # how many nodes have each of the names
         self.services: dict[str, list[str]] = {}  # types by name, of clients too
         self.offered: frozenset[str] = frozenset()
         self.actions: dict[str, tuple[str, ...]] = {}  # types, of every action that is served
@@ -55,6 +56,7 @@ class Graph:
         own = self._node.get_fully_qualified_name()
         here = [name for name in found if name.rpartition("/")[0] == self._below[:-1]]
         self.consoles = tuple(sorted(filter(None, (author(n) for n in here if n != own))))
+        self.count = {name: found[name] for name in names}
         self.twice = tuple(name for name in names if found[name] > 1)
         services = dict(self._node.get_service_names_and_types())
         # a name alone may be that of a client, our own for one: servers are counted

@@ -18,6 +18,7 @@ from rclpy.parameter import Parameter as RosParameter
 from archo_tui.clock import Clock
 from archo_tui.robot import services
 from archo_tui.robot.parameter_values import TYPES, as_python
+from archo_tui.robot.rounds import Rounds
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.text import harmless
@@ -46,50 +47,43 @@ class Parameters:
         self._told = told
         self._node, self._clock = node, clock
         self._set_anew = set_anew
-        self._known: set[str] = set()  # nodes of the last look
+        self._known: dict[str, int] = {}  # nodes of the last look, and how many of each
         self._retry: dict[str, tuple[float, float]] = {}  # of nodes that did not answer: when, s
         self._services = pending
         self._changed = changed
         self._by_node: dict[str, dict[str, Parameter]] = {}
         self._loading: set[str] = set()
-        self._refreshed = ""  # the node whose values were read again last
+        self._rounds = Rounds()
         node.create_subscription(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
         """By node, then in the order in which the node declared them."""
         return tuple(p for node in sorted(self._by_node) for p in self._by_node[node].values())
 
-    def follow(self, nodes: list[str], offered: Container[str]) -> None:
-        """Load nodes that are new on the graph and offer parameters, forget those that left."""
-        for gone in self._known - set(nodes):
-            self._known.discard(gone)
+    def follow(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
+        """Load nodes that are new on the graph and offer parameters, forget those that left.
+
+        `nodes` has how many there are of each name: one more means that it was started anew, while
+        the one before, killed, lingers on the graph.
+        """
+        for gone in self._known.keys() - nodes.keys():
             self._retry.pop(gone, None)
             self._services.forget(gone)
             if self._by_node.pop(gone, None) is not None:
                 self._changed()
-        self._known.update(nodes)
         now = self._clock.monotonic()
-        for name in nodes:
-            known = name in self._by_node or name in self._loading
-            known = known or now < self._retry.get(name, (0.0, 0.0))[0]
+        for name, count in nodes.items():
+            known = name in self._by_node and count <= self._known.get(name, count)
+            known = known or name in self._loading or now < self._retry.get(name, (0.0, 0.0))[0]
             if not known and f"{name}/list_parameters" in offered:
                 self._loading.add(name)
                 self._task(self._load, name)
-        self._refresh_next()
+        self._known = dict(nodes)
+        for node, names in self._rounds.due(now, self._by_node):
+            if node in self._by_node:  # not of those that left in this round
+                self._task(self._refresh, node, names)
 
-    def _refresh_next(self) -> None:
-        """Read one node's values again: one that was restarted under its name does not say so.
-
-        One node at each look, so that the cost does not grow with the number of nodes.
-        """
-        names = sorted(self._by_node.keys() - self._loading)
-        if names:
-            later = [name for name in names if name > self._refreshed]
-            self._refreshed = (later or names)[0]
-            self._task(self._refresh, self._refreshed)
-
-    async def _refresh(self, node: str) -> None:
-        names = list(self._by_node[node])
+    async def _refresh(self, node: str, names: list[str]) -> None:
         got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
@@ -101,8 +95,8 @@ class Parameters:
         for name, value in zip(names, got.values, strict=True):
             self._take(node, name, as_python(value))
 
-    def _task(self, function: Callable[[str], Any], node: str) -> None:
-        self._node.executor.create_task(function, node)  # type: ignore[union-attr]
+    def _task(self, function: Callable[..., Any], *arguments: Any) -> None:
+        self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
 
     async def _load(self, node: str) -> None:
         try:

@@ -25,6 +25,8 @@ _HEAPED = re.compile(f"({_COMBINING}{{{_MARKS}}}){_COMBINING}+")
 
 def safe(text: str) -> str:
     """One line of text without anything that a terminal could act on."""
+    if text.isascii() and text.isprintable():  # nearly all is, and this is fast
+        return text
     return _HEAPED.sub(r"\1", _UNSAFE.sub(_SHOWN, text))
 
 

@@ -6,6 +6,7 @@ from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
 from textual.markup import escape
 from textual.message import Message
+from textual.reactive import Reactive
 from textual.screen import Screen
 from textual.widget import Widget
 
@@ -37,6 +38,9 @@ class MainScreen(Screen[None]):
             super().__init__()
             self.said = said
 
+    # Textual's own would draw the whole screen anew; what gains or loses the focus draws itself
+    focused: Reactive[Widget | None] = Reactive(None, repaint=False)
+
     _before: Widget | None = None  # had the focus before a panel was asked for
 
     def __init__(self, snapshot: Snapshot) -> None:
@@ -52,6 +56,7 @@ class MainScreen(Screen[None]):
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
         self._below: object = None  # what the footer shows
+        self._is_laid_out = False
         self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
 
     def compose(self) -> ComposeResult:
@@ -95,7 +100,18 @@ class MainScreen(Screen[None]):
         self.call_after_refresh(self._show_focused)
 
     def on_resize(self) -> None:
-        self.call_after_refresh(self._show_focused)
+        self.call_after_refresh(self._laid_out)
+
+    def _laid_out(self) -> None:
+        if not self._is_laid_out:
+            self._is_laid_out = True
+            self.refresh()
+        self._show_focused()
+
+    def _compositor_refresh(self) -> None:
+        """Draw, but not before the panels are laid out for the terminal's size."""
+        if self._is_laid_out:
+            super()._compositor_refresh()
 
     def _show_focused(self) -> None:
         """Where not all panels have room, the one with the focus is seen whole."""

@@ -6,11 +6,12 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any
 
 import yaml
+from textual import widgets  # of these TextArea is loaded with its first use: it is large
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.markup import escape
-from textual.widgets import Button, Label, Static, TextArea
+from textual.widgets import Button, Label, Static
 
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.state import Leaf, Outcome
@@ -53,7 +54,7 @@ class MessageForm(Dialog[None]):
                 "^s send   esc cancel" if self._is_yaml else "enter send   esc cancel"
             )
             if self._is_yaml:
-                yield TextArea(self._typed.get("", _yaml(self._leaves)), id="yaml")
+                yield widgets.TextArea(self._typed.get("", _yaml(self._leaves)), id="yaml")
             else:
                 with VerticalScroll(classes="fields", can_focus=False):
                     yield from self._rows()
@@ -133,7 +134,7 @@ class MessageForm(Dialog[None]):
         return values
 
     def _values_of_yaml(self) -> dict[str, Any] | None:
-        text = self.query_one(TextArea).text
+        text = self.query_one(widgets.TextArea).text
         self._typed[""] = text
         try:
             values = yaml.safe_load(text)

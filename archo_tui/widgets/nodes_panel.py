@@ -23,7 +23,7 @@ class NodeRow:
 
     state: NodeState
     hosted: Hosted | None
-    second: float  # monotonic s of the last tick: ages need not be livelier
+    second: float  # monotonic s of the last tick, 0 without an age: ages need not be livelier
 
     @property
     def name(self) -> str:
@@ -64,10 +64,12 @@ def node_rows(view: View) -> tuple[NodeRow, ...]:
     """The nodes of the graph and of this process, by name."""
     hosted = {node.name: node for node in view.hosted}
     states = {node.name: node for node in view.snapshot.nodes}
-    return tuple(
-        NodeRow(states.get(name, NodeState(name)), hosted.get(name), view.second)
-        for name in sorted(states.keys() | hosted.keys())
-    )
+
+    def row(name: str) -> NodeRow:
+        state = states.get(name, NodeState(name))
+        return NodeRow(state, hosted.get(name), 0.0 if state.heard is None else view.second)
+
+    return tuple(map(row, sorted(states.keys() | hosted.keys())))
 
 
 def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
@@ -90,6 +92,10 @@ def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     ago = "" if heard is None else age(row.second - heard)
     often = f" {rate:5.1f} Hz" if rate is not None and columns[1] else ""
     return [(f"{name}{ago:>5}{often}", style)]
+
+
+def _kept(before: NodeRow | None, now: NodeRow) -> NodeRow:
+    return before if before is not None and before == now else now
 
 
 class NodesPanel(Panel):
@@ -128,4 +134,6 @@ class NodesPanel(Panel):
         drawn = (view.second, view.hosted, len(view.snapshot.nodes))
         if drawn != self._drawn:
             self._drawn = drawn
-            self._rows.show(node_rows(view))
+            before = {row.name: row for row in self._rows.items}
+            # those that look as before stay the same objects: of a crowd only few are drawn
+            self._rows.show([_kept(before.get(row.name), row) for row in node_rows(view)])

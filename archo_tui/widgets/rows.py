@@ -76,6 +76,11 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self.cursor = 0
 
     @property
+    def items(self) -> Sequence[T]:
+        """What is shown."""
+        return self._items
+
+    @property
     def item(self) -> T | None:
         """The item under the cursor."""
         return self._items[self.cursor] if self.cursor < len(self._items) else None

@@ -18,7 +18,7 @@ engine.activate("embedded", hosting=True)
 from archo_bringup.motor_controller import MotorController  # noqa: E402
 from rclpy.node import Node  # noqa: E402
 
-from archo_tui.app import ArchoApp  # noqa: E402
+from archo_tui.app import HELD, ArchoApp  # noqa: E402
 from archo_tui.session import Options, Session  # noqa: E402
 from tests.support.console import send  # noqa: E402
 
@@ -63,7 +63,7 @@ async def _press(session: Session) -> list[float]:
             while len(Stopped.heard) <= number:
                 await asyncio.sleep(0.001)
             took.append(1000 * (Stopped.heard[number] - begin))
-            await asyncio.sleep(0.6)
+            await asyncio.sleep(HELD + 0.1)  # the key is let go of
     return took
 
 

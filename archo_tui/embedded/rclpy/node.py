@@ -584,10 +584,13 @@ class Node(NodeParameters):
 
 
 def _sorted(pairs: Iterable[tuple[str, Any]]) -> NamesAndTypes:
-    types: dict[str, set[str]] = {}
+    types: dict[str, list[str]] = {}
     for name, kind in pairs:
-        types.setdefault(name, set()).add(kind.__type_name__)
-    return [(name, sorted(types[name])) for name in sorted(types)]
+        known = types.setdefault(name, [])
+        if kind.__type_name__ not in known:
+            known.append(kind.__type_name__)
+            known.sort()
+    return sorted(types.items())
 
 
 def _info(endpoint: Any) -> TopicEndpointInfo:

@@ -55,6 +55,8 @@ class Timer(Entity):
         if period_ns < 0:
             raise RCLError("failed to create timer: timer period must be non-negative")
         self.callback = callback
+        self._asked_of: object = None  # the callback that was looked at for such an argument
+        self._wanted = ""
         self.clock = clock
         self._ros_clock = clock if isinstance(clock, ROSClock) else None
         if self._ros_clock is not None:
@@ -157,8 +159,9 @@ class Timer(Entity):
 
     def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
         """The callback, given a TimerInfo when one of its arguments is annotated so."""
-        wanted = _info_argument(self.callback)
-        if not wanted:
+        if self._asked_of is not self.callback:
+            self._asked_of, self._wanted = self.callback, _info_argument(self.callback)
+        if not self._wanted:
             return self.callback
         to_clock = self.clock.now().nanoseconds - self._now_ns()
         info = TimerInfo(
@@ -166,7 +169,7 @@ class Timer(Entity):
             actual_call_time=actual + to_clock,
             clock_type=self.clock.clock_type,
         )
-        return partial(self.callback, **{wanted: info})
+        return partial(self.callback, **{self._wanted: info})
 
 
 def _info_argument(callback: Any) -> str:
