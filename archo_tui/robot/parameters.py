@@ -101,13 +101,15 @@ class Parameters:
     async def _load(self, node: str) -> None:
         try:
             listed = await self._services.call(
-                srv.ListParameters, f"{node}/list_parameters", srv.ListParameters.Request()
+                *(srv.ListParameters, f"{node}/list_parameters", srv.ListParameters.Request()),
+                once=True,
             )
             names = list(listed.result.names) if listed is not None else []
             described = await self._services.call(
                 srv.DescribeParameters,
                 f"{node}/describe_parameters",
                 srv.DescribeParameters.Request(names=names),
+                once=True,
             )
             got = await self._services.call(
                 srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)

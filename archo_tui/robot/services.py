@@ -44,12 +44,18 @@ class Services:
         for key in [key for key in self._clients if key[0].startswith(f"{node}/")]:
             self._node.destroy_client(self._clients.pop(key))
 
-    async def call(self, srv_type: Any, name: str, request: Any) -> Any:
-        """The response, or None when nobody answered within DEADLINE."""
+    async def call(self, srv_type: Any, name: str, request: Any, *, once: bool = False) -> Any:
+        """The response, or None when nobody answered within DEADLINE.
+
+        The client of a call that is made once is not kept: rclpy looks at each, whatever comes.
+        """
         client = self.client(srv_type, name)
         future = client.call_async(request)
         self.watch(future, client)
-        return await future
+        answer = await future
+        if once and self._clients.pop((name, srv_type), None) is not None:
+            self._node.destroy_client(client)
+        return answer
 
     def watch(self, future: Any, client: Any = None) -> None:
         """Cancel the future when its deadline passes: awaiting it then gives None."""

@@ -58,6 +58,7 @@ for part in range({executors}):
 print("CROWD", flush=True)
 """
 ONLINE = "● online"
+HERE = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
 
 def say(name: str, value: str, beside: str = "") -> None:
@@ -144,9 +145,8 @@ def idle() -> None:
 @contextlib.contextmanager
 def nodes(*words: str) -> Iterator[int]:
     """The robot on real ROS 2 in processes of their own; its domain."""
-    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     domain = chosen.next_domain()
-    environ = os.environ | {"ROS_DOMAIN_ID": str(domain)}
+    environ = os.environ | HERE | {"ROS_DOMAIN_ID": str(domain)}
     running = [
         subprocess.Popen(
             [sys.executable, "-m", f"archo_bringup.{name}", "--ros-args", *words],
@@ -168,7 +168,8 @@ def attached() -> None:
     """CPU beside a robot of other processes, and of an rclpy that only listens."""
     for name, words in (("1 Hz", ()), ("50 Hz", FAST)):
         with nodes(*words) as domain:
-            with Program("--attach", "--domain", str(domain), engine="ros2") as program:
+            code = f"import os; os.environ |= {HERE | {'ROS_DOMAIN_ID': str(domain)}}"
+            with Program("--attach", code=code, engine="ros2") as program:
                 program.until(ONLINE)
                 program.read(2 * REST)
                 say(f"CPU attached, real ROS 2, {name}", f"{program.load(SPAN):.2%}")
