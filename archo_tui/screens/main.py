@@ -74,7 +74,16 @@ class MainScreen(Screen[None]):
         yield self._footer
 
     def on_mount(self) -> None:
+        self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
         self.focus_panel(4)
+
+    def watch_focused(self) -> None:
+        self._mark_focused()
+
+    def _mark_focused(self) -> None:
+        """By hand: a style for `:focus-within` has Textual look at all that the panels contain."""
+        for panel in self._panels.values():
+            panel.mark_focused(panel.number == self.focused_panel)
 
     @property
     def focus_chain(self) -> list[Widget]:

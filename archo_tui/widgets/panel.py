@@ -22,6 +22,7 @@ class Panel(Container):
         super().__init__(id=f"panel-{self.number}", classes="panel")
         self.border_title = f"{self.number} {self.title_text}"
         self._below = ""
+        self._marked = ""  # the colour of its border while it has the focus
 
     def show(self, view: View) -> None:
         """Show what changed."""
@@ -59,6 +60,13 @@ class Panel(Container):
         for service, button in buttons:
             missing = service not in snapshot.offered or service in snapshot.faults
             button.set_class(missing, "-blocked")
+
+    def mark_focused(self, has_focus: bool) -> None:
+        """Show by the border whether it has the focus, or what it contains."""
+        colour = self.app.theme_variables["primary"] if has_focus else ""
+        if colour != self._marked:
+            self._marked = colour
+            self.styles.border = ("heavy", colour) if colour else None
 
     def take_focus(self) -> None:
         """Focus what a person expects to operate in this panel, at once: keys may follow."""
