@@ -9,14 +9,11 @@ import os
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
-from pathlib import Path
-from typing import TYPE_CHECKING
 
-from archo_tui import __version__, journal
+from archo_tui import __version__
 from archo_tui.errors import ArchoError
-from archo_tui.paths import config_file
-from archo_tui.terminal.stderr import guarded_stderr, log_file
 
+TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
 if TYPE_CHECKING:
     from archo_tui.session import Session
 
@@ -30,7 +27,7 @@ def parser() -> argparse.ArgumentParser:
         prog="archo-tui",
         description="Operate the warehouse robot ARCHO from a terminal.",
         epilog="A stop from here is a software stop: it does not replace the hardware one. "
-        f"Whatever libraries print while the screen is shown goes to {log_file()}.",
+        "What libraries print while the screen is shown goes to stderr.log, beside the journal.",
     )
     made.add_argument(
         "--version",
@@ -40,7 +37,6 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--params-file",
         metavar="FILE",
-        type=Path,
         action="append",
         default=[],
         help="ROS parameter file for the nodes; can be given several times, the last one wins",
@@ -51,7 +47,6 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--node",
         metavar="FILE",
-        type=Path,
         action="append",
         default=[],
         help="host the rclpy nodes that a Python file defines, in place of the robot's own of the "
@@ -60,7 +55,6 @@ def parser() -> argparse.ArgumentParser:
     made.add_argument(
         "--robot",
         metavar="FILE",
-        type=Path,
         help="what the robot offers and what it means, instead of ARCHO's config/robots/archo.yaml",
     )
     made.add_argument("--only", action="store_true", help="host none of the robot's own nodes")
@@ -154,13 +148,16 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
-def _keys(robot: Path | None) -> int:
+def _keys(robot: str | None) -> int:
     """The current keymap, in the form of its file."""
+    from pathlib import Path
+
     from archo_tui.commands import keymap, registry
+    from archo_tui.paths import config_file
     from archo_tui.robots import load
 
     path = config_file("keymap.yaml")
-    commands = registry(load.load(robot or load.default()))
+    commands = registry(load.load(Path(robot) if robot else load.default()))
     keys, others = keymap.load(path, commands)
     print(f"# {path}")
     for command in commands:
@@ -187,8 +184,12 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     if options.keys:
         return _keys(options.robot)
     if options.journal:
-        print(journal.path())
+        from archo_tui.paths import journal_file
+
+        print(journal_file())
         return 0
+    from pathlib import Path
+
     gc.disable()  # until all is imported and made: nothing of that is garbage
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
@@ -198,12 +199,12 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     session = Session(
         Options(
             engine=options.engine,
-            params_files=options.params_file,
+            params_files=[*map(Path, options.params_file)],
             use_sim=options.use_sim,
             namespace=options.namespace,
-            node_files=options.node,
+            node_files=[*map(Path, options.node)],
             only=options.only,
-            robot=options.robot,
+            robot=Path(options.robot) if options.robot else None,
             watch=options.watch,
             ros_args=ros_args,
             attach=options.attach,
@@ -238,8 +239,10 @@ def _console(session: Session) -> int:
 
     from archo_tui.app import ArchoApp
     from archo_tui.commands import keymap, registry
+    from archo_tui.paths import config_file
     from archo_tui.shutdown import heed_signals, let_go
     from archo_tui.terminal import themes
+    from archo_tui.terminal.stderr import guarded_stderr, log_file
 
     station, clock = session.station, session.station.clock
     keys, others = keymap.load(config_file("keymap.yaml"), registry(session.description))

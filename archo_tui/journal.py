@@ -17,17 +17,12 @@ from collections.abc import Iterator
 from datetime import datetime, timezone
 from pathlib import Path
 
-from archo_tui.paths import make_folder, state_file
+from archo_tui.paths import make_folder
 
 MAX_BYTES = 1_000_000  # then it is renamed to journal.jsonl.1, which replaces the older one
 VERSION = 1  # of a line's form: it grows when what a name means changes
 _WAITING = 1000  # lines that may wait for the disk
 _STOP_TIMEOUT = 2.0  # s
-
-
-def path() -> Path:
-    """Where the journal is."""
-    return state_file("journal.jsonl")
 
 
 class Journal:

@@ -27,6 +27,11 @@ def state_file(name: str) -> Path:
     return _folder(platformdirs.user_state_path) / name
 
 
+def journal_file() -> Path:
+    """The operator's log: archo_tui/journal.py."""
+    return state_file("journal.jsonl")
+
+
 def _folder(find: Callable[..., Path]) -> Path:
     """The folder; where the user has no home, one in which nothing can be."""
     try:

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from archo_tui import engine, journal
+from archo_tui import engine
 from archo_tui.clock import Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
 from archo_tui.journal import Journal
 from archo_tui.parameters import files
+from archo_tui.paths import journal_file
 from archo_tui.robots import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
 from archo_tui.station import Station
@@ -98,7 +99,7 @@ class Session:
             )
         except Exception as error:  # ROS has a dozen of them, all for bad arguments
             raise ArchoError((str(error).splitlines() or [repr(error)])[0]) from None
-        self.journal = Journal(journal.path())
+        self.journal = Journal(journal_file())
         try:
             self.robot = Robot(
                 self._context,

@@ -15,6 +15,7 @@ import pytest
 
 from archo_tui import journal
 from archo_tui.journal import MAX_BYTES, Journal
+from archo_tui.paths import journal_file
 from tests.support.console import FAST, console
 from tests.support.quiet import ended
 from tests.support.waiting import wait_until
@@ -96,7 +97,7 @@ async def test_commands_alarms_and_warnings_of_a_session_are_in_it() -> None:
         await op.press("escape", "ctrl+x")
         await op.until("STOPPED: look")
         await op.press("a")
-    found = entries(journal.path())
+    found = entries(journal_file())
     said = [(e["kind"], e.get("text", "")) for e in found]
     assert ("command", "reset encoder: Encoder reset to zero") in said
     assert ("command", "go to shelf 99: shelf 99 is not in 1 .. 40") in said
@@ -108,13 +109,13 @@ async def test_commands_alarms_and_warnings_of_a_session_are_in_it() -> None:
 
 
 async def test_a_journal_that_cannot_be_written_is_said_on_the_screen() -> None:
-    journal.path().mkdir(parents=True)
+    journal_file().mkdir(parents=True)
     async with console(*FAST) as op:
         await op.press("r")
         await op.until("● JOURNAL NOT WRITTEN: Is a directory: /")
         await op.press("g", "7", "enter")
         await op.until("Arrived at shelf 7")
-        journal.path().rmdir()
+        journal_file().rmdir()
         await op.press("r")
         await op.until("was: JOURNAL NOT WRITTEN, since ")
 
@@ -134,7 +135,7 @@ async def test_of_what_repeats_only_the_first_and_round_numbers_are_written() ->
         for _ in range(25):
             op.app.station.robot.note("WARN", "console", "again")
         await op.until("x 25")
-    found = [e["count"] for e in entries(journal.path()) if e.get("text") == "again"]
+    found = [e["count"] for e in entries(journal_file()) if e.get("text") == "again"]
     assert found == [1, 10]
 
 
@@ -203,5 +204,5 @@ async def test_a_change_says_what_the_parameter_was() -> None:
         robot = op.app.station.robot
         outcome = await ended(robot.set_parameters("/motor_controller", {"max_speed": 0.5}))
         assert outcome.ok
-    said = [e["text"] for e in entries(journal.path()) if e["kind"] == "command"]
+    said = [e["text"] for e in entries(journal_file()) if e["kind"] == "command"]
     assert said == ["set motor_controller max_speed 0.5: max_speed is 0.5, was 0.8"]

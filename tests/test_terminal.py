@@ -14,8 +14,9 @@ from typing import Any
 
 import pytest
 
-from archo_tui import cli, journal
+from archo_tui import cli
 from archo_tui.errors import ArchoError
+from archo_tui.paths import journal_file
 from tests.support.terminal import Terminal
 from tests.support.waiting import wait_until
 
@@ -32,7 +33,7 @@ def terminals() -> Iterator[list[Terminal]]:
 
 
 def journaled() -> list[dict[str, Any]]:
-    return [json.loads(line) for line in journal.path().read_text().splitlines()]
+    return [json.loads(line) for line in journal_file().read_text().splitlines()]
 
 
 @pytest.mark.parametrize("end", ["q", "SIGINT", "SIGHUP", "SIGQUIT"])  # SIGTERM: below
@@ -214,7 +215,7 @@ def test_after_kill_9_the_last_completed_command_is_in_the_journal(
     terminal.until("wheel_radius")
     terminal.write("r")
     terminal.until("Encoder reset to zero")
-    wait_until(journal.path().exists)
+    wait_until(journal_file().exists)
     terminal.kill(signal.SIGKILL)
     assert terminal.exit_code() == -signal.SIGKILL
     assert journaled()[-1]["text"] == "reset encoder: Encoder reset to zero"
@@ -291,7 +292,7 @@ def test_keys_from_the_first_moment_on_are_obeyed(terminals: list[Terminal]) -> 
 
 
 def entries_so_far() -> list[dict[str, Any]]:
-    return journaled() if journal.path().exists() else []
+    return journaled() if journal_file().exists() else []
 
 
 @pytest.mark.parametrize("delay", [0.0, 0.02])

@@ -7,7 +7,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from archo_tui import journal
+from archo_tui.paths import journal_file
 from tests.support.console import FAST, console
 
 
@@ -80,6 +80,6 @@ async def test_a_grave_alarm_is_shelved_with_a_reason_that_the_journal_keeps() -
         await op.until("✗ HIGH  unacknowledged")
         await op.press("s", *"again", "enter", "escape")
         await op.until("shelved: node crashed /crashes")
-    kept = [json.loads(line) for line in journal.path().read_text().splitlines()]
+    kept = [json.loads(line) for line in journal_file().read_text().splitlines()]
     reasons = [e["reason"] for e in kept if e["kind"] == "alarm" and "reason" in e]
     assert reasons == ["a test", "again"]

@@ -7,7 +7,7 @@ import re
 
 from textual.widgets import Input
 
-from archo_tui import journal
+from archo_tui.paths import journal_file
 from tests.support.console import FAST, LONG, console
 
 
@@ -166,7 +166,7 @@ async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
     async with console(*FAST) as op:
         await op.press("g", "1", "2", "enter")
         await op.until("GOAL   console           shelf 12 arrived: Arrived at shelf 12")
-    kept = [json.loads(line) for line in journal.path().read_text().splitlines()]
+    kept = [json.loads(line) for line in journal_file().read_text().splitlines()]
     assert [e["text"] for e in kept if e["kind"] == "goal"] == [
         "shelf 12 arrived: Arrived at shelf 12"
     ]

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui import journal
+from archo_tui.paths import journal_file
 from tests.end_to_end.conftest import COMMAND, Sshd, Tmux
 from tests.support.waiting import wait_until
 
@@ -23,7 +23,7 @@ CHATTY = "--ros-args -p publish_period:=0.02"
 
 
 def journaled() -> list[dict[str, Any]]:
-    file = journal.path()
+    file = journal_file()
     return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
 
 
