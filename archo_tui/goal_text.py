@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase, Snapshot
-from archo_tui.state_text import BAD, OLD, PLAIN, STRONG, WARN, Spans, seconds_text
+from archo_tui.state_text import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, seconds_text
 
 _WORD = 14  # cells for the word, as long as it is no longer
-ACTIVE = "active"  # the tone of the way that is being driven
+_WIDE = 60  # cells from which on a strip names its ends
 
 
 def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
@@ -54,15 +54,28 @@ def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
     return (f"{word:<{_WORD}}", tone), (f"{gap}{rest}", PLAIN)
 
 
-def goal_bar(goal: Goal | None, width: int) -> Spans:
-    """The way driven: a bar with its number beside it."""
-    room = max(width - 8, 4)
+def goal_strip(goal: Goal | None, width: int) -> Spans:
+    """The way, with the robot on it: `start   6.0 m ━━━▶────── 12.0 m 12    33% `.
+
+    At its ends what is driven and what is left, where there is room for it.
+    """
     if goal is None or goal.phase in (Phase.SENT, Phase.REFUSED) or not goal.length:
-        return (("─" * room + "     --", OLD),)
+        return (("─" * max(width - 8, 4), EDGE), ("     -- ", OLD))
     fraction = goal.fraction()
-    done = int(fraction * room)
+    before, behind = _ends(goal, goal.length) if width >= _WIDE else ("", "")
+    room = max(width - 8 - len(before) - len(behind), 4)
+    done = min(int(fraction * room), room - 1)
     tone = ACTIVE if goal.is_running else PLAIN
-    return ("━" * done, tone), ("─" * (room - done), OLD), (f" {fraction:5.0%} ", PLAIN)
+    way = ("━" * done + "▶", tone), ("─" * (room - done - 1), EDGE)
+    return (before, OLD), *way, (behind, OLD), (f" {fraction:5.0%} ", PLAIN)
+
+
+def _ends(goal: Goal, length: float) -> tuple[str, str]:
+    """What stands before and behind the strip, as wide all the way."""
+    unit, wide = _unit(goal), len(f"{length:.1f}")
+    left = length * (1 - goal.fraction())
+    target = f" {goal.target}" if goal.kind.noun and goal.target else ""
+    return f"start {length - left:{wide}.1f}{unit} ", f" {left:{wide}.1f}{unit}{target}"
 
 
 def goal_history(

@@ -5,10 +5,13 @@ Pure: state in, text out. A text is a row of spans; what a tone looks like is th
 
 from __future__ import annotations
 
+import math
+
 from archo_tui.alarms import health, is_low
 from archo_tui.robot.state import Reading, Snapshot
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # tones
+ACTIVE, EDGE = "active", "edge"  # of what is filled or driven, and of what is not yet
 Spans = tuple[tuple[str, str], ...]  # (text, tone)
 STOPPED: Spans = (("✗ STOPPED", BAD),)
 
@@ -78,8 +81,8 @@ def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
     return (f"{glyph} {word:<8}", tone), (f" {charge}{volts}", PLAIN)
 
 
-def gauge(percentage: float | None, threshold: float | None, width: int) -> str:
-    """A bar of `width` cells with eighths, and the threshold's mark where it is not filled."""
+def gauge(percentage: float | None, threshold: float | None, width: int, tone: str) -> Spans:
+    """A bar of `width` cells with eighths in that tone, with the threshold's mark."""
     filled = 0.0 if percentage is None else percentage / 100 * width
     whole, rest = int(filled), filled - int(filled)
     cells = ["█"] * whole
@@ -89,7 +92,8 @@ def gauge(percentage: float | None, threshold: float | None, width: int) -> str:
     if threshold is not None:
         mark = min(int(threshold / 100 * width), width - 1)
         cells[mark] = "╎" if cells[mark] != "█" else "┃"
-    return "".join(cells[:width])
+    reached = min(math.ceil(filled), width)
+    return ("".join(cells[:reached]), tone), ("".join(cells[reached:width]), EDGE)
 
 
 def motion_line(snapshot: Snapshot, now: float) -> Spans:

@@ -13,7 +13,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason
 from archo_tui.station import View
-from archo_tui.widgets.rows import Columns, Rows, Text
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 
 
 def alarm_lines(alarm: Alarm, _width: int, _columns: Columns) -> list[Text]:
@@ -25,7 +25,7 @@ def alarm_lines(alarm: Alarm, _width: int, _columns: Columns) -> list[Text]:
         times += f", until {time_of_day(alarm.shelved_until)}"
     if alarm.reason:
         times += f": {alarm.reason}"
-    style = {State.UNACKNOWLEDGED: "bold", State.SHELVED: "dim"}.get(alarm.state, "")
+    style = {State.UNACKNOWLEDGED: "bold", State.SHELVED: QUIET}.get(alarm.state, "")
     head = f"{alarm.priority.value:<7} {alarm.state.value:<21} {times}"
     return [(head, style), (f"        {alarm.text}", style)]
 

@@ -71,7 +71,7 @@ class Choose(Dialog[None]):
         for number, (name, beside) in enumerate(rows[first : first + _SHOWN], first):
             text = f"{harmless(name)}  "
             style = "reverse" if number == self._cursor else ""
-            lines.append(Content.assemble((text, style), (harmless(beside), "dim")))
+            lines.append(Content.assemble((text, style), (harmless(beside), "$quiet")))
         below = f"{len(rows)} of {len(self._all)}" if rows else "nothing is called so"
-        body = Content("\n").join([*lines, Content.styled(below, "dim")])
+        body = Content("\n").join([*lines, Content.styled(below, "$quiet")])
         self.query_one(".rows", Static).update(body)

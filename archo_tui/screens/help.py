@@ -46,8 +46,8 @@ class Help(Dialog[None]):
 
 
 def _line(entry: Entry) -> Content:
-    key = Content.styled(f"{entry.key:>5}", "dim" if entry.reason else "bold")
+    key = Content.styled(f"{entry.key:>5}", "$quiet" if entry.reason else "bold")
     text = f"  {entry.help}" + (f" ({entry.place})" if entry.place else "")
     if entry.reason:
-        return Content.assemble(key, (f"{text}: {entry.reason}", "dim"))
+        return Content.assemble(key, (f"{text}: {entry.reason}", "$quiet"))
     return Content.assemble(key, text)

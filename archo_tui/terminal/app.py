@@ -17,7 +17,7 @@ from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import Shutdown
 from archo_tui.station import Station
 from archo_tui.terminal.ascii import ascii_only, in_ascii
-from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, remember
+from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, remember, tones
 
 
 class TextFilter(LineFilter):
@@ -61,6 +61,12 @@ class TerminalApp(App[None]):
         from archo_tui.terminal.driver import SteadyDriver
 
         return SteadyDriver
+
+    def get_css_variables(self) -> dict[str, str]:
+        """The theme's, and tones between its colours, where it has none of its own."""
+        variables = super().get_css_variables()
+        self.theme_variables = {**tones(variables), **variables}
+        return self.theme_variables
 
     def get_line_filters(self) -> Sequence[LineFilter]:
         return [*super().get_line_filters(), *self._of_text]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
+from textual.color import Color
 from textual.theme import BUILTIN_THEMES, Theme
 
 from archo_tui.paths import config_file, make_folder
@@ -26,9 +28,51 @@ HIGH_CONTRAST = Theme(
         "text-warning": "#ffff00",
         "text-muted": "#ffffff",
         "text-disabled": "#d0d0d0",
+        "quiet": "#d0d0d0",
+        "off": "#a0a0a0",
+        "edge": "#ffffff",
     },
 )
 THEMES = (HIGH_CONTRAST,)
+
+# the least contrast to every background that text stands on: of text and what is off as WCAG asks
+_TONES = {
+    "quiet": ("background", 4.6),
+    "off": ("background", 3.1),
+    "edge": ("background", 2.0),
+    "warn": ("text-warning", 4.6),
+    "bad": ("text-error", 4.6),
+}
+
+
+def tones(variables: Mapping[str, str]) -> dict[str, str]:
+    """Colours between one of a theme's and its foreground, as near to the first as can be read.
+
+    `quiet` for labels, keys and what is old, `off` for what cannot be done, `edge` for borders,
+    `warn` and `bad` for what is abnormal.
+    """
+    front = Color.parse(variables["foreground"])
+    behind = [Color.parse(variables[name]) for name in ("background", "surface", "panel")]
+    found = {}
+    for name, (begin, least) in _TONES.items():
+        steps = (Color.parse(variables[begin]).blend(front, step / 50) for step in range(51))
+        readable = (c for c in steps if min(contrast(c, back) for back in behind) >= least)
+        found[name] = next(readable, front).hex
+    return found
+
+
+def contrast(one: Color, other: Color) -> float:
+    """The contrast ratio of two colours, 1 to 21: https://www.w3.org/TR/WCAG21/#dfn-contrast-ratio"""
+    darker, lighter = sorted((_luminance(one), _luminance(other)))
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def _luminance(colour: Color) -> float:
+    parts = (
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
+        for part in colour.normalized
+    )
+    return sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), parts, strict=True))
 
 
 def remembered() -> str:

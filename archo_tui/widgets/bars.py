@@ -41,7 +41,7 @@ def banner(view: View, width: int) -> Content:
     names = [alarm.name for alarm in view.alarms if alarm.state == State.SHELVED]
     shelved = f"shelved: {', '.join(names)}" if names else ""
     if not shown:
-        return Content.styled(f" {shelved}", "dim")
+        return Content.styled(f" {shelved}", "$quiet")
     alarm, key = shown[0], view.key("acknowledge")
     more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
     keys = {name: f"press {key}" for name, key in view.keys.items() if name not in view.blocked}
@@ -55,7 +55,7 @@ def banner(view: View, width: int) -> Content:
         line = whole if len(whole) <= width else f"{line}   {len(names)} shelved"
     if alarm.acknowledged:
         return Content(line)
-    style = "$text-error" if alarm.priority == Priority.HIGH else "$text-warning"
+    style = "$bad" if alarm.priority == Priority.HIGH else "$warn"
     words = f"({key} acknowledge)"
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
     hint = Content.from_markup(f"   [@click=app.command('acknowledge')]{words}[/]")
@@ -63,10 +63,10 @@ def banner(view: View, width: int) -> Content:
 
 
 def footer(commands: list[tuple[str, str, str, bool]], width: int, palette_key: str) -> Content:
-    """`(id, key, word, blocked)` of each command, clickable; blocked ones are dim."""
+    """`(id, key, word, blocked)` of each command, clickable; blocked ones are darker."""
     parts: list[Content] = []
     for command, key, word, blocked in commands:
-        style = "dim" if blocked else ""
+        style = "$off" if blocked else ""
         text = f"[bold]{key}[/] {word}"
         parts.append(
             Content.from_markup(f" [@click=app.command('{command}')]{text}[/] ").stylize(style)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from textual.app import ComposeResult
-from textual.content import Content
 
 from archo_tui import state_text
 from archo_tui.robot.state import Snapshot
@@ -12,7 +11,7 @@ from archo_tui.station import View
 from archo_tui.widgets import trend
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.styled import STYLES, content
+from archo_tui.widgets.styled import content
 
 
 class BatteryPanel(Panel, can_focus=True):
@@ -39,8 +38,9 @@ class BatteryPanel(Panel, can_focus=True):
         tone = state_text.battery_word(snapshot)[2]
         if battery.received is None or battery.is_old(view.now):
             tone = state_text.OLD
-        text = state_text.gauge(battery.percentage, snapshot.threshold, width)
-        self._gauge.show(Content.styled(text, STYLES[tone]))
+        tone = state_text.ACTIVE if tone == state_text.PLAIN else tone
+        gauge = state_text.gauge(battery.percentage, snapshot.threshold, width, tone)
+        self._gauge.show(content(gauge))
         history = trend.sparkline(snapshot.charge, width)
         self._history.show(content(((history, state_text.OLD),)))
         self._trend.show(content(_trend(snapshot, view.now, width)))

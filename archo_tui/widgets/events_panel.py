@@ -11,14 +11,14 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.state import OWN_LEVELS, Event
 from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
 _SOURCE = 16, 28  # least and most columns of a source
 _ONE_LINE = 70  # columns from which an event stands on one line
-_STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": "dim"}
+_STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": QUIET}
 
 
 def is_shown(event: Event, level: str) -> bool:

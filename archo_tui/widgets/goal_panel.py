@@ -85,7 +85,7 @@ class GoalPanel(Panel):
         self.show_keys(view, "enter go")
         snapshot, self._watching = view.snapshot, view.watching
         width = self._bar.size.width
-        self._bar.show(content(goal_text.goal_bar(snapshot.goal, width)))
+        self._bar.show(content(goal_text.goal_strip(snapshot.goal, width)))
         line = goal_text.goal_line(snapshot, view.now, view.key("go"))
         self._line.show(content(line))
         before = goal_text.goal_history(snapshot.history, width, view.waiting, view.held)

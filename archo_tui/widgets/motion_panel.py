@@ -54,6 +54,7 @@ class MotionPanel(Panel, can_focus=True):
         state = state_text.motion_word(view.snapshot, view.now, self._word.size.width)
         release = f" [@click=app.command('release')]({view.key('release')} releases)[/]"
         stopped = state == state_text.STOPPED
+        self._services[-1][1].set_class(stopped, "-stopped")
         hint = Content.from_markup(release) if stopped else Content("")
         self._word.show(Content.assemble(content(state), hint))
         for shown, reading in zip(self._gauges, view.snapshot.gauges, strict=False):

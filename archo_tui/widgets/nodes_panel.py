@@ -12,7 +12,7 @@ from archo_tui.robot.state import Hosted, Life, NodeState, Snapshot
 from archo_tui.state_text import age
 from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
 
 _MARK, _AGE, _RATE = 2, 6, 9  # columns
 
@@ -38,9 +38,9 @@ class NodeRow:
         if life == Life.STUCK:
             return "✗", life.value, "bold"
         if life == Life.STOPPED:
-            return "○", life.value, "dim"
+            return "○", life.value, QUIET
         if self.state.is_silent(self.second) and self.state.heard is not None:
-            return "?", f"silent for {age(self.second - self.state.heard)}", "dim"
+            return "?", f"silent for {age(self.second - self.state.heard)}", QUIET
         return "●", "", ""
 
     def details(self, now: float, snapshot: Snapshot) -> str:

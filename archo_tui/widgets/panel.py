@@ -31,14 +31,14 @@ class Panel(Container):
     def show_keys(self, view: View, before: str = "") -> None:
         """Write the keys on the border, as many as there is room for; each can be clicked.
 
-        Those of commands that cannot run now are dim; pressed, they say why.
+        Those of commands that cannot run now are darker; pressed, they say why.
         """
         room = self.size.width - 4
         parts = [(before, before)] if before else []
         for command, word in self.keys:
             text = f"{view.key(command)} {word}"
             markup = f"[@click=app.command('{command}')]{text}[/]"
-            parts.append((text, f"[dim]{markup}[/]" if command in view.blocked else markup))
+            parts.append((text, f"[$off]{markup}[/]" if command in view.blocked else markup))
         while parts and sum(len(text) + 3 for text, _ in parts) - 3 > room:
             parts.pop()
         below = "   ".join(markup for _, markup in parts)

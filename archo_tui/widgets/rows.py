@@ -16,7 +16,8 @@ from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 T = TypeVar("T")
-Text = tuple[str, str]  # a line and its Rich style
+Text = tuple[str, str]  # a line and its Rich style, or QUIET
+QUIET = "quiet"  # the theme's tone of that name
 Columns = tuple[int, ...]  # their widths in cells
 
 _MEASURED = 100  # first lines whose length decides how far the list scrolls sideways
@@ -159,7 +160,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
             number = self._number_at(row)
             part = row - self._starts[number]
         if number >= len(self._items):
-            return (self.empty, "dim") if row == 0 else ("", ""), False
+            return (self.empty, QUIET) if row == 0 else ("", ""), False
         return self._lines_of(number)[part], self.has_focus and number == self.cursor
 
     def _number_at(self, row: int) -> int:
@@ -171,7 +172,8 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         (text, style), selected = seen
         width, left = self.size.width, self.scroll_offset.x
         base = self.rich_style
-        drawn = base + Style.parse(style or "none")
+        quiet = style == QUIET
+        drawn = base + Style.parse(self.app.theme_variables[QUIET] if quiet else style or "none")
         if selected:
             base = drawn = drawn + Style(reverse=True)
         return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)

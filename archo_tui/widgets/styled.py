@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from textual.content import Content
 
-from archo_tui.goal_text import ACTIVE
-from archo_tui.state_text import BAD, OLD, PLAIN, STRONG, WARN, Spans
+from archo_tui.state_text import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans
 
 STYLES = {
     PLAIN: "",
     STRONG: "bold",
-    OLD: "dim",
-    WARN: "bold $text-warning",
-    BAD: "bold $text-error",
+    OLD: "$quiet",
+    WARN: "bold $warn",
+    BAD: "bold $bad",
     ACTIVE: "$primary",
+    EDGE: "$edge",
 }
 
 
