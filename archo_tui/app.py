@@ -194,7 +194,7 @@ class ArchoApp(TerminalApp):
         """False leaves the key to the field or dialog that has the focus."""
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
-            return field is not None and self.screen is self.main
+            return self.screen is self.main and (field is not None or self.main.is_full)
         if action == "next_field":
             return isinstance(field, Field) and field.next_field is not None
         if action == "move":
@@ -258,8 +258,11 @@ class ArchoApp(TerminalApp):
             self.screen.set_focus(self.focused.next_field)
 
     def action_leave_field(self) -> None:
-        """Out of a field, to where the focus was."""
-        self.main.focus_back()
+        """Out of a field, to where the focus was; out of the full screen."""
+        if isinstance(self.focused, Input):
+            self.main.focus_back()
+        else:
+            self.main.toggle_events()
 
     def action_command_palette(self) -> None:
         if not isinstance(self.screen, Palette):

@@ -47,6 +47,7 @@ def registry(described: Robot) -> tuple[Command, ...]:
         events.CopyCommand(),
         events.FullScreen(),
         events.WholeEvent(),
+        events.SaveEvents(),
         console.ShowHelp(),
         console.Palette(),
         console.Suspend(),

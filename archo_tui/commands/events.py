@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Console
+from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Console, write_file
+from archo_tui.screens.ask_path import AskPath
 from archo_tui.screens.text import ShowText
-from archo_tui.widgets.events_panel import details
+from archo_tui.widgets.events_panel import as_text, details
 
 
 class _InEvents(Command):
@@ -48,6 +49,19 @@ class FullScreen(_InEvents):
 
     def run(self, console: Console) -> None:
         console.main.toggle_events()
+
+
+class SaveEvents(_InEvents):
+    id, key = "save_events", "ctrl+s"
+    help = "Save the events that are shown to a file"
+
+    def blocked(self, console: Console) -> str:
+        return "" if console.main.events.shown else "no event is shown"
+
+    def run(self, console: Console) -> None:
+        text = as_text(reversed(console.main.events.shown))
+        write = write_file(console, text, "save events")
+        console.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
 
 
 class WholeEvent(_InEvents):

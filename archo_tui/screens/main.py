@@ -95,6 +95,11 @@ class MainScreen(Screen[None]):
         """The number of the panel that has the focus, 0 for none."""
         return 0 if self.focused is None else _panel_number(self.focused)
 
+    @property
+    def is_full(self) -> bool:
+        """True while the events have the full screen."""
+        return self.has_class("-full")
+
     def toggle_events(self) -> None:
         """The events on the full screen, or among the other panels."""
         self.toggle_class("-full")

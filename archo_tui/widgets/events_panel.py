@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from datetime import datetime
 
 from textual.app import ComposeResult
 
@@ -17,7 +17,7 @@ from archo_tui.widgets.search import Search
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
 _SOURCE = 16, 28  # least and most columns of a source
-_ONE_LINE = 70  # columns from which an event stands on one line
+_ROOMY = 70  # columns from which there is room for the source
 _STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": QUIET}
 
 
@@ -32,16 +32,12 @@ def event_columns(events: Sequence[Event], _width: int) -> Columns:
 
 
 def event_lines(event: Event, width: int, columns: Columns) -> list[Text]:
-    """`12:04:31  WARN   dashboard         Low battery: 18.0%`, wrapped where that is too wide."""
+    """`12:04:31  WARN   dashboard         Low battery: 18.0%`; where it is tight, no source."""
     count = f"   {repeats(event)}" if event.count > 1 else ""
-    command = f"   $ {event.command}" if event.command else ""
-    text, style = f"{event.text}{count}{command}", _STYLES.get(event.level, "")
-    if width >= _ONE_LINE:
-        at = time_of_day(event.time)
-        return [(f"{at}  {event.level:<5}  {pad(event.source, *columns)}  {text}", style)]
-    head = f"{time_of_day(event.time)} {event.level:<5} {event.source}"
-    wrapped = textwrap.wrap(text, max(width - 2, 10), subsequent_indent="  ")
-    return [(head, style), *((f"  {line}", style) for line in wrapped)]
+    text, at = f"{event.text}{count}", time_of_day(event.time)
+    source = f"{pad(event.source, *columns)}  " if width >= _ROOMY else ""
+    gap = "  " if source else " "
+    return [(f"{at}{gap}{event.level:<5}{gap}{source}{text}", _STYLES.get(event.level, ""))]
 
 
 def repeats(event: Event) -> str:
@@ -56,6 +52,17 @@ def details(event: Event) -> str:
     return "\n".join([*lines, "", f"$ {event.command}"] if event.command else lines)
 
 
+def as_text(events: Iterable[Event]) -> str:
+    """A line an event, with its date, for a file."""
+    lines = []
+    for event in events:
+        at = datetime.fromtimestamp(event.time).isoformat(" ", "milliseconds")
+        count = f"   {repeats(event)}" if event.count > 1 else ""
+        command = f"   $ {event.command}" if event.command else ""
+        lines.append(f"{at}  {event.level:<5}  {event.source}  {event.text}{count}{command}\n")
+    return "".join(lines)
+
+
 class EventsPanel(Panel):
     """The list, from a level up, with a search."""
 
@@ -63,8 +70,10 @@ class EventsPanel(Panel):
     keys = (
         ("level", "level"),
         ("search", "search"),
-        ("copy_command", "copy command"),
+        ("whole_event", "whole, with its command"),
         ("full_screen", "full screen"),
+        ("copy_command", "copy"),
+        ("save_events", "save"),
     )
 
     def __init__(self) -> None:
@@ -77,7 +86,6 @@ class EventsPanel(Panel):
             id="event-list",
             empty="Nothing to report.",
             action="app.command('whole_event')",
-            wraps=True,
             columns=event_columns,
         )
         self.search = Search(self._rows)
@@ -85,6 +93,11 @@ class EventsPanel(Panel):
     def compose(self) -> ComposeResult:
         yield self._rows
         yield self.search
+
+    @property
+    def shown(self) -> Sequence[Event]:
+        """Those that level and search leave, the newest first."""
+        return self._rows.items
 
     @property
     def selected(self) -> Event | None:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
+from datetime import datetime
+from pathlib import Path
 from typing import Any
 
+import pytest
 from rclpy.node import Node
 
 from archo_tui.session import _robots_nodes
@@ -100,7 +103,8 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
 
     makers = [Talker, *_robots_nodes(use_sim=True).values()]
     async with console(*FAST, node_makers=makers, size=(160, 48)) as op:
-        await op.until("WARN  a_node_with_a_long_name")
+        await op.until("WARN  said")  # where it is tight, without its source
+        await op.until("● a_node_with_a_long_name")
         await op.until("fake_battery_drain")
         assert "x" * 30 in op.text  # a value is never cut
         assert "a_paramete…_long_name" in op.text
@@ -131,3 +135,29 @@ async def test_a_warning_that_repeats_is_the_newest_with_its_count_and_first_tim
         lines = [line for line in op.text.splitlines() if " kind" in line]
         assert ["first" in line for line in lines] == [True, False]  # the newest on top
         assert lines[0][2:10] > lines[1][2:10] > first
+
+
+async def test_the_events_that_are_shown_are_saved_with_their_commands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    async with console(*FAST) as op:
+        await op.press("r")
+        await op.until("reset encoder: Encoder reset to zero")
+        await op.press("6", "slash", *"reset", "enter", "ctrl+s", "enter")
+        await op.until("Saved to events.txt")
+    (line,) = (tmp_path / "events.txt").read_text().splitlines()
+    assert "YOU    console  reset encoder: Encoder reset to zero   $ ros2 service call" in line
+    datetime.fromisoformat(line.partition("  ")[0])
+
+
+async def test_escape_leaves_the_full_screen() -> None:
+    async with console(*FAST) as op:
+        await op.press("6", "e")
+        await op.until(lambda: "1 Battery" not in op.text)
+        await op.press("slash", *"x", "escape")
+        await op.settle()
+        assert "1 Battery" not in op.text  # the search first
+        await op.press("escape")
+        await op.until("1 Battery")
+        assert op.focused_panel == 6

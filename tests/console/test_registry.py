@@ -130,7 +130,8 @@ def table() -> list[str]:
         key = shown(command.key).replace("^", "ctrl+")
         key = f"`{key}`" if key else "palette"
         rows.append(f"| {key} | {does} | {command.place} |")
-    rows.append("| esc | out of a field or dialog, to where the focus was | everywhere |")
+    leaves = "out of a field, a dialog or the full screen, to where the focus was"
+    rows.append(f"| esc | {leaves} | everywhere |")
     return rows
 
 
