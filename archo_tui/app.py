@@ -56,7 +56,6 @@ class ArchoApp(TerminalApp):
         `failed` is the traceback that ended the screen before this one, to be shown.
         """
         super().__init__(station, theme)
-        self.station = station
         snapshot = station.robot.snapshot
         self.title = snapshot.robot.name
         self.registry = registry(snapshot.robot)
@@ -140,6 +139,7 @@ class ArchoApp(TerminalApp):
             if c.footer
         ]
         self.main.show(self.view, footer)
+        self.ring(self.view.alarms)
         for screen in self.screen_stack:
             if isinstance(screen, AlarmList):
                 screen.show(self.view)

@@ -82,6 +82,11 @@ def parser() -> argparse.ArgumentParser:
         "console: cancel it (default), or, with --attach, leave it running",
     )
     made.add_argument(
+        "--quiet-alarms",
+        action="store_true",
+        help="no bell and no notice of the desktop for a new alarm",
+    )
+    made.add_argument(
         "--keys",
         action="store_true",
         help="print every command's name and key in the form of keymap.yaml",
@@ -209,6 +214,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             ros_args=ros_args,
             attach=options.attach,
             on_disconnect=options.on_disconnect,
+            quiet_alarms=options.quiet_alarms,
         )
     )
     stuck: list[str] = []

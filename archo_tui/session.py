@@ -44,6 +44,7 @@ class Options:
     node_files: Sequence[Path] = ()  # nodes of the user's own, in place of those of their names
     only: bool = False  # none of the robot's own nodes
     watch: bool = False  # command nothing
+    quiet_alarms: bool = False  # no bell
     robot: Path | None = None  # a robot file, instead of ARCHO's
 
 
@@ -128,6 +129,7 @@ class Session:
             namespace=options.namespace,
             attached=options.attach,
             on_disconnect=options.on_disconnect,
+            quiet=options.quiet_alarms,
         )
 
     def _give_up(self) -> None:

@@ -58,8 +58,13 @@ class Station:
         namespace: str,
         attached: bool,
         on_disconnect: str,
+        quiet: bool = False,
     ) -> None:
-        """`attached`: the robot lives on without this process; `on_disconnect`: see shutdown.py."""
+        """`attached`: the robot lives on without this process; `on_disconnect`: see shutdown.py.
+
+        `quiet`: new alarms are shown, and neither rung nor told to the desktop.
+        """
+        self.quiet = quiet
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.edits = UndoList()

@@ -41,6 +41,7 @@ METHODS = [
 # set in a constructor or function: the source says so
 ATTRIBUTES = [
     ("terminal/app.py", App, "_exit"),
+    ("terminal/app.py", App, "_driver"),
     ("terminal/app.py", App, "_return_code"),
     ("app.py", BindingsMap, "key_to_bindings"),
     ("terminal/driver.py", LinuxDriver, "_writer_thread"),

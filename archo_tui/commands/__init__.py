@@ -50,6 +50,7 @@ def registry(described: Robot) -> tuple[Command, ...]:
         events.SaveEvents(),
         console.ShowHelp(),
         console.Palette(),
+        console.Quiet(),
         console.Suspend(),
         console.Quit(),
         console.QuitEverywhere(),

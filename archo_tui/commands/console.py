@@ -68,6 +68,16 @@ class Palette(Command):
         console.action_command_palette()
 
 
+class Quiet(Command):
+    id = "quiet_alarms"
+    help = "Silence the bell and the desktop's notice for new alarms, or have them again"
+
+    def run(self, console: Console) -> None:
+        station = console.station
+        station.quiet = not station.quiet
+        console.say(f"New alarms are {'silent' if station.quiet else 'rung again'}.")
+
+
 class Suspend(Command):
     id, key = "suspend", "ctrl+z"
     help = "Suspend to the shell (fg brings it back); the nodes of this process pause meanwhile"

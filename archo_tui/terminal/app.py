@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import signal
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from rich.segment import Segment
 from textual.app import App
@@ -13,10 +13,12 @@ from textual.color import Color
 from textual.driver import Driver
 from textual.filter import LineFilter
 
+from archo_tui.alarms import Alarm
 from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import Shutdown
 from archo_tui.station import Station
 from archo_tui.terminal.ascii import ascii_only, in_ascii
+from archo_tui.terminal.notice import Ringer, notice
 from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, remember, tones
 
 
@@ -40,6 +42,7 @@ class TerminalApp(App[None]):
     def __init__(self, station: Station, theme: str) -> None:
         """`theme` is a name, or empty for the one that suits the terminal."""
         super().__init__()
+        self.station = station
         self.failure = ""  # the traceback that ended this screen
         self._ending = Shutdown(
             station.robot,
@@ -49,6 +52,7 @@ class TerminalApp(App[None]):
         )
         changes = [safe_in_place, in_ascii] if ascii_only() else [safe_in_place]
         self._of_text = [TextFilter(change) for change in changes]
+        self._ringer = Ringer()
         for own in THEMES:
             self.register_theme(own)
         if theme or self.console.color_system == "standard":  # 16 colours: none in between
@@ -87,6 +91,13 @@ class TerminalApp(App[None]):
 
         if self.screen_stack and self.screen.is_mounted and before != theme:
             self.run_worker(write(), group="theme", exclusive=True)
+
+    def ring(self, alarms: Iterable[Alarm]) -> None:
+        """Tell of grave alarms that are new, also somebody who looks elsewhere."""
+        news = self._ringer.news(alarms)
+        if news and not self.station.quiet and self._driver is not None:
+            self.bell()
+            self._driver.write("".join(notice(alarm.text) for alarm in news))
 
     def repaint(self) -> None:
         """Draw everything again: the terminal may show something else."""

@@ -1,0 +1,56 @@
+"""Of a grave alarm somebody hears who looks elsewhere: once, and only where that can be."""
+
+from __future__ import annotations
+
+import pytest
+
+from archo_tui.alarms import CONTACT_LOST, LOW, Alarm, State
+from archo_tui.terminal.notice import Ringer, notice
+from tests.support.terminal import Terminal
+
+
+def test_a_grave_alarm_is_news_once_until_it_is_gone() -> None:
+    ringer, grave = Ringer(), Alarm(CONTACT_LOST, "", 0.0)
+    assert ringer.news([grave, Alarm(LOW, "", 0.0)]) == [grave]
+    over = Alarm(CONTACT_LOST, "", 0.0, State.OVER)
+    for standing in (grave, over, grave, Alarm(CONTACT_LOST, "", 0.0, State.ACKNOWLEDGED)):
+        assert ringer.news([standing]) == []
+    assert ringer.news([]) == []
+    assert ringer.news([grave]) == [grave]
+
+
+@pytest.mark.parametrize(
+    ("environ", "written"),
+    [
+        ({"TERM": "xterm-kitty"}, "\x1b]99;;archo-tui: a, b\x1b\\"),
+        ({"TERM_PROGRAM": "WezTerm"}, "\x1b]9;archo-tui: a, b\x07"),
+        ({"TERM": "foot"}, "\x1b]777;notify;archo-tui;a, b\x1b\\"),
+        ({"TERM": "xterm-256color", "VTE_VERSION": "7600"}, "\x1b]777;notify;archo-tui;a, b\x1b\\"),
+        ({"TERM": "tmux-256color", "TERM_PROGRAM": "WezTerm"}, ""),
+        ({"TERM": "xterm-256color"}, ""),
+    ],
+)
+def test_a_notice_is_written_as_the_terminal_knows_it(
+    environ: dict[str, str], written: str
+) -> None:
+    assert notice("a; b", environ) == written
+
+
+def test_a_notice_holds_nothing_that_the_terminal_acts_on() -> None:
+    made = notice("a\x07\x1b]0;b", {"TERM": "xterm-kitty"})
+    assert (
+        made == "\x1b]99;;archo-tui: a\N{REPLACEMENT CHARACTER}\N{REPLACEMENT CHARACTER}]0,b\x1b\\"
+    )
+
+
+@pytest.mark.real_time
+@pytest.mark.parametrize("words", [(), ("--quiet-alarms",)])
+def test_the_terminal_rings_once_for_an_empty_battery(words: tuple[str, ...]) -> None:
+    drain = ("-p", "drain_min:=50.0", "-p", "drain_max:=60.0", "-p", "publish_period:=0.1")
+    terminal = Terminal(*words, "--ros-args", *drain, term="xterm-kitty")
+    terminal.until("BATTERY EMPTY")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+    terminal.close()
+    rung = terminal.output.count(b"\x07\x1b]99;;archo-tui: BATTERY EMPTY")  # the bell first
+    assert rung == (0 if words else 1)
