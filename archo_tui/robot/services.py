@@ -47,13 +47,14 @@ class Services:
     async def call(self, srv_type: Any, name: str, request: Any, *, once: bool = False) -> Any:
         """The response, or None when nobody answered within DEADLINE.
 
-        The client of a call that is made once is not kept: rclpy looks at each, whatever comes.
+        The client of a call that is made once is not kept: rclpy looks at each, whatever comes. It
+        stays where nobody answered: a server that answers late finds its client.
         """
         client = self.client(srv_type, name)
         future = client.call_async(request)
         self.watch(future, client)
         answer = await future
-        if once and self._clients.pop((name, srv_type), None) is not None:
+        if once and answer is not None and self._clients.pop((name, srv_type), None) is not None:
             self._node.destroy_client(client)
         return answer
 
