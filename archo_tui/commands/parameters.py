@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 from pathlib import Path
+from typing import Any
 
 from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Work, write_file
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
+from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import text_of
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.screens.confirm import Confirm
@@ -31,8 +33,53 @@ class Edit(_InParameters):
     def run(self, console: Console) -> None:
         parameter = console.main.parameters.selected
         if parameter is not None:
-            node, name, change = parameter.node, parameter.name, console.station.set_parameters
-            console.open(EditParameter(parameter, lambda value: change(node, {name: value})))
+            self._edit(console, parameter, parameter.value)
+
+    def _edit(self, console: Console, parameter: Parameter, offered: Any) -> None:
+        node, name, change = parameter.node, parameter.name, console.station.set_parameters
+        send = lambda value: change(node, {name: value})  # noqa: E731
+        console.open(EditParameter(parameter, send, offered))
+
+
+class Restore(Edit):
+    id, key = "restore", "backspace"
+    help = "Edit the selected parameter, with the value that it had at the start"
+
+    def run(self, console: Console) -> None:
+        parameter = console.main.parameters.selected
+        if parameter is not None:
+            self._edit(console, parameter, parameter.initial)
+
+
+class Switch(_InParameters):
+    acts = True
+    id, key = "switch", "space"
+    help = "Switch the selected boolean parameter"
+    once = True
+
+    def blocked(self, console: Console) -> str:
+        selected = console.main.parameters.selected
+        if selected is None or not isinstance(selected.value, bool):
+            return "the selected parameter is no boolean"
+        return f"{selected.name} is read-only" if selected.read_only else ""
+
+    def run(self, console: Console) -> Work | None:
+        selected = console.main.parameters.selected
+        assert selected is not None
+        changed = {selected.name: not selected.value}
+
+        async def switch() -> None:
+            console.tell(await console.station.set_parameters(selected.node, changed))
+
+        return switch()
+
+
+class OnlyChanged(_InParameters):
+    id, key = "only_changed", "m"
+    help = "Show only parameters that differ from the start, with both values; or all again"
+
+    def run(self, console: Console) -> None:
+        console.main.parameters.toggle_changed()
 
 
 class Filter(_InParameters):

@@ -24,8 +24,12 @@ class EditParameter(Form):
 
     submits = "set"
 
-    def __init__(self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]]) -> None:
+    def __init__(
+        self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]], offered: Any
+    ) -> None:
+        """`offered` is the value that stands in the field."""
         super().__init__()
+        self._offered = harmless(text_of(offered))
         self._parameter, self._send = parameter, send
         self._sending = False
         if parameter.read_only:
@@ -41,10 +45,9 @@ class EditParameter(Form):
             yield Static(Content(parameter.description or "no description"))
             kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
             yield Static(Content(f"type   {kind}"))
-            now = harmless(text_of(parameter.value))
-            yield Static(Content(f"now    {now}"))
+            yield Static(Content(f"now    {harmless(text_of(parameter.value))}"))
             yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
-            field = Field(now, id="value")
+            field = Field(self._offered, id="value")
             field.disabled = parameter.read_only
             yield field
             yield Static(Content(self.standing), classes="error")

@@ -70,7 +70,7 @@ class EventsPanel(Panel):
     keys = (
         ("level", "level"),
         ("search", "search"),
-        ("whole_event", "whole, with its command"),
+        ("whole_event", "whole"),
         ("full_screen", "full screen"),
         ("copy_command", "copy"),
         ("save_events", "save"),

@@ -19,6 +19,7 @@ from archo_tui.widgets.search import Search
 
 _NODE, _NAME, _VALUE = (16, 28), 21, (8, 20)  # columns: least and most, or least
 _TYPE, _ALLOWED = 8, 11
+_WAITING = "? waiting for the nodes to report their parameters"
 _BETWEEN = 7  # blanks between the columns, and the mark of a change
 
 
@@ -26,18 +27,22 @@ class ParametersPanel(Panel):
     """A table of what the nodes reported; `*` marks what differs from the start."""
 
     number, title_text = 4, "Parameters"
-    keys = (("edit", "edit"), ("filter", "filter"), ("undo", "undo"), ("save", "save"))
+    keys = (
+        *(("edit", "edit"), ("filter", "filter"), ("undo", "undo")),
+        *(("only_changed", "modified"), ("save", "save"), ("load", "load")),
+    )
 
     def __init__(self) -> None:
         super().__init__()
         self._shown: tuple[Parameter, ...] = ()
+        self._only_changed = False
         self._rows: Rows[Parameter] = Rows(
-            parameter_lines,
+            lambda *drawn: parameter_lines(*drawn, both=self._only_changed),
             lambda p: (p.node, p.name),
             id="parameters",
-            empty="? waiting for the nodes to report their parameters",
+            empty=_WAITING,
             action="app.command('edit')",
-            columns=parameter_columns,
+            columns=lambda *measured: parameter_columns(*measured, both=self._only_changed),
         )
         self.search = Search(self._rows)
 
@@ -60,7 +65,7 @@ class ParametersPanel(Panel):
         return self._rows.item
 
     def show(self, view: View) -> None:
-        self.show_keys(view)
+        self.show_keys(view, "what differs from the start" if self._only_changed else "")
         if view.snapshot.parameters is not self._shown:
             self._shown = view.snapshot.parameters
             self._fill()
@@ -68,8 +73,17 @@ class ParametersPanel(Panel):
     def on_input_changed(self) -> None:
         self._fill()
 
+    def toggle_changed(self) -> None:
+        """Only what differs from the start, or all."""
+        self._only_changed = not self._only_changed
+        self._rows.empty = "nothing differs from the start" if self._only_changed else _WAITING
+        self._rows.show(())  # what is left may be the same, and looks another way
+        self._fill()
+
     def _fill(self) -> None:
         shown = self._shown
+        if self._only_changed:
+            shown = tuple(p for p in shown if p.is_changed)
         if self.search.value.strip():
             matches = self.search.matches
             shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
@@ -85,24 +99,34 @@ class ParametersPanel(Panel):
         self._titles.show(Content.styled(titles, "bold"))
 
 
-def parameter_columns(parameters: Sequence[Parameter], width: int) -> Columns:
+def _value(parameter: Parameter, both: bool) -> str:
+    """`0.5`, or with the start's `0.5 (was 0.8)`."""
+    text = text_of(parameter.value)
+    return f"{text} (was {text_of(parameter.initial)})" if both else text
+
+
+def parameter_columns(
+    parameters: Sequence[Parameter], width: int, *, both: bool = False
+) -> Columns:
     """Of nodes, names and values, so that values, types and ranges are seen.
 
     A long name is cut in its middle, a value never: one that is longer moves its type.
     """
-    value = column((text_of(p.value)[: _VALUE[1]] for p in parameters), *_VALUE)
+    value = column((_value(p, both)[: _VALUE[1]] for p in parameters), *_VALUE)
     room = width - value - _BETWEEN - _TYPE - _ALLOWED
     least, most = _NODE
     node = column({p.node.lstrip("/") for p in parameters}, least, min(most, room - _NAME))
     return node, column((p.name for p in parameters), _NAME, room - node), value
 
 
-def parameter_lines(parameter: Parameter, _width: int, columns: Columns) -> list[Text]:
+def parameter_lines(
+    parameter: Parameter, _width: int, columns: Columns, *, both: bool = False
+) -> list[Text]:
     """`motor_controller  max_speed   0.5 *  double    0.05 .. 2`."""
     line = _line(
         parameter.node.lstrip("/"),
         harmless(parameter.name),
-        harmless(text_of(parameter.value)),
+        harmless(_value(parameter, both)),
         "*" if parameter.is_changed else "",
         parameter.type,
         range_text(parameter),

@@ -75,7 +75,7 @@ async def test_letters_do_nothing_behind_a_dialog() -> None:
 
 
 async def test_help_lists_every_command_with_its_key() -> None:
-    async with console(*FAST, size=(120, 60)) as op:
+    async with console(*FAST, size=(120, 70)) as op:
         await op.press("question_mark")
         await op.until("Keys")
         for command in op.app.registry:

@@ -19,7 +19,7 @@ async def test_r_resets_the_encoder() -> None:
         await op.until("15 420 ticks")
         await op.press("r")
         await op.until("        0 ticks")
-        await op.until("reset encoder: Encoder reset to zero   $ ros2 service call /reset_encoder")
+        await op.until("reset encoder: Encoder reset to zero")
 
 
 async def test_the_reset_button_does_the_same() -> None:

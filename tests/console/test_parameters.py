@@ -284,3 +284,29 @@ async def test_a_strange_place_for_a_file_is_one_line_and_the_dialog_stays(
             await op.until(lambda: shown(op, said))  # noqa: B023
             assert op.app.screen.query("#path")
         await op.press("escape")
+
+
+async def test_space_switches_a_boolean_and_undo_takes_it_back() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash", *"sim_time", "enter", "space")
+        await op.until("set battery_monitor use_sim_time true: ")
+        await op.until("true *")
+        await op.press("u")
+        await op.until(lambda: "true *" not in op.text)
+        await op.press("slash", "ctrl+u", *"max_speed", "enter", "space")
+        await op.until("the selected parameter is no boolean")
+
+
+async def test_only_what_differs_is_shown_with_both_values_and_backspace_offers_the_starts() -> (
+    None
+):
+    async with console(*FAST) as op:
+        await op.press("4", "m")
+        await op.until("nothing differs from the start")
+        await op.press("m", "slash", *"max_speed", "enter", "enter", "ctrl+u", *"0.5", "enter")
+        await op.until("0.5 *")
+        await op.press("slash", "escape", "m")
+        await op.until("0.5 (was 0.8)")
+        assert "wheel_radius" not in op.text
+        await op.press("backspace", "enter")
+        await op.until("nothing differs from the start")
