@@ -55,7 +55,7 @@ def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
 
 
 def goal_strip(goal: Goal | None, width: int) -> Spans:
-    """The way, with the robot on it: `start   6.0 m ━━━▶────── 12.0 m 12    33% `.
+    """The way, with the robot on it: `start   6.0 m ━━━▶────── 12.0 m shelf 12    33% `.
 
     At its ends what is driven and what is left, where there is room for it.
     """
@@ -74,7 +74,7 @@ def _ends(goal: Goal, length: float) -> tuple[str, str]:
     """What stands before and behind the strip, as wide all the way."""
     unit, wide = _unit(goal), len(f"{length:.1f}")
     left = length * (1 - goal.fraction())
-    target = f" {goal.target}" if goal.kind.noun and goal.target else ""
+    target = f" {goal.name}" if goal.kind.noun and goal.target else ""
     return f"start {length - left:{wide}.1f}{unit} ", f" {left:{wide}.1f}{unit}{target}"
 
 
