@@ -58,7 +58,7 @@ def banner(view: View, width: int) -> Content:
     style = "$bad" if alarm.priority == Priority.HIGH else "$warn"
     words = f"({key} acknowledge)"
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
-    hint = Content.from_markup(f"   [@click=app.command('acknowledge')]{words}[/]")
+    hint = Content.from_markup(f"   [u][@click=app.command('acknowledge')]{words}[/][/]")
     return Content.assemble((line, f"bold {style}"), hint)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rich.style import Style
 from textual.content import Content
 from textual.widgets import Static
 
@@ -14,6 +15,11 @@ class Line(Static):
     def __init__(self, **options: str) -> None:
         super().__init__("", **options)  # type: ignore[arg-type]
         self._shown: Content | None = None
+
+    @property
+    def link_style(self) -> Style:
+        """Nothing of its own: what can be clicked looks as it is written."""
+        return Style()
 
     def show(self, content: Content) -> None:
         """Show this instead."""

@@ -52,7 +52,7 @@ class MotionPanel(Panel, can_focus=True):
         line = state_text.motion_line(view.snapshot, view.now)
         self._line.show(content(line))
         state = state_text.motion_word(view.snapshot, view.now, self._word.size.width)
-        release = f" [@click=app.command('release')]({view.key('release')} releases)[/]"
+        release = f" [u][@click=app.command('release')]({view.key('release')} releases)[/][/]"
         stopped = state == state_text.STOPPED
         self._services[-1][1].set_class(stopped, "-stopped")
         hint = Content.from_markup(release) if stopped else Content("")

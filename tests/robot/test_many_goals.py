@@ -7,14 +7,17 @@ from collections import Counter
 from typing import Any
 
 import pytest
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
+from rclpy.qos import qos_profile_action_status_default
 
 from archo_tui.robot.goals import HISTORY
 from archo_tui.robot.state import Phase
 from tests.support import clock
-from tests.support.quiet import until
+from tests.support.archo import go
+from tests.support.quiet import ended, until
 from tests.support.robot import robot
 
 PACE = 1.2  # s: as 500 goals in ten minutes
@@ -72,6 +75,58 @@ async def test_of_goals_without_end_only_the_last_are_kept() -> None:
         assert kept[1] == kept[0]
 
 
+class Backward(Node):
+    """Tells the result of a goal first, and its status later."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("backward", **options)
+        impl: Any = MoveToShelf.Impl
+        prefix = "move_to_shelf/_action"
+        self.create_service(impl.SendGoalService, f"{prefix}/send_goal", self.accept)
+        self.create_service(impl.CancelGoalService, f"{prefix}/cancel_goal", lambda _, r: r)
+        self.create_service(impl.GetResultService, f"{prefix}/get_result", self.end)
+        self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
+        qos = qos_profile_action_status_default
+        self.status = self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", qos)
+        self.later = self.create_timer(0.2, self.tell)
+        self.told = GoalStatusArray()
+        self.published = 0
+
+    def accept(self, request: Any, response: Any) -> Any:
+        status = GoalStatus(status=GoalStatus.STATUS_SUCCEEDED)
+        status.goal_info.goal_id = request.goal_id
+        status.goal_info.stamp = self.get_clock().now().to_msg()
+        self.told.status_list = [*self.told.status_list, status]
+        response.accepted = True
+        return response
+
+    def end(self, request: Any, response: Any) -> Any:
+        response.status = GoalStatus.STATUS_SUCCEEDED
+        response.result.success = True
+        self.later.reset()
+        return response
+
+    def tell(self) -> None:
+        self.status.publish(self.told)
+        self.published += len(self.told.status_list)
+
+
+async def test_an_own_goal_whose_status_comes_behind_its_result_is_not_taken_for_anothers() -> None:
+    made: list[Backward] = []
+
+    def backward(**options: Any) -> Backward:
+        made.append(Backward(**options))
+        return made[0]
+
+    async with robot(backward) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 1))).ok
+        await until(lambda: it.snapshot.history)
+        published = made[0].published
+        await until(lambda: made[0].published > published + 1)  # and one before it was taken in
+        assert [(goal.mine, goal.phase) for goal in it.snapshot.history] == [(True, Phase.ARRIVED)]
+
+
 async def test_a_goal_that_ends_at_once_is_history_and_one_before_the_console_came_is_not(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -86,8 +141,8 @@ async def test_a_goal_that_ends_at_once_is_history_and_one_before_the_console_ca
         await until(lambda: made[0].client.server_is_ready())
         made[0].go()
         await until(lambda: len(first.snapshot.history) == 1)
-        ended = first.snapshot.history[0]
-        assert (ended.phase, ended.mine) == (Phase.ARRIVED, False)
+        over = first.snapshot.history[0]
+        assert (over.phase, over.mine) == (Phase.ARRIVED, False)
         now = clock.seconds()
         await until(lambda: clock.seconds() > now)
         domain = made[0].context.get_domain_id()
