@@ -33,22 +33,21 @@ class Edit(_InParameters):
     def run(self, console: Console) -> None:
         parameter = console.main.parameters.selected
         if parameter is not None:
-            self._edit(console, parameter, parameter.value)
+            node, name, change = parameter.node, parameter.name, console.station.set_parameters
+            send = lambda value: change(node, {name: value})  # noqa: E731
+            console.open(EditParameter(parameter, send, self.offered(parameter)))
 
-    def _edit(self, console: Console, parameter: Parameter, offered: Any) -> None:
-        node, name, change = parameter.node, parameter.name, console.station.set_parameters
-        send = lambda value: change(node, {name: value})  # noqa: E731
-        console.open(EditParameter(parameter, send, offered))
+    def offered(self, parameter: Parameter) -> Any:
+        """What stands in the field at first."""
+        return parameter.value
 
 
 class Restore(Edit):
     id, key = "restore", "backspace"
     help = "Edit the selected parameter, with the value that it had at the start"
 
-    def run(self, console: Console) -> None:
-        parameter = console.main.parameters.selected
-        if parameter is not None:
-            self._edit(console, parameter, parameter.initial)
+    def offered(self, parameter: Parameter) -> Any:
+        return parameter.initial
 
 
 class Switch(_InParameters):
