@@ -26,6 +26,7 @@ async def test_events_show_more_levels_on_demand() -> None:
 async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
     async with console(*FAST) as op:
         await op.press("r", "c")
+        await op.until("reset encoder: Encoder reset to zero")
         await op.until("charge: Charging")
         await op.press("6", "slash")
         await op.type("ENCODER")
