@@ -24,6 +24,8 @@ from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.search import Search
 
+_LATEST = 0.5  # s after which the screen is drawn, laid out for its size or not
+
 
 class MainScreen(Screen[None]):
     """Lays the panels out for the terminal's size and hands them every new view."""
@@ -75,6 +77,7 @@ class MainScreen(Screen[None]):
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
+        self.set_timer(_LATEST, self._draw_from_now_on)  # behind a dialog no size may come
         self.focus_panel(4)
 
     def watch_focused(self) -> None:
@@ -117,10 +120,13 @@ class MainScreen(Screen[None]):
         self.call_after_refresh(self._laid_out)
 
     def _laid_out(self) -> None:
+        self._draw_from_now_on()
+        self._show_focused()
+
+    def _draw_from_now_on(self) -> None:
         if not self._is_laid_out:
             self._is_laid_out = True
             self.refresh()
-        self._show_focused()
 
     def _compositor_refresh(self) -> None:
         """Draw, but not before the panels are laid out for the terminal's size."""

@@ -19,7 +19,7 @@ from archo_tui.shutdown import Shutdown
 from archo_tui.station import Station
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.terminal.notice import Ringer, notice
-from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, remember, tones
+from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, grey, remember, tones
 
 
 class TextFilter(LineFilter):
@@ -69,6 +69,8 @@ class TerminalApp(App[None]):
     def get_css_variables(self) -> dict[str, str]:
         """The theme's, and tones between its colours, where it has none of its own."""
         variables = super().get_css_variables()
+        if self.console.color_system == "256":
+            variables |= grey(variables)
         self.theme_variables = {**tones(variables), **variables}
         return self.theme_variables
 

@@ -61,6 +61,16 @@ def tones(variables: Mapping[str, str]) -> dict[str, str]:
     return found
 
 
+def grey(variables: Mapping[str, str]) -> dict[str, str]:
+    """The surfaces as greys: of 256 colours the darkest that are none are blue, or black."""
+    names = ("background", "surface", "panel", "scrollbar-background", "scrollbar-corner")
+    found = {}
+    for name, value in variables.items():
+        if name.startswith(names) and value.startswith("#"):
+            found[name] = Color.parse(value).monochrome.hex
+    return found
+
+
 def contrast(one: Color, other: Color) -> float:
     """The contrast ratio of two colours, 1 to 21: https://www.w3.org/TR/WCAG21/#dfn-contrast-ratio"""
     darker, lighter = sorted((_luminance(one), _luminance(other)))
