@@ -41,6 +41,7 @@ HOSTED = (
 @pytest.fixture(autouse=True)
 def _root(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir("/")  # a dialog names the folder
+    monkeypatch.setenv("COLORTERM", "truecolor")
 
 
 def normalised(svg: str) -> str:
