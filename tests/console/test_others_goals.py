@@ -19,7 +19,7 @@ from rclpy.parameter_client import AsyncParameterClient
 from archo_tui.robot.state import Phase
 from archo_tui.session import _robots_nodes
 from tests.support.archo import go, reset
-from tests.support.console import FAST, LONG, Console, console
+from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 
@@ -60,7 +60,7 @@ async def shared(*ros_args: str) -> AsyncIterator[tuple[Console, Other]]:
 
 
 async def test_the_goal_of_another_client_is_shown_and_its_end_is_history() -> None:
-    async with shared(*FAST) as (op, other):
+    async with shared(*BRISK) as (op, other):
         other.go(12)
         await op.until("MOVING (another client's goal)")
         await op.until("m left of 18.0 m")

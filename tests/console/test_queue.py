@@ -13,7 +13,7 @@ from archo_tui.alarms import CONTACT_LOST, LOW, Alarm, State
 from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
 from archo_tui.targets import Target, Targets
 from tests.support.archo import ARCHO, SHELF
-from tests.support.console import FAST, LONG, Console, console
+from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.plain import plain
 
 
@@ -23,7 +23,7 @@ def history(op: Console) -> list[str]:
 
 
 async def test_several_targets_are_driven_one_after_the_other() -> None:
-    async with console(*FAST) as op:
+    async with console(*BRISK) as op:
         await op.press("g", *"12 7 3", "enter")
         await op.until("MOVING to 12")
         assert "then 7, 3" in op.text

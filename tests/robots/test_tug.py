@@ -42,8 +42,8 @@ async def test_the_screen_has_its_name_readings_and_words() -> None:
     async with tug() as (op, _):
         assert " TUG  /" in op.line("online")
         await op.until("● GOOD      80.0 % 36.5 V")
-        assert "low 30" in op.text
-        assert "400 turns 0.00 m/s" in op.text
+        await op.until("low 30")
+        await op.until("400 turns 0.00 m/s")
         assert "2 Drive" in op.text
         assert "3 Haul to bay" in op.text
         assert "Bay" in op.line("Go    Cancel")

@@ -23,6 +23,8 @@ from tests.support.waiting import DEADLINE
 
 # the textbook's move in a tenth of the time
 FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0", "-p", "publish_period:=0.05")
+# a way of 1.5 s: what is on its way is seen on a busy machine, too
+BRISK = ("-p", "feedback_period:=0.1", "-p", "time_scale:=15.0")
 # a route so long that keys always come in mid-move
 LONG = ("-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
 
