@@ -285,3 +285,24 @@ class AlarmBoard:
         else:
             self._alarms[alarm.name] = new
         return [new] if state != alarm.state else []
+
+
+class Ringer:
+    """Says of which alarms somebody is to be told: grave ones, each once while it stands."""
+
+    def __init__(self) -> None:
+        self._told: set[str] = set()
+
+    def news(self, alarms: Iterable[Alarm]) -> list[Alarm]:
+        """Those of all the alarms that are new and grave."""
+        standing = {alarm.name: alarm for alarm in alarms}
+        self._told &= standing.keys()
+        found = [
+            alarm
+            for name, alarm in standing.items()
+            if alarm.priority == Priority.HIGH
+            and alarm.state == State.UNACKNOWLEDGED
+            and name not in self._told
+        ]
+        self._told.update(alarm.name for alarm in found)
+        return found

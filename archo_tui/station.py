@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from archo_tui.alarms import Alarm, AlarmBoard, conditions
+from archo_tui.alarms import Alarm, AlarmBoard, Ringer, conditions
 from archo_tui.clock import Clock
 from archo_tui.parameters.undo import UndoList
 from archo_tui.robot.state import Hosted, Outcome, Snapshot
@@ -65,6 +65,7 @@ class Station:
         `quiet`: new alarms are shown, and neither rung nor told to the desktop.
         """
         self.quiet = quiet
+        self.ringer = Ringer()  # here, for a screen that was started anew does not ring again
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.edits = UndoList()

@@ -62,7 +62,7 @@ FAULTS = [
     Fault("robot/rounds.py", "min(MOST, 1 + int(len(self._left) / PERIOD))", "len(self._left)", ROBOT),
     Fault("terminal/themes.py", '"off": ("background", 3.1)', '"off": ("background", 2.5)', CONSOLE + "/test_contrast.py"),
     Fault("screens/main.tcss", "#stop.-stopped { background: $error-darken-1; color: $text; }", "#stop.-stopped { background: $error; color: $error; }", CONSOLE + "/test_contrast.py"),
-    Fault("terminal/notice.py", "            and name not in self._told\n", "", "tests/test_notice.py"),
+    Fault("alarms.py", "            and name not in self._told\n", "", "tests/test_notice.py"),
     Fault("terminal/app.py", "news and not self.station.quiet and", "news and", "tests/test_notice.py"),
     Fault("commands/events.py", "reversed(console.main.events.shown)", "console.view.snapshot.events", CONSOLE + "/test_events.py"),
     Fault("commands/parameters.py", "not selected.value}", "selected.value}", CONSOLE + "/test_parameters.py"),

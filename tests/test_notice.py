@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.alarms import CONTACT_LOST, LOW, Alarm, State
-from archo_tui.terminal.notice import Ringer, notice
+from archo_tui.alarms import CONTACT_LOST, LOW, Alarm, Ringer, State
+from archo_tui.terminal.notice import notice
 from tests.support.terminal import Terminal
 
 

@@ -18,7 +18,7 @@ from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import Shutdown
 from archo_tui.station import Station
 from archo_tui.terminal.ascii import ascii_only, in_ascii
-from archo_tui.terminal.notice import Ringer, notice
+from archo_tui.terminal.notice import notice
 from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, grey, remember, tones
 
 
@@ -52,7 +52,6 @@ class TerminalApp(App[None]):
         )
         changes = [safe_in_place, in_ascii] if ascii_only() else [safe_in_place]
         self._of_text = [TextFilter(change) for change in changes]
-        self._ringer = Ringer()
         for own in THEMES:
             self.register_theme(own)
         if theme or self.console.color_system == "standard":  # 16 colours: none in between
@@ -96,7 +95,7 @@ class TerminalApp(App[None]):
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
         """Tell of grave alarms that are new, also somebody who looks elsewhere."""
-        news = self._ringer.news(alarms)
+        news = self.station.ringer.news(alarms)
         if news and not self.station.quiet and self._driver is not None:
             self.bell()
             self._driver.write("".join(notice(alarm.text) for alarm in news))
