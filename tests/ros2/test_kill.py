@@ -53,5 +53,6 @@ async def test_of_a_console_that_is_killed_the_goal_goes_on_and_nobody_sends_its
             # the server answers in the order of what it is sent: whatever the queue had is before
             assert (await ended(go(it, 5))).ok
             assert (await ended(it.cancel())).ok
-            await until(lambda: len(watching.snapshot.history) == 2)
+            for one in (watching, it):
+                await until(lambda one=one: len(one.snapshot.history) == 2)  # type: ignore[misc]
             assert [goal.word for goal in it.snapshot.history] == ["CANCELLED", "ARRIVED"]
