@@ -189,6 +189,7 @@ async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused() ->
         await op.type("99")
         op.send(*["enter"] * 10)
         await op.until("✗ REFUSED")
+        await op.until(lambda: _said(op))  # the screen shows it before the verb has ended
         await op.settle()
         assert len(_said(op)) == 1
 
