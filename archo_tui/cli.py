@@ -129,6 +129,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes once more
         _complain(f"cannot write to standard output: {error.strerror}")
         return FAILED
+    finally:
+        gc.enable()
     return code
 
 
@@ -221,7 +223,6 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     try:
         code = _plain(session) if options.plain else _console(session)
     finally:
-        gc.enable()
         ignore_signals()
         stuck = session.close()
     for name in stuck:

@@ -55,7 +55,7 @@ FAULTS = [
     Fault(E + "_parameter_rules.py", "1e-6", "1e-2", CONTRACT),
     Fault("embedded/interfaces.py", 'os.environ.get("AMENT_PREFIX_PATH", "")', '""', "tests/embedded"),
     # goals that end at once, rounds of reading, tones, alarms that ring, events that are saved
-    Fault("robot/goals.py", "or (alone and self._was_short(action, status))", "", ROBOT),
+    Fault("robot/goals.py", "or (alone and self._was_short(action, goal_id, status))", "", ROBOT),
     Fault("robot/goals.py", "return _seconds(status) >= action.since", "return True", ROBOT),
     Fault("robot/goals.py", "            self._over.append(one.id)\n", "", ROBOT),
     Fault("robot/rounds.py", "self._next = now + PERIOD", "self._next = now", ROBOT),

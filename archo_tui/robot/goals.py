@@ -298,7 +298,7 @@ class Goals:
             one = self._running.get(goal_id)
             if one is not None:
                 one.on_status(status.status)
-            elif status.status in _RUNNING or (alone and self._was_short(action, status)):
+            elif status.status in _RUNNING or (alone and self._was_short(action, goal_id, status)):
                 self._follow_another(action, goal_id, status)
         if not alone:
             return
@@ -307,9 +307,8 @@ class Goals:
             if one.action is action and not one.goal.mine and one.id not in told:
                 one.forgotten()
 
-    def _was_short(self, action: _Action, status: Any) -> bool:
+    def _was_short(self, action: _Action, goal_id: bytes, status: Any) -> bool:
         """True for a goal that began and ended between two looks at the status."""
-        goal_id = bytes(status.goal_info.goal_id.uuid)
         if status.status not in ENDS or goal_id in self._over:
             return False
         if action.told is not None:

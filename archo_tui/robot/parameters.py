@@ -101,7 +101,9 @@ class Parameters:
     async def _load(self, node: str) -> None:
         try:
             listed = await self._services.call(
-                *(srv.ListParameters, f"{node}/list_parameters", srv.ListParameters.Request()),
+                srv.ListParameters,
+                f"{node}/list_parameters",
+                srv.ListParameters.Request(),
                 once=True,
             )
             names = list(listed.result.names) if listed is not None else []

@@ -85,8 +85,9 @@ class MainScreen(Screen[None]):
 
     def _mark_focused(self) -> None:
         """By hand: a style for `:focus-within` has Textual look at all that the panels contain."""
+        focused = self.focused_panel
         for panel in self._panels.values():
-            panel.mark_focused(panel.number == self.focused_panel)
+            panel.mark_focused(panel.number == focused)
 
     @property
     def focus_chain(self) -> list[Widget]:

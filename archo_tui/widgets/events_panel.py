@@ -33,11 +33,15 @@ def event_columns(events: Sequence[Event], _width: int) -> Columns:
 
 def event_lines(event: Event, width: int, columns: Columns) -> list[Text]:
     """`12:04:31  WARN   dashboard         Low battery: 18.0%`; where it is tight, no source."""
-    count = f"   {repeats(event)}" if event.count > 1 else ""
-    text, at = f"{event.text}{count}", time_of_day(event.time)
+    at, text = time_of_day(event.time), _text(event)
     source = f"{pad(event.source, *columns)}  " if width >= _ROOMY else ""
     gap = "  " if source else " "
     return [(f"{at}{gap}{event.level:<5}{gap}{source}{text}", _STYLES.get(event.level, ""))]
+
+
+def _text(event: Event) -> str:
+    """`Low battery: 18.0%   x 12 since 12:03:20`."""
+    return f"{event.text}   {repeats(event)}" if event.count > 1 else event.text
 
 
 def repeats(event: Event) -> str:
@@ -57,9 +61,8 @@ def as_text(events: Iterable[Event]) -> str:
     lines = []
     for event in events:
         at = datetime.fromtimestamp(event.time).isoformat(" ", "milliseconds")
-        count = f"   {repeats(event)}" if event.count > 1 else ""
         command = f"   $ {event.command}" if event.command else ""
-        lines.append(f"{at}  {event.level:<5}  {event.source}  {event.text}{count}{command}\n")
+        lines.append(f"{at}  {event.level:<5}  {event.source}  {_text(event)}{command}\n")
     return "".join(lines)
 
 

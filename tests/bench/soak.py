@@ -11,18 +11,12 @@ import signal
 import sys
 import tempfile
 import time
-from pathlib import Path
 
+from tests.bench.process import resident
 from tests.support.terminal import Terminal
 
 _GOAL = 4.0  # s from one goal to the next
 _TELEMETRY = ("-p", "publish_period:=0.02", "-p", "feedback_period:=0.1", "-p", "drain_max:=0.05")
-
-
-def _resident(pid: int) -> int:
-    """Memory of a process in kB."""
-    status = Path(f"/proc/{pid}/status").read_text()
-    return next(int(line.split()[1]) for line in status.splitlines() if line.startswith("VmRSS"))
 
 
 def run(minutes: float) -> list[tuple[float, int]]:
@@ -39,7 +33,7 @@ def run(minutes: float) -> list[tuple[float, int]]:
             terminal.read(0.05)
         passed = (time.monotonic() - begin) / 60
         if passed >= len(samples) + 1:
-            samples.append((passed, _resident(terminal.pid)))
+            samples.append((passed, round(1000 * resident(terminal.pid))))
             print(f"{passed:5.1f} min {samples[-1][1]:>8} kB", flush=True)
     terminal.kill(signal.SIGTERM)
     print(f"exit code {terminal.exit_code()}")
