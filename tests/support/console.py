@@ -107,7 +107,14 @@ class Console:
     ) -> None:
         """Wait until the screen shows a text or a condition holds; a virtual clock moves on."""
         wanted = (lambda: condition in self.text) if isinstance(condition, str) else condition
-        await self._quiet.until(wanted, lambda: f"{condition!r}:\n{self.text}", deadline)
+        await self._quiet.until(wanted, lambda: f"{condition!r}:\n{self._seen()}", deadline)
+
+    def _seen(self) -> str:
+        """What a failure says: the last key, the focus, and the screen."""
+        app = self.app
+        since = clock.seconds() - app._last_typed
+        held = ", held" if app.repeated else ""
+        return f"{app._last_key!r} {since:.2f} s ago{held}; focus on {app.focused!r}\n{self.text}"
 
     async def ready(self) -> None:
         """Wait until the robot is seen: data, parameters, services."""
