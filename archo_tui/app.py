@@ -26,6 +26,7 @@ from archo_tui.screens.text import ShowText
 from archo_tui.station import Station, View
 from archo_tui.targets import Target
 from archo_tui.terminal.app import TerminalApp
+from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.rows import Rows
@@ -134,7 +135,13 @@ class ArchoApp(TerminalApp):
         blocked = frozenset(c.id for c in self.registry if self.blocked(c))
         self.view = replace(self.view, blocked=blocked)
         footer = [
-            (c.id, c.footer_key or self.view.key(c.id), c.footer, c.id in blocked)
+            FooterKey(
+                c.id,
+                c.footer_key or self.view.key(c.id),
+                c.footer,
+                c.id in blocked,
+                c.where == EVERYWHERE,
+            )
             for c in self.registry
             if c.footer
         ]
@@ -262,7 +269,7 @@ class ArchoApp(TerminalApp):
         if isinstance(self.focused, Input):
             self.main.focus_back()
         else:
-            self.main.toggle_events()
+            self.main.leave_full()
 
     def action_command_palette(self) -> None:
         if not isinstance(self.screen, Palette):

@@ -134,6 +134,12 @@ def way(goal: Goal) -> str:
     return f"on its way to {goal.name}" if goal.kind.noun else f"running {goal.name}"
 
 
+def way_left(goal: Goal) -> str:
+    """`9.0 m left`, or nothing while that is not known."""
+    known = goal.remaining is not None and not goal.unreadable
+    return f"{goal.remaining:.1f}{_unit(goal)} left" if known else ""
+
+
 def _unit(goal: Goal) -> str:
     unit = goal.kind.remaining.unit if goal.kind.remaining else ""
     return f" {unit}" if unit else ""
@@ -148,7 +154,7 @@ def _progress(goal: Goal, now: float) -> str:
     if goal.remaining is None:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
     if goal.length is None:  # not known yet: no bar, no percentage
-        return f"{goal.remaining:.1f}{unit} left   {so_far}"
+        return f"{way_left(goal)}   {so_far}"
     left = goal.seconds_left(now)
     about = "" if left is None else f", about {seconds_text(left)} left"
     return f"{goal.remaining:.1f}{unit} left of {goal.length:.1f}{unit}   {so_far}{about}"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from archo_tui.alarms import Alarm, AlarmBoard, Ringer, conditions
 from archo_tui.clock import Clock
+from archo_tui.history import History
 from archo_tui.parameters.undo import UndoList
 from archo_tui.robot.state import Hosted, Outcome, Snapshot
 from archo_tui.targets import Target, Targets
@@ -38,6 +39,8 @@ class View:
     watching: bool = False  # nothing is commanded from here
     waiting: tuple[str, ...] = ()  # targets of the queue
     held: str = ""  # why the queue is held
+    history: History = field(default_factory=History)
+    changing: bool = False  # a parameter is being set from here
 
     def key(self, command: str) -> str:
         """The key of a command, by its id."""
@@ -70,6 +73,7 @@ class Station:
         self.attached, self.on_disconnect = attached, on_disconnect
         self.edits = UndoList()
         self.targets = Targets()
+        self._history = History()
         # sends a target that is due; True: it comes from the queue
         self.drive: Callable[[Target, bool], None] = lambda *_: None
         self._journal = journal
@@ -87,6 +91,7 @@ class Station:
     def tick(self) -> list[Alarm]:
         """A second has passed. Returns the alarms that changed."""
         self._second = self.clock.monotonic()
+        self._history.add(self._snapshot, self._second)
         return self.look()
 
     def look(self) -> list[Alarm]:
@@ -176,4 +181,6 @@ class Station:
             watching=self.robot.watching,
             waiting=tuple(target.text for target in self.targets.waiting),
             held=self.targets.held,
+            history=self._history,
+            changing=self.edits.is_changing,
         )

@@ -101,13 +101,13 @@ def test_the_consoles_own_keys_are_not_a_robot_files_to_take(
 
 
 async def test_the_screen_says_and_takes_the_chosen_keys(tmp_path: Path) -> None:
-    keys = load(tmp_path, "go: x\nhelp: f1\n")
+    keys = load(tmp_path, "go: x\nhelp: f2\n")
     app = stub_app(NORMAL, keys=keys)
     async with app.run_test(size=(120, 36)) as pilot:
-        await pilot.press("x", "7", "escape", "f1")
+        await pilot.press("x", "7", "escape", "f2")
         await pilot.pause()
         assert app.main.goal.query_one("#goal-0").value == "7"  # type: ignore[attr-defined]
         assert app.screen is not app.main
         lines = [strip.text for strip in app.main._compositor.render_strips()]
-        assert " x Go  ^c Cancel  ^x STOP  r Reset  1-6 Panels  f1 Help" in lines[-1]
+        assert " x Go  ^c Cancel  ^x STOP  r Reset  1-7 Panels  f2 Help" in lines[-1]
         assert any("Press x, type the shelf" in line for line in lines)

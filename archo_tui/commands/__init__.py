@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands import anything, console, events, nodes, parameters, robot
+from archo_tui.commands import anything, console, events, history, nodes, parameters, robot
 from archo_tui.commands.base import Command
 from archo_tui.robots.model import Robot
 
@@ -17,6 +17,7 @@ def registry(described: Robot) -> tuple[Command, ...]:
         "Parameters",
         "Nodes",
         "Events",
+        "History",
     )
     return (
         robot.Go(first),
@@ -51,7 +52,11 @@ def registry(described: Robot) -> tuple[Command, ...]:
         events.FullScreen(),
         events.WholeEvent(),
         events.SaveEvents(),
+        history.ShowHistory(),
+        history.LookBack(-1),
+        history.LookBack(1),
         console.ShowHelp(),
+        console.ShowHelpEverywhere(),
         console.Palette(),
         console.Quiet(),
         console.Suspend(),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVERYWHERE, NOT_TYPING, Command, Console, Work
+from archo_tui.commands.base import EVERYWHERE, Command, Console, Work
 from archo_tui.goal_text import way
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
@@ -38,7 +38,7 @@ class Panel(Command):
         self.id, self.key = f"panel_{number}", str(number)
         self.help = f"Go to panel {number}, {title}"
         if number == 1:
-            self.footer, self.footer_key = "Panels", "1-6"
+            self.footer, self.footer_key = "Panels", "1-7"
 
     def run(self, console: Console) -> None:
         console.main.focus_panel(self.number)
@@ -51,12 +51,24 @@ class ShowHelp(Command):
     def run(self, console: Console) -> None:
         if isinstance(console.screen, Help):
             return
-        entries = []
-        for command in console.registry:
-            place = "" if command.where == NOT_TYPING else command.place
-            key, reason = console.view.key(command.id), console.blocked(command)
-            entries.append(Entry(key, command.help, place, reason))
+        entries = [
+            Entry(
+                command.place[0].upper() + command.place[1:]
+                if command.key
+                else "In the palette only",
+                console.view.key(command.id),
+                command.help,
+                console.blocked(command),
+            )
+            for command in console.registry
+        ]
         console.open(Help(entries))
+
+
+class ShowHelpEverywhere(ShowHelp):
+    id, key, footer = "help_everywhere", "f1", ""
+    help = "Show all keys, in dialogs and while typing, too"
+    where = EVERYWHERE
 
 
 class Palette(Command):

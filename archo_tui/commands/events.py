@@ -48,7 +48,7 @@ class FullScreen(_InEvents):
     help = "Show the events on the full screen, and back"
 
     def run(self, console: Console) -> None:
-        console.main.toggle_events()
+        console.main.toggle_full(console.main.events)
 
 
 class SaveEvents(_InEvents):

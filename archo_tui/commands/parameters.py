@@ -74,7 +74,7 @@ class Switch(_InParameters):
 
 
 class OnlyChanged(_InParameters):
-    id, key = "only_changed", "m"
+    id, key = "only_changed", "d"
     help = "Show only parameters that differ from the start, with both values; or all again"
 
     def run(self, console: Console) -> None:

@@ -42,11 +42,7 @@ class UndoList:
     async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
         """Set parameters of a node, all or none, and keep what they were."""
         known = {p.name: p.value for p in robot.snapshot.parameters if p.node == node}
-        self._unanswered += 1
-        try:
-            outcome = await robot.set_parameters(node, values)
-        finally:
-            self._unanswered -= 1
+        outcome = await self._set(robot, node, values)
         if outcome.ok:
             before = {name: known[name] for name in values}
             self._done = [*self._done, Edit(node, before, values)][-LIMIT:]
@@ -57,7 +53,14 @@ class UndoList:
         edit = self.last
         if edit is None:
             return Outcome(False, "nothing to undo")
-        outcome = await robot.set_parameters(edit.node, edit.before)
+        outcome = await self._set(robot, edit.node, edit.before)
         if outcome.ok and edit in self._done:
             self._done.remove(edit)
         return outcome
+
+    async def _set(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
+        self._unanswered += 1
+        try:
+            return await robot.set_parameters(node, values)
+        finally:
+            self._unanswered -= 1

@@ -59,7 +59,7 @@ class AlarmList(Dialog[None]):
             wraps=True,
         )
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         with Vertical(classes="dialog reading") as box:
             box.border_title = "Alarms"
             minutes = SHELF_TIME / 60

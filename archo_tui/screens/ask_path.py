@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 
@@ -10,12 +11,20 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Button, Static
 
+from archo_tui import recall
+from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Form
 from archo_tui.widgets.field import Field
 
+_KIND = "a file"  # under which they are kept
+_SHOWN = 5  # recent files
+
 
 class AskPath(Form):
-    """`work(path)` returns what is in the way, or an empty string when it is done."""
+    """`work(path)` returns what is in the way, or an empty string when it is done.
+
+    The arrows lead through the files that were used before.
+    """
 
     submits = "go-on"
 
@@ -25,20 +34,37 @@ class AskPath(Form):
         super().__init__()
         self._title, self._text, self._default, self._work = title, text, default, work
         self._working = False
+        self._recent: list[str] = []  # the newest first
+        self._place = -1  # of them in the field; -1: none
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
             box.border_title = self._title
-            box.border_subtitle = "enter OK   esc cancel"
+            box.border_subtitle = "enter OK   ↑ ↓ recent files   esc cancel"
             yield Static(Content(f"{self._text}; a relative path starts at {Path.cwd()}:"))
             yield Field(self._default, id="path")
+            yield Static(classes="recent")
             yield Static("", classes="error")
             with Horizontal(classes="answers"):
                 yield Button("Cancel", id="leave", compact=True)
                 yield Button("OK", id="go-on", compact=True)
 
-    def on_mount(self) -> None:
+    async def on_mount(self) -> None:
         self.query_one("#path").focus()
+        self.run_worker(self._recall())
+
+    async def _recall(self) -> None:
+        used = await asyncio.to_thread(recall.load, _KIND)
+        self._recent = [texts[0] for texts in reversed(used) if texts]
+        shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
+        self.query_one(".recent", Static).update(Content.styled(shown, "$quiet"))
+
+    def on_field_recall(self, event: Field.Recall) -> None:
+        """Up to the file before, down to the one after it, at last what stood there at first."""
+        self._place = min(max(self._place - event.step, -1), len(self._recent) - 1)
+        field = self.query_one("#path", Field)
+        field.value = self._default if self._place < 0 else self._recent[self._place]
+        field.cursor_position = len(field.value)
 
     def submit(self, typed: str) -> None:
         typed = typed.strip()
@@ -59,5 +85,10 @@ class AskPath(Form):
         self._working = False
         if said:
             self.say(said)
-        else:
-            self.end()
+            return
+        await asyncio.to_thread(self._keep, str(path.absolute()))
+        self.end()
+
+    def _keep(self, path: str) -> None:
+        others = [texts for texts in recall.load(_KIND) if texts != [path]]
+        recall.save(_KIND, [*others, [path]])

@@ -33,7 +33,7 @@ class Choose(Dialog[None]):
         self._title, self._all, self._then = title, list(rows), then
         self._cursor = 0
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
             box.border_title = self._title
             box.border_subtitle = "type to narrow   ↑ ↓, enter   esc cancel"

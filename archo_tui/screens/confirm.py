@@ -30,7 +30,7 @@ class Confirm(Dialog[str]):
         """The answer that changes nothing."""
         return self._answers[0]
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
             box.border_title = self.title
             box.border_subtitle = "← → or first letter, enter   esc no"

@@ -4,20 +4,53 @@ from __future__ import annotations
 
 from typing import ClassVar
 
+from textual.app import ComposeResult
 from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Button, Static
 
+from archo_tui.screens.main import MainScreen
 from archo_tui.widgets.field import Field
+from archo_tui.widgets.line import Line
+
+
+class Below(Line):
+    """The keys that work in dialogs too, STOP's first of all, where the footer is."""
+
+    def __init__(self) -> None:
+        super().__init__(classes="below")
+
+    def on_mount(self) -> None:
+        main = self.app.screen_stack[0]
+        if isinstance(main, MainScreen):
+            self.show(main.everywhere)
 
 
 class Dialog(ModalScreen[ScreenResultType]):
     """Base of the dialogs."""
 
+    def compose(self) -> ComposeResult:
+        yield from self.body()
+        yield Below()
+
+    def body(self) -> ComposeResult:
+        """What the dialog holds."""
+        raise NotImplementedError
+
+    _ending: tuple[ScreenResultType | None] | None = None  # how, once that is known
+
     def end(self, result: ScreenResultType | None = None) -> None:
-        """Close with a result. A second enter, or an answer that comes late, changes nothing."""
-        if self.is_current:
-            self.dismiss(result)
+        """Close with a result. A second enter, or an answer that comes late, changes nothing.
+
+        Under another dialog it closes when that one has gone.
+        """
+        if self._ending is None:
+            self._ending = (result,)
+            self.on_screen_resume()
+
+    def on_screen_resume(self) -> None:
+        if self._ending is not None and self.app.screen is self:
+            self.dismiss(*self._ending)
 
     def action_close(self) -> None:
         """Back to where the focus was, with nothing changed."""

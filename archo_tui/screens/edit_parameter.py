@@ -35,7 +35,7 @@ class EditParameter(Form):
         if parameter.read_only:
             self.standing = f"{parameter.name} is read-only: it can only be set at startup"
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         parameter = self._parameter
         allowed = range_text(parameter)
         with Vertical(classes="dialog") as box:

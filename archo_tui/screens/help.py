@@ -1,53 +1,122 @@
-"""All keys, from the one registry."""
+"""All keys, from the one registry: by where they work, found by typing."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from textual.app import ComposeResult
-from textual.containers import VerticalScroll
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Static
 
 from archo_tui.screens.dialog import Dialog
+from archo_tui.widgets.field import Field
 
 _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
     "tab moves on, enter presses or edits, esc leads out; while you type, letters are text."
 )
+_KEY = 9  # cells for a key
+_COLUMN = 52  # cells from which a column is worth having
+_GAP = 3  # cells between two
 
 
 class Entry(NamedTuple):
     """What is said about one key."""
 
+    section: str  # where it works
     key: str
     help: str
-    place: str  # where it works, empty for wherever no text is typed
     reason: str  # why it cannot run now, or empty
 
 
 class Help(Dialog[None]):
-    """One line a command, with the reason when it cannot run now."""
+    """One line a command, the reason below it when it cannot run now."""
 
-    BINDINGS = [("escape,question_mark,q", "close", "Close")]
+    BINDINGS = [
+        ("escape,f1", "close", "Close"),
+        ("pageup", "scroll(-1)", "Scroll up"),
+        ("pagedown", "scroll(1)", "Scroll down"),
+    ]
 
     def __init__(self, entries: Sequence[Entry]) -> None:
         super().__init__()
         self._entries = entries
 
-    def compose(self) -> ComposeResult:
-        with VerticalScroll(classes="dialog keys") as box:
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog keys") as box:
             box.border_title = "Keys"
-            box.border_subtitle = "esc close"
-            yield Static(Content(_INTRODUCTION))
-            for entry in self._entries:
-                yield Static(_line(entry))
+            box.border_subtitle = "type to search   ↑ ↓ scroll   esc close"
+            yield Field(id="narrow", placeholder="type a part of a key's or a command's name")
+            with VerticalScroll(can_focus=False), Horizontal(classes="columns"):
+                yield Static(classes="column")
+                yield Static(classes="column")
+
+    def on_mount(self) -> None:
+        self.query_one(Field).focus()
+
+    def on_resize(self) -> None:
+        self.call_after_refresh(self._draw)
+
+    def on_input_changed(self) -> None:
+        self._draw()
+
+    def on_field_recall(self, event: Field.Recall) -> None:
+        """The arrows scroll."""
+        self.query_one(VerticalScroll).scroll_relative(y=event.step, animate=False)
+
+    def action_scroll(self, pages: int) -> None:
+        """By what is seen."""
+        scroll = self.query_one(VerticalScroll)
+        scroll.scroll_relative(y=pages * max(scroll.size.height - 1, 1), animate=False)
+
+    def _draw(self) -> None:
+        wanted = self.query_one(Field).value.strip().casefold()
+        shown = [e for e in self._entries if wanted in f"{e.key} {e.help}".casefold()]
+        width = self.query_one(VerticalScroll).size.width - 1
+        count = 2 if width >= 2 * _COLUMN + _GAP else 1
+        room = (width - _GAP * (count - 1)) // count
+        columns = _columns([_introduction(room), *_sections(shown, room)], count)
+        for place, column in enumerate(self.query(".column").results(Static)):
+            column.display = place < count
+            column.update(Content("\n").join(columns[place]) if place < count else "")
 
 
-def _line(entry: Entry) -> Content:
-    key = Content.styled(f"{entry.key:>5}", "$quiet" if entry.reason else "bold")
-    text = f"  {entry.help}" + (f" ({entry.place})" if entry.place else "")
+def _introduction(width: int) -> list[Content]:
+    return [Content(line) for line in textwrap.wrap(_INTRODUCTION, width)]
+
+
+def _sections(entries: Iterable[Entry], width: int) -> list[list[Content]]:
+    """The lines of each section, with its name above."""
+    found: dict[str, list[Content]] = {}
+    for entry in entries:
+        name = Content.styled(entry.section, "bold")
+        found.setdefault(entry.section, [Content(""), name]).extend(_entry(entry, width))
+    return list(found.values())
+
+
+def _entry(entry: Entry, width: int) -> list[Content]:
+    room = max(width - _KEY - 2, 10)
+    quiet = "$quiet" if entry.reason else ""
+    first, *more = textwrap.wrap(entry.help, room)
+    key = (f"{entry.key:>{_KEY}}", quiet or "bold")
+    lines = [Content.assemble(key, (f"  {first}", quiet))]
+    margin = " " * (_KEY + 2)
+    lines += [Content.styled(margin + line, quiet) for line in more]
     if entry.reason:
-        return Content.assemble(key, (f"{text}: {entry.reason}", "$quiet"))
-    return Content.assemble(key, text)
+        said = textwrap.wrap(f"not now: {entry.reason}", room)
+        lines += [Content.styled(margin + line, quiet) for line in said]
+    return lines
+
+
+def _columns(blocks: Sequence[list[Content]], count: int) -> list[list[Content]]:
+    """The blocks one below the other, in columns about as high as each other."""
+    half = sum(map(len, blocks)) / count
+    columns: list[list[Content]] = [[]]
+    for block in blocks:
+        if len(columns) < count and len(columns[-1]) + len(block) / 2 > half:
+            columns.append([])
+        columns[-1] += block
+    return columns + [[]] * (count - len(columns))

@@ -1,9 +1,10 @@
-"""The one screen: header, banner, six numbered panels, footer."""
+"""The one screen: header, banner, seven numbered panels, footer."""
 
 from __future__ import annotations
 
 from textual.app import ComposeResult
 from textual.containers import Container, Horizontal
+from textual.content import Content
 from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
@@ -14,9 +15,11 @@ from archo_tui.robot.state import Snapshot
 from archo_tui.robot.text import harmless
 from archo_tui.station import View
 from archo_tui.widgets import bars
+from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.battery_panel import BatteryPanel
 from archo_tui.widgets.events_panel import EventsPanel
 from archo_tui.widgets.goal_panel import GoalPanel
+from archo_tui.widgets.history_panel import HistoryPanel
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
@@ -51,13 +54,14 @@ class MainScreen(Screen[None]):
         robot = snapshot.robot
         self._has_gauges = bool(robot.gauges)
         self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
-        self.nodes, self.events = NodesPanel(), EventsPanel()
+        self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
         above = BatteryPanel(robot), MotionPanel(robot), self.goal
-        panels = (*above, self.parameters, self.nodes, self.events)
+        panels = (*above, self.parameters, self.nodes, self.events, self.history)
         self._panels: dict[int, Panel] = {panel.number: panel for panel in panels}
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
         self._below: object = None  # what the footer shows
+        self.everywhere = Content("")  # of the footer what works in dialogs, too
         self._is_laid_out = False
         self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
 
@@ -72,7 +76,8 @@ class MainScreen(Screen[None]):
                     yield from (self._panels[number] for number in (1, 2, 5))
                 with Container(id="right"):
                     yield from (self._panels[number] for number in (3, 4))
-            yield self._panels[6]
+            with Container(id="aside"):
+                yield from (self.history, self.events)
         yield self._footer
 
     def on_mount(self) -> None:
@@ -101,18 +106,39 @@ class MainScreen(Screen[None]):
 
     @property
     def is_full(self) -> bool:
-        """True while the events have the full screen."""
+        """True while one panel has the full screen."""
         return self.has_class("-full")
 
-    def toggle_events(self) -> None:
-        """The events on the full screen, or among the other panels."""
-        self.toggle_class("-full")
-        self.events.take_focus()
+    def toggle_full(self, panel: Panel) -> None:
+        """A panel on the full screen, or among the others."""
+        if self.has_class(f"-full-{panel.number}"):
+            self.leave_full()
+            return
+        self._before = self.focused
+        self._show_all()
+        self.add_class("-full", f"-full-{panel.number}")
+        panel.take_focus()
+
+    def leave_full(self) -> None:
+        """All panels again; where the one that had the screen has no room, the focus goes back."""
+        self._show_all()
+        if self.focused_panel == self.history.number and not self._has_room(self.history):
+            self.focus_back()
+
+    def _show_all(self) -> None:
+        self.remove_class("-full", *(f"-full-{number}" for number in self._panels))
+
+    def _has_room(self, panel: Panel) -> bool:
+        """True when it stands among the others in a terminal of this size."""
+        return panel is not self.history or (self.has_class("-wide") and self.has_class("-tall"))
 
     def focus_panel(self, number: int) -> None:
         """Focus a panel by its number; one that the full screen hides brings the others back."""
-        if number != self.events.number:
-            self.remove_class("-full")
+        if not self.has_class(f"-full-{number}"):
+            self._show_all()
+            if not self._has_room(self._panels[number]):
+                self.toggle_full(self._panels[number])
+                return
         self._before = self.focused
         self._panels[number].take_focus()
         self.call_after_refresh(self._show_focused)
@@ -149,7 +175,7 @@ class MainScreen(Screen[None]):
         else:
             self.set_focus(self._before)
 
-    def show(self, view: View, commands: list[tuple[str, str, str, bool]]) -> None:
+    def show(self, view: View, commands: list[FooterKey]) -> None:
         """Show a new view everywhere."""
         width = self.size.width
         self._header.show(bars.header(view, width - 9))
@@ -159,6 +185,7 @@ class MainScreen(Screen[None]):
         if below != self._below:  # made of markup, which costs more than all the rest
             self._below = below
             self._footer.show(bars.footer(*below))
+            self.everywhere = bars.footer_keys(key for key in commands if key.everywhere)
         for panel in self._panels.values():
             try:
                 panel.show(view)

@@ -47,7 +47,7 @@ class MessageForm(Dialog[None]):
     def _is_yaml(self) -> bool:
         return len(self._leaves) > MOST_FIELDS
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         with Vertical(classes="dialog form") as box:
             box.border_title = escape(self._title)
             box.border_subtitle = (

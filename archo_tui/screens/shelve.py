@@ -23,7 +23,7 @@ class ShelveReason(Form):
         super().__init__()
         self._alarm, self._shelve = alarm, shelve
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
             box.border_title = "Shelve"
             box.border_subtitle = "enter shelve   esc cancel"

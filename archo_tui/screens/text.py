@@ -20,7 +20,7 @@ class ShowText(Dialog[None]):
         super().__init__()
         self._title, self._text = title, text
 
-    def compose(self) -> ComposeResult:
+    def body(self) -> ComposeResult:
         with VerticalScroll(classes="dialog reading") as box:
             box.border_title = escape(self._title)
             box.border_subtitle = "esc close"

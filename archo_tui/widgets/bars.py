@@ -2,32 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from rich.cells import cell_len
 from textual.content import Content
 
 from archo_tui.alarms import Priority, State, advice, ways
 from archo_tui.clock import time_of_day
-from archo_tui.goal_text import doing
+from archo_tui.goal_text import doing, way_left
 from archo_tui.robot.state import Battery, Motion, Phase
 from archo_tui.robot.text import harmless
 from archo_tui.station import View
 
 
 def header(view: View, width: int) -> Content:
-    """Which robot, in contact or not, which engine, and what it does."""
-    does, name = (
-        f"{'watching   ' if view.watching else ''}{_doing(view)}".rstrip(),
-        harmless(view.snapshot.robot.name),
-    )
-    others = view.snapshot.consoles
-    count = f"{len(others) + 1} consoles"
-    wide = f" {name}  {view.namespace:<12} {_contact(view):<20} {view.engine:<10}  {does}"
-    tight = f" {name} {view.namespace} {_contact(view)} {view.engine}  {does}"
-    line = wide if len(wide) <= width else tight
-    for more in (f"   {count}: {', '.join(others)}", f"   {count}") if others else ():
-        if len(line.rstrip()) + len(more) <= width:
-            line = line.rstrip() + more
-            break
-    return Content.styled(line, "bold")
+    """Which robot, in contact or not, what it does; at the right end who else is here, and where.
+
+    Where there is little room the names of other consoles go first, then the way that is left.
+    """
+    doing, left = _doing(view)
+    watching = "watching" if view.watching else ""
+    what = [harmless(view.snapshot.robot.name), _contact(view), watching, doing]
+    where, others = [view.engine, view.namespace], view.snapshot.consoles
+    count = f"{len(others) + 1} consoles" if others else ""
+    named = f"{count}: {', '.join(others)}" if others else ""
+    for blanks in ("   ", " "):
+        for before, behind in (
+            ([*what, left], [named, *where]),
+            ([*what, left], [count, *where]),
+            (what, [count, *where]),
+        ):
+            head, tail = (blanks.join(filter(None, texts)) for texts in (before, behind))
+            gap = width - cell_len(head) - cell_len(tail) - 2
+            if gap >= len(blanks):
+                return Content.assemble((f" {head}", "bold"), f"{' ' * gap}{tail} ")
+    return Content.styled(f" {head} {view.engine}", "bold")
 
 
 def clock(view: View) -> Content:
@@ -62,16 +72,29 @@ def banner(view: View, width: int) -> Content:
     return Content.assemble((line, f"bold {style}"), hint)
 
 
-def footer(commands: list[tuple[str, str, str, bool]], width: int, palette_key: str) -> Content:
-    """`(id, key, word, blocked)` of each command, clickable; blocked ones are darker."""
+class FooterKey(NamedTuple):
+    """One command of the footer."""
+
+    command: str  # its id
+    key: str
+    word: str
+    blocked: bool  # it cannot run now: darker
+    everywhere: bool  # it works in dialogs, too
+
+
+def footer_keys(commands: Iterable[FooterKey]) -> Content:
+    """The keys with their words; each can be clicked."""
     parts: list[Content] = []
-    for command, key, word, blocked in commands:
-        style = "$off" if blocked else ""
-        text = f"[bold]{key}[/] {word}"
-        parts.append(
-            Content.from_markup(f" [@click=app.command('{command}')]{text}[/] ").stylize(style)
-        )
-    made = Content("").join(parts)
+    for command in commands:
+        text = f"[bold]{command.key}[/] {command.word}"
+        part = Content.from_markup(f" [@click=app.command('{command.command}')]{text}[/] ")
+        parts.append(part.stylize("$off" if command.blocked else ""))
+    return Content("").join(parts)
+
+
+def footer(commands: Iterable[FooterKey], width: int, palette_key: str) -> Content:
+    """The keys, and the palette's at the right end where there is room for it."""
+    made = footer_keys(commands)
     palette = Content.from_markup(
         f"[@click=app.command('palette')][bold]{palette_key}[/] palette[/] "
     )
@@ -102,12 +125,13 @@ def _contact(view: View) -> str:
     return f"▲ {silent[0]} silent, {heard[silent[0]]:.0f} s" if silent else "● online"
 
 
-def _doing(view: View) -> str:
+def _doing(view: View) -> tuple[str, str]:
+    """What the robot does, and how far it has to go."""
     snapshot, goal = view.snapshot, view.snapshot.goal
     stop = "" if snapshot.robot.stop is not None else "no STOP"
     if snapshot.motion.stopped:
-        return "✗ STOPPED"
+        return "✗ STOPPED", ""
     if goal is None or not goal.is_running:
-        return stop
+        return stop, ""
     does = doing(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word
-    return f"{does}   {stop}".rstrip()
+    return f"{does}   {stop}".rstrip(), way_left(goal)

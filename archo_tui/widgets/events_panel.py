@@ -32,16 +32,16 @@ def event_columns(events: Sequence[Event], _width: int) -> Columns:
 
 
 def event_lines(event: Event, width: int, columns: Columns) -> list[Text]:
-    """`12:04:31  WARN   dashboard         Low battery: 18.0%`; where it is tight, no source."""
-    at, text = time_of_day(event.time), _text(event)
+    """`12:04:31  WARN   dashboard         Low battery: 18.0%   x 12 since 12:03:20`.
+
+    Where it is tight without the source, and without the time of the first.
+    """
+    at, text = time_of_day(event.time), event.text
     source = f"{pad(event.source, *columns)}  " if width >= _ROOMY else ""
+    if event.count > 1:
+        text += f"   {repeats(event)}" if source else f"   x {event.count}"
     gap = "  " if source else " "
     return [(f"{at}{gap}{event.level:<5}{gap}{source}{text}", _STYLES.get(event.level, ""))]
-
-
-def _text(event: Event) -> str:
-    """`Low battery: 18.0%   x 12 since 12:03:20`."""
-    return f"{event.text}   {repeats(event)}" if event.count > 1 else event.text
 
 
 def repeats(event: Event) -> str:
@@ -62,7 +62,8 @@ def as_text(events: Iterable[Event]) -> str:
     for event in events:
         at = datetime.fromtimestamp(event.time).isoformat(" ", "milliseconds")
         command = f"   $ {event.command}" if event.command else ""
-        lines.append(f"{at}  {event.level:<5}  {event.source}  {_text(event)}{command}\n")
+        count = f"   {repeats(event)}" if event.count > 1 else ""
+        lines.append(f"{at}  {event.level:<5}  {event.source}  {event.text}{count}{command}\n")
     return "".join(lines)
 
 

@@ -37,7 +37,8 @@ class Panel(Container):
         parts = [(before, before)] if before else []
         for command, word in self.keys:
             text = f"{view.key(command)} {word}"
-            markup = f"[@click=app.command('{command}')]{text}[/]"
+            shown = text.replace("[", "\\[")  # the key itself may be one
+            markup = f"[@click=app.command('{command}')]{shown}[/]"
             parts.append((text, f"[$off]{markup}[/]" if command in view.blocked else markup))
         while parts and sum(len(text) + 3 for text, _ in parts) - 3 > room:
             parts.pop()

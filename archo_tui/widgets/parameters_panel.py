@@ -19,8 +19,8 @@ from archo_tui.widgets.search import Search
 
 _NODE, _NAME, _VALUE = (16, 28), 21, (8, 20)  # columns: least and most, or least
 _TYPE, _ALLOWED = 8, 11
+FLASH = 0.6  # s
 _WAITING = "? waiting for the nodes to report their parameters"
-_BETWEEN = 7  # blanks between the columns, and the mark of a change
 
 
 class ParametersPanel(Panel):
@@ -29,15 +29,16 @@ class ParametersPanel(Panel):
     number, title_text = 4, "Parameters"
     keys = (
         *(("edit", "edit"), ("filter", "filter"), ("undo", "undo")),
-        *(("only_changed", "modified"), ("save", "save"), ("load", "load")),
+        *(("only_changed", "changed"), ("save", "save"), ("load", "load")),
     )
 
     def __init__(self) -> None:
         super().__init__()
         self._shown: tuple[Parameter, ...] = ()
         self._only_changed = False
+        self._flashing: frozenset[tuple[str, str]] = frozenset()  # changed by somebody else
         self._rows: Rows[Parameter] = Rows(
-            lambda *drawn: parameter_lines(*drawn, both=self._only_changed),
+            self._drawn,
             lambda p: (p.node, p.name),
             id="parameters",
             empty=_WAITING,
@@ -67,8 +68,29 @@ class ParametersPanel(Panel):
     def show(self, view: View) -> None:
         self.show_keys(view, "what differs from the start" if self._only_changed else "")
         if view.snapshot.parameters is not self._shown:
-            self._shown = view.snapshot.parameters
+            before, self._shown = self._shown, view.snapshot.parameters
+            if not view.changing:
+                self._flash(before)
             self._fill()
+
+    def _flash(self, before: Sequence[Parameter]) -> None:
+        """What somebody else changed is seen by more than its new value, once."""
+        values = {(p.node, p.name): p.value for p in before}
+        names = ((p.node, p.name) for p in self._shown if p.value != values.get((p.node, p.name)))
+        changed = frozenset(name for name in names if name in values)
+        if changed and self.app.animation_level != "none":
+            self._flashing = changed
+            self.set_timer(FLASH, self._flashed)
+
+    def _flashed(self) -> None:
+        self._flashing = frozenset()
+        self._rows.redraw()
+
+    def _drawn(self, parameter: Parameter, width: int, columns: Columns) -> list[Text]:
+        lines = parameter_lines(parameter, width, columns, both=self._only_changed)
+        if (parameter.node, parameter.name) not in self._flashing:
+            return lines
+        return [(text, f"{style} reverse".lstrip()) for text, style in lines]
 
     def on_input_changed(self) -> None:
         self._fill()
@@ -108,15 +130,26 @@ def _value(parameter: Parameter, both: bool) -> str:
 def parameter_columns(
     parameters: Sequence[Parameter], width: int, *, both: bool = False
 ) -> Columns:
-    """Of nodes, names and values, so that values, types and ranges are seen.
+    """Of nodes, names, values, types and ranges; 0 for one that has no room.
 
-    A long name is cut in its middle, a value never: one that is longer moves its type.
+    Name and value come first, then the node, the range, the type. A long name is cut in its middle,
+    a value never: one that is longer moves its type.
     """
     value = column((_value(p, both)[: _VALUE[1]] for p in parameters), *_VALUE)
-    room = width - value - _BETWEEN - _TYPE - _ALLOWED
+    room = width - value - _NAME - 3  # blanks, and the mark of a change
     least, most = _NODE
-    node = column({p.node.lstrip("/") for p in parameters}, least, min(most, room - _NAME))
-    return node, column((p.name for p in parameters), _NAME, room - node), value
+    node = least if room >= least + 2 else 0
+    room -= node + 2 if node else 0
+    allowed = _ALLOWED if node and room >= _ALLOWED + 2 else 0
+    room -= allowed + 2 if allowed else 0
+    kind = _TYPE if allowed and room >= _TYPE + 1 else 0
+    room -= kind + 1 if kind else 0
+    if node:
+        nodes = {p.node.lstrip("/") for p in parameters}
+        node = column(nodes, least, min(most, least + max(room, 0)))
+        room -= node - least
+    name = column((p.name for p in parameters), _NAME, _NAME + max(room, 0))
+    return node, name, value, kind, allowed
 
 
 def parameter_lines(
@@ -138,5 +171,8 @@ def parameter_lines(
 def _line(
     node: str, name: str, value: str, mark: str, kind: str, allowed: str, columns: Columns
 ) -> str:
-    left = f"{pad(node, columns[0])}  {pad(name, columns[1])} {value:>{columns[2]}}"
-    return f"{left} {mark:1}  {kind:<{_TYPE}} {allowed}".rstrip()
+    nodes, names, values, kinds, ranges = columns
+    left = f"{pad(node, nodes)}  " if nodes else ""
+    right = f"  {kind:<{kinds}}" if kinds else ""
+    right += f" {allowed}" if kinds else f"  {allowed}" if ranges else ""
+    return f"{left}{pad(name, names)} {value:>{values}} {mark:1}{right}".rstrip()

@@ -175,7 +175,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         quiet = style == QUIET
         drawn = base + Style.parse(self.app.theme_variables[QUIET] if quiet else style or "none")
         if selected:
-            base = drawn = drawn + Style(reverse=True)
+            base = drawn = drawn + Style(reverse=not drawn.reverse)  # what flashes still does
         return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)
 
     # the cursor

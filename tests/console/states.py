@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from archo_tui.robot.state import (
@@ -93,6 +94,23 @@ NORMAL = Snapshot(
     offered=ALL,
     events=EVENTS,
 )
+
+
+def past(seconds: int) -> Iterator[tuple[Snapshot, float]]:
+    """Each second that led to NORMAL: a battery that falls, two moves of a minute."""
+    for ago in range(seconds, -1, -1):
+        now = NOW - ago
+        moves = 400 < ago <= 460 or 100 < ago <= 160
+        left = 18.0 * ((ago - 100) % 300) / 60
+        yield (
+            replace(
+                NORMAL,
+                battery=replace(BATTERY, percentage=87.5 - (600 - ago) / 9, received=now),
+                motion=replace(MOTOR, speed=0.8 if moves else 0.0, received=now),
+                goal=replace(MOVING, remaining=left) if moves else None,
+            ),
+            now,
+        )
 
 
 def goal(phase: Phase, **changes: object) -> Snapshot:

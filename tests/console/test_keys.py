@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -74,8 +75,35 @@ async def test_letters_do_nothing_behind_a_dialog() -> None:
         assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
 
 
+async def test_help_is_there_while_typing_and_narrows_by_what_is_typed() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash", "f1")
+        await op.until("Keys")
+        assert "STOP" in op.text.splitlines()[-1]  # its key stays where it is
+        await op.type("encoder")
+        await op.until("Reset the encoder")
+        assert "Go to panel" not in op.text
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+
+
+async def test_a_dialog_that_is_done_under_help_goes_when_help_has_gone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    async with console(*FAST) as op:
+        await op.press("4", "ctrl+s")
+        await op.until("ROS parameter file")
+        op.send("enter", "f1")
+        await op.until(lambda: (tmp_path / "archo_params.yaml").exists())
+        await op.settle()
+        assert "Keys" in op.text
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+
+
 async def test_help_lists_every_command_with_its_key() -> None:
-    async with console(*FAST, size=(120, 70)) as op:
+    async with console(*FAST, size=(120, 120)) as op:
         await op.press("question_mark")
         await op.until("Keys")
         for command in op.app.registry:

@@ -10,6 +10,7 @@ import pytest
 from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
+from archo_tui.widgets import parameters_panel
 from tests.parameters import hostile
 from tests.support.console import FAST, Console, console
 
@@ -65,6 +66,49 @@ async def test_a_whole_number_for_a_double_is_taken_as_a_double() -> None:
     async with console(*FAST) as op:
         await edit(op, "max_speed", "1")
         await op.until("1.0 *  double")
+
+
+async def test_a_parameter_set_by_somebody_else_flashes_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from rclpy.parameter import Parameter
+
+    monkeypatch.setattr(parameters_panel, "FLASH", 3600.0)  # s: a test may be slow to look
+    async with console(*FAST) as op:
+        op.app.animation_level = "full"
+
+        def flashes() -> bool:
+            strips = op.app.screen._compositor.render_strips()
+            row = next(strip for strip in strips if "wheel_radius" in strip.text)
+            return any(part.style and part.style.reverse for part in row if "0.0" in part.text)
+
+        await edit(op, "wheel_radius", "0.06")
+        await op.until("0.06 *")
+        await op.press("home")  # the cursor is elsewhere
+        assert not flashes()  # our own change
+        op.session.host.nodes[2].node.set_parameters([Parameter("wheel_radius", value=0.07)])
+        await op.until("0.07 *")
+        assert flashes()
+        op.app.main.parameters._flashed()  # its time is over
+        await op.settle()
+        assert not flashes()
+
+
+async def test_files_that_were_used_are_offered_again(tmp_path: Path) -> None:
+    async with console(*FAST) as op:
+        for name in ("one.yaml", "two.yaml"):
+            await op.press("4", "ctrl+s", "ctrl+u")
+            await op.type(str(tmp_path / name))
+            await op.press("enter")
+            await op.until(lambda: op.app.screen is op.app.main)
+        await op.press("ctrl+o")
+        await op.until("two.yaml")
+        await op.press("up")
+        assert op.app.screen.query_one("#path", Input).value == str(tmp_path / "two.yaml")
+        await op.press("up", "up")
+        assert op.app.screen.query_one("#path", Input).value == str(tmp_path / "one.yaml")
+        await op.press("down", "down")
+        assert op.app.screen.query_one("#path", Input).value == "archo_params.yaml"
 
 
 async def test_a_read_only_parameter_says_so() -> None:
@@ -301,11 +345,11 @@ async def test_only_what_differs_is_shown_with_both_values_and_backspace_offers_
     None
 ):
     async with console(*FAST) as op:
-        await op.press("4", "m")
+        await op.press("4", "d")
         await op.until("nothing differs from the start")
-        await op.press("m", "slash", *"max_speed", "enter", "enter", "ctrl+u", *"0.5", "enter")
+        await op.press("d", "slash", *"max_speed", "enter", "enter", "ctrl+u", *"0.5", "enter")
         await op.until("0.5 *")
-        await op.press("slash", "escape", "m")
+        await op.press("slash", "escape", "d")
         await op.until("0.5 (was 0.8)")
         assert "wheel_radius" not in op.text
         await op.press("backspace", "enter")

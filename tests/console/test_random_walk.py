@@ -13,6 +13,7 @@ from archo_tui.robot.state import Outcome
 from tests.console.states import STATES
 from tests.support.archo import ARCHO
 from tests.support.console import send
+from tests.support.quiet import Quiet
 from tests.support.stub import StubRobot, stub_app
 
 COMMANDS = registry(ARCHO)
@@ -39,27 +40,31 @@ async def walk(seed: int, keys: int) -> None:
 
     robot.emergency_stop = stop  # type: ignore[attr-defined]
     possible = [key for key in _KEYS if key not in _LEAVING and key != "ctrl+x"]
-    async with app.run_test(size=(100, 30)) as pilot:
+    async with app.run_test(size=(100, 30)):
+        quiet = Quiet(app)
+
+        async def press(*pressed: str) -> None:
+            send(app, *pressed)
+            await quiet.settle()
+
         for number in range(keys // _EACH):
             robot.put(STATES[choose.choice(names)])
             pressed = [choose.choice(possible) for _ in range(_EACH)]
-            send(app, *pressed)
-            await pilot.pause()
+            await press(*pressed)
             app.clear_notifications()
             where = f"seed {seed}, after {number * _EACH + _EACH} keys, the last: {pressed[-20:]}"
             robot.put(STATES["normal"])
             stops.clear()
-            await pilot.press("ctrl+x")
-            await pilot.pause()
+            await press("ctrl+x")
             assert stops == [1], where
             assert app.is_running, where
             for _ in range(10):  # no dialog sticks
                 if app.screen is app.main:
                     break
-                await pilot.press("escape")
+                await press("escape")
             assert app.screen is app.main, where
             if isinstance(app.focused, Input):
-                await pilot.press("escape")
+                await press("escape")
             assert app.focused is not None, where
             assert not isinstance(app.focused, Input), where
 

@@ -122,7 +122,7 @@ def table() -> list[str]:
     for command in COMMANDS:
         if command.id.startswith("panel_"):
             if command.id == "panel_1":
-                rows.append(f"| `1` .. `6`, tab | go to a panel | {NOT_TYPING} |")
+                rows.append(f"| `1` .. `7`, tab | go to a panel | {NOT_TYPING} |")
             continue
         does = command.help
         if does[1].islower():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,8 @@ from textual.command import CommandPalette
 from archo_tui.alarms import AlarmBoard
 from archo_tui.app import ArchoApp
 from archo_tui.robot.state import Hosted, Life, Snapshot
-from tests.console.states import NORMAL, STATES
+from tests.console.states import ARRIVED, CANCELLED, NORMAL, STATES, past
+from tests.support.clock import TIME
 from tests.support.console import send
 from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, StubRobot, stub_app
@@ -93,11 +95,17 @@ async def pictures(
     dialog: bool = False,
     theme: str = "textual-dark",
     hosted: tuple[Hosted, ...] = (),
+    seconds: int = 0,
 ) -> dict[str, str]:
-    """The screen after those keys, in each size; on-delays of alarms have passed."""
+    """The screen after those keys, in each size; on-delays of alarms have passed.
+
+    `seconds` were seen before.
+    """
     clock = StandingClock()
     clock.passed = -3.0
     app = stub_app(snapshot, clock, hosted)
+    for before in past(seconds):
+        app.station._history.add(*before)
     found = {}
     async with app.run_test(size=SIZES[next(iter(sizes))]) as pilot:
         quiet = Quiet(app)
@@ -172,6 +180,24 @@ async def test_what_keys_open_looks_as_accepted(
     plain = ("help", "edit", "field", "question")  # their nodes run elsewhere
     hosted = () if name in plain else HOSTED
     await compare_all(request, name, STATES[state], *keys, dialog=dialog, hosted=hosted)
+
+
+@pytest.mark.parametrize("name", ["history", "history of a minute", "history of an hour"])
+async def test_the_history_looks_as_accepted(request: pytest.FixtureRequest, name: str) -> None:
+    ended = [replace(ARRIVED, time=TIME - 100), replace(CANCELLED, time=TIME - 400)]
+    snapshot = replace(STATES["battery low and moving"], history=tuple(ended))
+    span = {"history": [], "history of a minute": ["["], "history of an hour": ["]"]}[name]
+    await compare_all(request, name, snapshot, "h", *span, seconds=700)
+
+
+async def test_the_history_stands_beside_the_panels_where_there_is_room(
+    request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended = [replace(ARRIVED, time=TIME - 100), replace(CANCELLED, time=TIME - 400)]
+    snapshot = replace(STATES["battery low and moving"], history=tuple(ended))
+    await compare(request, "history beside", snapshot, "160x48", seconds=700)
+    monkeypatch.setenv("LC_ALL", "C")
+    await compare(request, "history in ascii", snapshot, "160x48", seconds=700)
 
 
 @pytest.mark.parametrize("size", ALL_SIZES)

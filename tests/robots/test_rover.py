@@ -78,11 +78,11 @@ async def test_what_is_no_number_is_said_in_its_field_and_nothing_is_sent() -> N
 
 async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
     async with rover() as (op, node):
-        await op.press("d")
+        await op.press("D")
         await op.until("is_docked true")
         await op.until("CHARGING")
         assert node.docked
-        await op.press("D")
+        await op.press("U")
         await op.until("discharging")
         await op.until("undock succeeded: is_docked false")
 

@@ -1,0 +1,34 @@
+"""Commands of the history."""
+
+from __future__ import annotations
+
+from archo_tui.commands.base import Command, Console
+
+
+class ShowHistory(Command):
+    id, key = "history", "h"
+    help = "Show the history on the full screen, and back"
+
+    def run(self, console: Console) -> None:
+        console.main.toggle_full(console.main.history)
+
+
+class LookBack(Command):
+    """By one of the spans that can be looked back."""
+
+    def __init__(self, by: int) -> None:
+        self._by = by
+        self._word = "longer" if by > 0 else "shorter"
+        self.id = self._word
+        self.key = "right_square_bracket" if by > 0 else "left_square_bracket"
+        self.help = f"Show a {self._word} time in the history: 1 min, 10 min or an hour"
+
+    def blocked(self, console: Console) -> str:
+        history = console.main.history
+        if not history.display:
+            return f"the history is not shown: press {console.view.key('history')}"
+        return "" if history.can_look_back(self._by) else f"there is no {self._word} time"
+
+    def run(self, console: Console) -> None:
+        console.main.history.look_back(self._by)
+        console.look()

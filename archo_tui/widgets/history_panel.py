@@ -1,0 +1,180 @@
+"""Panel 7: battery, speed and what is left of the way, over the last minutes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from itertools import groupby
+from typing import NamedTuple
+
+from rich.segment import Segment
+from textual.app import ComposeResult
+from textual.geometry import Region
+from textual.strip import Strip
+from textual.widget import Widget
+
+from archo_tui.clock import time_of_day
+from archo_tui.history import SPANS, Sample
+from archo_tui.robot.state import Goal, Phase
+from archo_tui.robots.model import Robot
+from archo_tui.state_text import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans
+from archo_tui.station import View
+from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.plot import MARK, curve
+from archo_tui.widgets.styled import rich_style
+
+_LABEL = 6  # cells for the number at the side
+_LEAST = 3  # rows of a plot
+_GLYPHS = {Phase.ARRIVED: "✓", Phase.DISPUTED: "?"}
+
+
+class Plot(NamedTuple):
+    """One reading over time."""
+
+    title: str
+    unit: str
+    places: int  # behind the decimal point
+    reading: Callable[[Sample], float | None]
+    least: float  # what the scale reaches at least
+    fixed: bool = False  # the scale reaches just that
+
+
+def plots(robot: Robot) -> tuple[Plot, ...]:
+    """Those of what the robot reports."""
+    remaining = next((kind.remaining for kind in robot.goals[:1]), None)
+    found = []
+    if robot.battery is not None:
+        found.append(Plot("battery", "%", 1, lambda s: s.charge, 100.0, fixed=True))
+    if robot.motion is not None:
+        found.append(Plot("speed", "m/s", 2, lambda s: s.speed, 0.5))
+    if remaining is not None:
+        found.append(Plot("left", remaining.unit, 1, lambda s: s.left, 1.0))
+    return tuple(found)
+
+
+def history_lines(
+    shown: Sequence[Plot], view: View, span: float, width: int, height: int
+) -> list[Spans]:
+    """The plots below each other, the ends of goals, and the time that all of them share."""
+    cells = width - _LABEL - 2
+    rows = (height - 2) // max(len(shown), 1) - 1
+    if rows < _LEAST or cells < 10:
+        return [(("too small for the plots: press h", OLD),)]
+    lines: list[Spans] = []
+    for plot in shown:
+        values = view.history.columns(plot.reading, span, 2 * cells, view.second)
+        mark = view.snapshot.threshold if plot.fixed else None
+        lines += _plot(plot, values, rows, mark)
+    lines.append(((" " * (_LABEL + 1), PLAIN), (_ends(view, span, cells), PLAIN)))
+    return [*lines, ((f"{'└':>{_LABEL + 1}}{_times(view, span, cells)}", OLD),)]
+
+
+def _plot(plot: Plot, values: Sequence[float | None], rows: int, mark: float | None) -> list[Spans]:
+    known = [value for value in values if value is not None]
+    low = 0.0 if plot.fixed else min([0.0, *known])
+    high = plot.least if plot.fixed else _round(max([plot.least, *known]))
+    form = f".{plot.places}f"
+    now = "--" if values[-1] is None else format(values[-1], form)
+    tone = WARN if mark is not None and values[-1] is not None and values[-1] < mark else ACTIVE
+    caption = (f"{'':{_LABEL + 2}}{plot.title} ", OLD), (f"{now} {plot.unit}", STRONG)
+    lines: list[Spans] = [caption if mark is None else (*caption, (f"   low {mark:g}", OLD))]
+    for row, text in enumerate(curve(values, low, high, rows, mark)):
+        at = {0: high, rows - 1: low}.get(row)
+        side = f"{'' if at is None else f'{at:g}':>{_LABEL}}{'│' if at is None else '┤'} "
+        parts = (
+            ("".join(part), EDGE if dashed else tone)
+            for dashed, part in groupby(text, lambda char: char == MARK)
+        )
+        lines.append(((side[:-1], OLD), *parts))
+    return lines
+
+
+def _round(high: float) -> float:
+    """The next of 1, 2, 5, 10, ... that is no less: a scale that seldom changes."""
+    power = 10.0 ** math.floor(math.log10(high))
+    return next(step * power for step in (1, 2, 5, 10) if high <= step * power)
+
+
+def _ends(view: View, span: float, cells: int) -> str:
+    """How goals ended, where they did: `✓ 12`, the newest seen where two have no room."""
+    row = [" "] * cells
+    for goal in view.snapshot.history:
+        place = cells - 1 - int((view.time - goal.time) / span * cells)
+        text = f"{_GLYPHS.get(goal.phase, '✗')} {_target(goal)}".rstrip()
+        place = min(place, cells - len(text))
+        if place >= 0 and set(row[max(place - 1, 0) : place + len(text) + 1]) == {" "}:
+            row[place : place + len(text)] = text
+    return "".join(row)
+
+
+def _target(goal: Goal) -> str:
+    short = goal.target if goal.mine else ""
+    return short if len(short) <= 8 else ""
+
+
+def _times(view: View, span: float, cells: int) -> str:
+    """`─ 11:54 ────── 11:59 ────── 12:04 `, as far apart as it shows."""
+    digits = 8 if span <= SPANS[0] else 5  # without seconds, or with them
+    first, middle, last = (time_of_day(view.time - back)[:digits] for back in (span, span / 2, 0.0))
+    gap = cells - 3 * digits - 5
+    if gap < 2:
+        return f" {last} ".rjust(cells, "─")
+    return f" {first} {'─' * (gap // 2)} {middle} {'─' * (gap - gap // 2)} {last}"
+
+
+class Lines(Widget):
+    """Rows of text, of which only those are drawn that changed."""
+
+    DEFAULT_CSS = "Lines { height: 1fr; width: 1fr; }"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lines: Sequence[Spans] = ()
+
+    def show(self, lines: Sequence[Spans]) -> None:
+        """Show these instead."""
+        before, self._lines = self._lines, lines
+        for y in range(max(len(before), len(lines))):
+            if list(before[y : y + 1]) != list(lines[y : y + 1]):
+                self.refresh(Region(0, y, self.size.width, 1))
+
+    def render_line(self, y: int) -> Strip:
+        base, variables = self.rich_style, self.app.theme_variables
+        line = self._lines[y] if y < len(self._lines) else ()
+        segments = [Segment(text, base + rich_style(tone, variables)) for text, tone in line]
+        return Strip(segments).crop_extend(0, self.size.width, base)
+
+
+class HistoryPanel(Panel, can_focus=True):
+    """Plots with one axis of time; drawn once a second, and only while it is shown."""
+
+    number, title_text = 7, "History"
+    keys = (("history", "full screen"), ("shorter", "shorter"), ("longer", "longer"))
+
+    def __init__(self, robot: Robot) -> None:
+        super().__init__()
+        self._plots = plots(robot)
+        self._span = 1  # of SPANS
+        self._lines = Lines()
+        self._drawn: object = None
+
+    def compose(self) -> ComposeResult:
+        yield self._lines
+
+    def show(self, view: View) -> None:
+        if not self.display:
+            return
+        span = SPANS[self._span]
+        self.show_keys(view, f"last {span / 60:.0f} min" if span < 3600 else "last hour")
+        drawn = (view.second, self._span, self._lines.size, view.snapshot.history)
+        if drawn != self._drawn:
+            self._drawn = drawn
+            self._lines.show(history_lines(self._plots, view, span, *self._lines.size))
+
+    def look_back(self, by: int) -> None:
+        """Over a longer (1) or a shorter (-1) time."""
+        self._span = min(max(self._span + by, 0), len(SPANS) - 1)
+
+    def can_look_back(self, by: int) -> bool:
+        """False at the longest and at the shortest."""
+        return 0 <= self._span + by < len(SPANS)
