@@ -87,7 +87,7 @@ def test_the_keymap_is_that_of_the_robot_file(
         assert main(["--keys", *words]) == 0
         return capsys.readouterr().out
 
-    assert "\ndock: d " in keys("--robot", file)
+    assert "\ndock: D " in keys("--robot", file)
     assert "\nreset: " not in keys("--robot", file)
     (tmp_path / "config" / "archo-tui").mkdir(parents=True)
     keymap = tmp_path / "config" / "archo-tui" / "keymap.yaml"
