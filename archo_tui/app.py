@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -17,6 +18,7 @@ from archo_tui import recall
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
 from archo_tui.commands.keymap import shown_keys
+from archo_tui.node_output import NodeOutput
 from archo_tui.robot.state import WATCHING, Outcome, Snapshot
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
@@ -93,6 +95,8 @@ class ArchoApp(TerminalApp):
         return self.main
 
     def on_mount(self) -> None:
+        # inside of Textual's own, which takes all that is printed
+        sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
         self.station.drive = self._drive
         self.station.robot.subscribe(self._take)
         self.run_worker(self._recall(), group="recall")

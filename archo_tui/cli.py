@@ -8,7 +8,7 @@ import gc
 import os
 import sys
 from collections.abc import Sequence
-from io import TextIOWrapper
+from io import StringIO, TextIOWrapper
 
 from archo_tui import __version__
 from archo_tui.errors import ArchoError
@@ -49,8 +49,9 @@ def parser() -> argparse.ArgumentParser:
         metavar="FILE",
         action="append",
         default=[],
-        help="host the rclpy nodes that a Python file defines, in place of the robot's own of the "
-        "same name, else beside them; can be given several times",
+        help="host the rclpy nodes that a Python file (or package.module) defines, in place of the "
+        "robot's own of the same name, else beside them; they are restarted whenever the file is "
+        "saved; can be given several times",
     )
     made.add_argument(
         "--robot",
@@ -209,7 +210,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             params_files=[*map(Path, options.params_file)],
             use_sim=options.use_sim,
             namespace=options.namespace,
-            node_files=[*map(Path, options.node)],
+            node_files=options.node,
             only=options.only,
             robot=Path(options.robot) if options.robot else None,
             watch=options.watch,
@@ -242,6 +243,7 @@ def _plain(session: Session) -> int:
 
 def _console(session: Session) -> int:
     _need_terminal()
+    sys.stdin = StringIO()  # a node that asks for input gets none: the keys are the console's
     import asyncio
 
     from archo_tui.app import ArchoApp

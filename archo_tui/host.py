@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 from typing import Any
@@ -14,9 +14,13 @@ from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 
 import archo_tui
+from archo_tui.limited import Interrupted, interrupt, run_limited
+from archo_tui.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, NodeFileError
 from archo_tui.robot.state import Hosted, Life, Outcome
+from archo_tui.robot.values import text_of
 from archo_tui.tracebacks import own_frames
 
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
@@ -38,7 +42,11 @@ class HostedNode:
         options = {"cli_args": ["--ros-args", "-r", f"__node:={rename}"]} if rename else {}
         self.node = make(context=context, **options)
         self.name: str = self.node.get_fully_qualified_name()
+        self.file = make.file if isinstance(make, FileNode) else None
         self.state = Hosted(self.name, serves=_served(self.node))
+        if self.file is not None:
+            named, saved = self.file.path.name, self.file.saved
+            self.state = replace(self.state, file=named, saved=saved)
         self._on_change = on_change
         self._stopping = False
         self._executor = SingleThreadedExecutor(context=context)
@@ -57,13 +65,15 @@ class HostedNode:
         try:
             while not self._stopping:
                 self._executor.spin_once()
-        except ExternalShutdownException:
+        except (ExternalShutdownException, Interrupted):
             return
-        except Exception as error:
+        except BaseException as error:  # SystemExit, too: it ends the node, not the console
             self._executor.remove_node(self.node)
             self.node.destroy_node()
             said = f"{type(error).__name__}: {error}".rstrip(": ")
             report = own_frames(error, rclpy, archo_tui)
+            if self.file is not None:
+                said = in_its_file(self.file, self.file.said(error)[0])
             self.state = replace(self.state, life=Life.CRASHED, error=said, traceback=report)
             self._on_change(self)
 
@@ -87,6 +97,22 @@ class HostedNode:
             self.state = replace(self.state, life=Life.STOPPED)
         return True
 
+    def abandon(self) -> bool:
+        """Take a node off the graph whose callback does not return; False when that goes on."""
+        ended = interrupt(self._thread)
+        self._executor.remove_node(self.node)
+        self.node.destroy_node()
+        return ended
+
+
+def in_its_file(file: NodeFile, said: str) -> str:
+    """What is wrong with a file, where its name is seen already: `line 31: NameError: ...`."""
+    prefix = f"{file}:"
+    if not said.startswith(prefix):
+        return said
+    rest = said.removeprefix(prefix)
+    return f"line {rest}" if rest[:1].isdigit() else rest.strip()
+
 
 def _served(node: Node) -> tuple[str, ...]:
     """The services and actions of a node, but for those of its parameters: every node has them."""
@@ -100,10 +126,18 @@ def _served(node: Node) -> tuple[str, ...]:
 class Host:
     """The nodes of this process. Changing them may take JOIN_TIMEOUT: never on the UI thread."""
 
-    def __init__(self, context: Context, on_event: Callable[[str, str, str], None]) -> None:
-        """`on_event(level, source, text)` is called from the nodes' threads when one crashes."""
+    def __init__(
+        self,
+        context: Context,
+        on_event: Callable[[str, str, str], None],
+        on_end: Callable[[Sequence[str]], None],
+    ) -> None:
+        """`on_event(level, source, text)` is called from the nodes' threads when one crashes.
+
+        `on_end(names)` when what served these services and actions was restarted.
+        """
         self._context = context
-        self._on_event = on_event
+        self._on_event, self._on_end = on_event, on_end
         self._changing = threading.Lock()
         self.nodes: list[HostedNode] = []
 
@@ -128,9 +162,10 @@ class Host:
             old = self._find(name)
             if old.state.life == Life.UP:
                 return Outcome(False, f"{name} is running")
+            said = f"{name} started"
             if not old.stop():  # it may be stuck; a crashed one releases what it holds
-                return Outcome(False, f"{name} does not stop: its callback does not return")
-            return self._spin(old.again, f"{name} started", instead_of=old)
+                said += self._left(old)
+            return self._spin(old.again, said, instead_of=old)
 
     def stop_node(self, name: str) -> Outcome:
         """Stop a node; the others are not affected."""
@@ -150,6 +185,93 @@ class Host:
             return self._spin(
                 lambda: HostedNode(kind, self._context, self._crashed, short), f"{short} started"
             )
+
+    def reload(self, file: NodeFile, kept: Callable[[str], Mapping[str, Any]]) -> None:
+        """Run the nodes of a file as it stands now, in place of those of its text before.
+
+        Where it cannot be imported these run on; where a node cannot be constructed they are
+        constructed again. `kept(name)` are parameters that the operator has set.
+        """
+        with self._changing:
+            olds = [hosted for hosted in self.nodes if hosted.file is file]
+            try:
+                makers = file.load()
+            except NodeFileError as error:
+                self._not_run(olds, file, error)
+                return
+            for old in olds:
+                if not old.stop():
+                    self._on_event("WARN", old.name.lstrip("/"), self._left(old).lstrip(", "))
+                self._on_end(old.state.serves)
+            failed: NodeFileError | None = None
+            news: list[HostedNode] = []
+            try:
+                for make in makers:
+                    news.append(HostedNode(make, self._context, self._crashed))
+            except Exception as error:  # NodeFileError, or what rclpy says of a name
+                failed = error if isinstance(error, NodeFileError) else NodeFileError(str(error))
+                for new in news:
+                    new.stop()
+                file.back()
+                news = self._constructed(olds)
+            names = {new.name for new in news}
+            for other in [h for h in self.nodes if h not in olds and h.name in names]:
+                other.stop()  # a node of the robot's own, whose place it takes
+                olds.append(other)
+            for new in news:
+                self._set_again(new, kept(new.name))
+            self.nodes = sorted(
+                [*(hosted for hosted in self.nodes if hosted not in olds), *news],
+                key=lambda hosted: hosted.name,
+            )
+            for new in news:
+                new.start()
+        if failed is not None:
+            self._not_run(news, file, failed)
+        else:
+            restarted = ", ".join(sorted(names))
+            self._on_event("YOU", "console", f"{file.path.name} was saved: {restarted} restarted")
+
+    def _constructed(self, olds: list[HostedNode]) -> list[HostedNode]:
+        """Nodes as they were, as far as they still can be."""
+        found = []
+        for old in olds:
+            try:
+                found.append(old.again())
+            except Exception as error:
+                self._on_event("ERROR", old.name.lstrip("/"), f"cannot be started again: {error}")
+        return found
+
+    def _not_run(self, nodes: list[HostedNode], file: NodeFile, error: NodeFileError) -> None:
+        """Say why the new text does not run."""
+        for hosted in nodes:
+            said = in_its_file(file, str(error))
+            hosted.state = replace(hosted.state, error=said, traceback=error.report)
+        self._on_event("ERROR", file.path.name, f"the saved text does not run: {error}")
+
+    def _set_again(self, hosted: HostedNode, kept: Mapping[str, Any]) -> None:
+        """Parameters of a node that does not spin yet; those that do not fit are said."""
+        for name, value in kept.items():
+            try:
+                result = run_limited(
+                    lambda name=name, value=value: hosted.node.set_parameters(  # type: ignore[misc]
+                        [Parameter(name, value=value)]
+                    )[0],
+                    CONSTRUCTION_TIME,
+                    hosted.name,
+                )
+                reason = "" if result.successful else result.reason or "refused"
+            except Exception as error:
+                reason = f"{type(error).__name__}: {error}"
+            if reason:
+                said = f"{name} {text_of(value)} was not set again: {reason}"
+                self._on_event("WARN", hosted.name.lstrip("/"), said)
+
+    def _left(self, old: HostedNode) -> str:
+        """Go on without a stuck node; returns what is left of it."""
+        if old.abandon():
+            return ", the one before did not return and was interrupted"
+        return ", the one before is stuck: its callback still runs"
 
     def _spin(
         self, make: Callable[[], HostedNode], said: str, instead_of: HostedNode | None = None

@@ -1,29 +1,52 @@
-"""Nodes from Python files of the user's own: `--node FILE`."""
+"""Nodes from Python files of the user's own: `--node FILE`. Read again whenever they are saved."""
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import importlib.util
 import inspect
+import linecache
 import sys
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
+import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
+import archo_tui
 from archo_tui.errors import ArchoError
+from archo_tui.limited import TookTooLong, run_limited
+from archo_tui.tracebacks import own_frames
+
+T = TypeVar("T")
+
+IMPORT_TIME = 10.0  # s that a file may take to be imported
+CONSTRUCTION_TIME = 2.0  # s that a node's constructor may take
+Stamps = dict[Path, tuple[int, int]]  # when each was saved (ns), and its size (bytes)
+_OURS = ("archo_tui", "archo_bringup", "rclpy")  # never read again, wherever the file is
+
+
+class NodeFileError(ArchoError):
+    """One line that says what is wrong with a file, and the traceback for whoever wrote it."""
+
+    def __init__(self, said: str, report: str = "") -> None:
+        super().__init__(said)
+        self.report = report
 
 
 class FileNode:
     """Makes one node of a class that a file defines, as `main()` of the file would."""
 
-    def __init__(self, path: Path, kind: type[Node]) -> None:
-        self._path, self._kind = path, kind
+    def __init__(self, file: NodeFile, kind: type[Node]) -> None:
+        self.file, self._kind = file, kind
 
     def __call__(self, context: Context, **options: Any) -> Node:
-        """Raises ArchoError that names file and line for whatever the constructor raises.
+        """Raises NodeFileError that names file and line for whatever the constructor raises.
 
         A textbook's constructor takes nothing: its node is made in the default context.
         """
@@ -32,62 +55,196 @@ class FileNode:
         given = {"context": context, **options}
         if not takes_all:
             if options.keys() - known.keys():
-                raise ArchoError(
-                    f"{self._path}: {self._kind.__name__} takes no {', '.join(options)}, "
+                raise NodeFileError(
+                    f"{self.file}: {self._kind.__name__} takes no {', '.join(options)}, "
                     "so a copy would have the same name"
                 )
             given = {name: value for name, value in given.items() if name in known}
+        name = f"{self._kind.__name__}.__init__"
+        return self.file.limited(lambda: self._made(given), CONSTRUCTION_TIME, name)
+
+    def _made(self, given: dict[str, Any]) -> Node:
+        node = self._kind.__new__(self._kind)
         try:
-            return self._kind(**given)
-        except Exception as error:
-            raise ArchoError(_said(self._path, error)) from error
+            node.__init__(**given)  # type: ignore[misc]
+        except BaseException:
+            with contextlib.suppress(Exception):  # it may not be that far
+                node.destroy_node()  # else half of it stays on the graph, by its name
+            raise
+        return node
 
 
-def load(path: Path) -> list[FileNode]:
-    """The nodes that a file defines. Raises ArchoError with one line that says what is wrong."""
-    module = _run(path)
-    kinds = [
-        kind
-        for kind in vars(module).values()
-        if isinstance(kind, type) and issubclass(kind, Node) and kind.__module__ == module.__name__
-    ]
-    nodes = [kind for kind in kinds if not any(kind in other.__mro__[1:] for other in kinds)]
-    if not nodes:
-        raise ArchoError(f"{path}: defines no subclass of rclpy.node.Node")
-    return [FileNode(path, kind) for kind in dict.fromkeys(nodes)]
+class NodeFile:
+    """A file, or a module by its dotted name, and the modules that it imports from its folder."""
+
+    def __init__(self, given: str) -> None:
+        """Raises NodeFileError when there is no such file or module."""
+        self._given = given
+        self.path, self._name = _found(given)
+        self._modules: dict[str, ModuleType] = {}  # its own, by their names
+        self._before: dict[str, ModuleType] = {}  # those of the text before
+        self.loaded: Stamps = {}  # of the text that was last loaded, or tried
+        self._failed = False
+
+    def __str__(self) -> str:
+        return self._given
+
+    @property
+    def saved(self) -> float:
+        """Unix time; 0 while there is no file."""
+        try:
+            return self.path.stat().st_mtime
+        except OSError:
+            return 0.0
+
+    def look(self) -> Stamps:
+        """Time and size of all that counts as the file; after a failure of its whole folder."""
+        own = {Path(module.__file__) for module in self._modules.values() if module.__file__}
+        beside = self.path.parent.glob("*.py") if self._failed else ()
+        found = {}
+        for path in {self.path, *own, *beside}:
+            try:
+                stat = path.stat()
+            except OSError:  # an editor may be replacing it just now
+                continue
+            found[path] = stat.st_mtime_ns, stat.st_size
+        return found
+
+    def load(self) -> list[FileNode]:
+        """The nodes that it defines now. Raises NodeFileError: then all is as it was before."""
+        before = {name: sys.modules.pop(name) for name in self._modules if name in sys.modules}
+        known = set(sys.modules)
+        self._failed = False
+        try:
+            nodes = self.limited(self._run, IMPORT_TIME, "its import")
+        except ArchoError:
+            for name in self._own(known):
+                del sys.modules[name]
+            sys.modules.update(before)
+            self._failed = True
+            raise
+        else:
+            self._before = before
+            self._modules = {name: sys.modules[name] for name in self._own(known)}
+        finally:
+            self.loaded = self.look()
+        return nodes
+
+    def back(self) -> None:
+        """The text before is in force again: the new one's nodes cannot be constructed."""
+        for name in self._modules:
+            sys.modules.pop(name, None)
+        sys.modules.update(self._before)
+        self._modules = self._before
+        self._failed = True
+        self.loaded = self.look()
+
+    def _own(self, known: set[str]) -> list[str]:
+        """The modules that are new and lie in its folder."""
+        folder, found = self.path.parent, []
+        for name, module in list(sys.modules.items()):
+            file = getattr(module, "__file__", None)
+            if name in known or name.startswith(_OURS) or not file:
+                continue
+            path = Path(file).resolve()
+            if folder in path.parents and "site-packages" not in path.parts:
+                found.append(name)
+        return found
+
+    def _run(self) -> list[FileNode]:
+        parent = self._name.rpartition(".")[0]
+        folder = str(self.path.parent)  # what stands beside it can be imported, as by `python`
+        if parent:
+            importlib.import_module(parent)
+        elif folder not in sys.path:
+            sys.path.insert(0, folder)
+        importlib.invalidate_caches()
+        linecache.checkcache()
+        module = ModuleType(self._name)
+        module.__dict__.update(__file__=str(self.path), __package__=parent)
+        sys.modules[self._name] = module
+        writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing in its folder
+        try:
+            code = compile(self.path.read_bytes(), str(self.path), "exec", dont_inherit=True)
+            exec(code, module.__dict__)
+        finally:
+            sys.dont_write_bytecode = writes
+        kinds = [
+            kind
+            for kind in vars(module).values()
+            if isinstance(kind, type) and issubclass(kind, Node) and kind.__module__ == self._name
+        ]
+        nodes = [kind for kind in kinds if not any(kind in other.__mro__[1:] for other in kinds)]
+        if not nodes:
+            raise NodeFileError(f"{self}: defines no subclass of rclpy.node.Node")
+        return [FileNode(self, kind) for kind in dict.fromkeys(nodes)]
+
+    def limited(self, work: Callable[[], T], seconds: float, what: str) -> T:
+        """The value of `work()`. Raises NodeFileError for what it raises, and when it hangs."""
+        try:
+            return run_limited(work, seconds, f"/{self.path.stem}")
+        except ArchoError:
+            raise
+        except TookTooLong as error:
+            raise NodeFileError(f"{self}: {what} {error}") from None
+        except BaseException as error:  # SystemExit, too
+            raise NodeFileError(*self.said(error)) from None
+
+    def said(self, error: BaseException) -> tuple[str, str]:
+        """`FILE:LINE: TypeError: ..., in: x = y + 1`, and the traceback without the engine.
+
+        The line is the last one of the file itself, or of its own modules, that was running.
+        """
+        name, why = type(error).__name__, (str(error).splitlines() or [""])[0]
+        report = own_frames(error, rclpy, archo_tui)
+        if isinstance(error, SyntaxError) and self._is_own(error.filename or ""):
+            place = f"{self._named(error.filename or '')}:{error.lineno}"
+            return f"{place}: {name}: {error.msg}{_quoted(error.text or '')}", report
+        if isinstance(error, ModuleNotFoundError):
+            why += f" (looked for it in {self.path.parent} and where Python looks)"
+        if "must only be called once" in why:
+            why = "rclpy.init() runs when the file is imported: call it in main()"
+        frames = [f for f in traceback.extract_tb(error.__traceback__) if self._is_own(f.filename)]
+        if not frames:
+            return f"{self}: {name}: {why}".rstrip(": "), report
+        last = frames[-1]
+        said = f"{self._named(last.filename)}:{last.lineno}: {name}: {why}".rstrip(": ")
+        return said + _quoted(last.line or ""), report
+
+    def _is_own(self, filename: str) -> bool:
+        path = Path(filename).resolve()
+        return path == self.path or (
+            self.path.parent in path.parents and "site-packages" not in path.parts
+        )
+
+    def _named(self, filename: str) -> str:
+        """As the user called it, or what stands beside it by its name."""
+        path = Path(filename).resolve()
+        return str(self) if path == self.path else path.name
 
 
-def _run(path: Path) -> ModuleType:
+def _quoted(line: str) -> str:
+    return f", in: {line.strip()}" if line.strip() else ""
+
+
+def _found(given: str) -> tuple[Path, str]:
+    """The path of a file or module, and the name that its module gets."""
+    path = Path(given)
+    dotted = given.replace(".", "_").isidentifier() and path.suffix != ".py" and not path.exists()
+    if dotted and "." in given:
+        if "" not in sys.path and str(Path.cwd()) not in sys.path:
+            sys.path.insert(0, str(Path.cwd()))
+        try:
+            spec = importlib.util.find_spec(given)
+        except (ImportError, ValueError) as error:
+            raise NodeFileError(f"{given}: {error}") from None
+        if spec is None or not spec.origin or not Path(spec.origin).is_file():
+            raise NodeFileError(f"{given}: no such module, and no such file")
+        return Path(spec.origin).resolve(), given
     if not path.is_file():
-        raise ArchoError(f"{path}: no such file")
-    name = f"_node_file_{path.stem}"
-    spec = importlib.util.spec_from_file_location(name, path)
-    if spec is None or spec.loader is None:
-        raise ArchoError(f"{path}: not a Python file")
-    module = importlib.util.module_from_spec(spec)
-    folder = str(path.resolve().parent)  # what stands beside it can be imported, as by `python`
-    if folder not in sys.path:
-        sys.path.insert(0, folder)
-    sys.modules[name] = module
-    try:
-        spec.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        raise ArchoError(_said(path, error)) from None
-    return module
-
-
-def _said(path: Path, error: BaseException) -> str:
-    """`FILE:LINE: TypeError: ...`, by the last line of the file itself that was running."""
-    if isinstance(error, SyntaxError) and _is(path, error.filename or ""):
-        return f"{path}:{error.lineno}: {type(error).__name__}: {error.msg}"
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if _is(path, frame.filename)]
-    where = f"{path}:{lines[-1]}" if lines else str(path)
-    said = (str(error).splitlines() or [""])[0]
-    if "must only be called once" in said:
-        said = "rclpy.init() runs when the file is imported: call it in main()"
-    return f"{where}: {type(error).__name__}: {said}"
-
-
-def _is(path: Path, filename: str) -> bool:
-    return Path(filename).resolve() == path.resolve()
+        raise NodeFileError(f"{given}: no such file")
+    if path.suffix != ".py":
+        raise NodeFileError(f"{given}: not a Python file")
+    resolved = path.resolve()
+    letters = "".join(char if char.isalnum() else "_" for char in str(resolved))
+    return resolved, f"_node_file_{letters}"

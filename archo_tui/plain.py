@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import io
 import os
 import sys
 import threading
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 from archo_tui import goal_text, state_text
 from archo_tui.alarms import Alarm, advice, ways
 from archo_tui.clock import time_of_day
+from archo_tui.node_output import NodeOutput
 from archo_tui.robot import forms
 from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.state import Goal, Outcome, Phase, Snapshot
@@ -392,6 +394,7 @@ def run(station: Station) -> int:
     # None where they are closed: their descriptors may have become other files'
     read = None if sys.stdin is None else sys.stdin.fileno()
     write = sys.stdout.fileno()
+    sys.stdin, sys.stdout = io.StringIO(), NodeOutput(sys.stdout, station.robot.note)
 
     async def operate() -> int:
         return await Plain(station, read, write).run()

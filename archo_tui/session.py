@@ -41,7 +41,7 @@ class Options:
     on_disconnect: str = CANCEL  # what becomes of a running goal: CANCEL or LEAVE
     domain_id: int | None = None
     node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
-    node_files: Sequence[Path] = ()  # nodes of the user's own, in place of those of their names
+    node_files: Sequence[Path | str] = ()  # nodes of the user's own, or modules by dotted names
     only: bool = False  # none of the robot's own nodes
     watch: bool = False  # command nothing
     quiet_alarms: bool = False  # no bell
@@ -86,6 +86,8 @@ class Session:
         from rclpy.utilities import get_default_context
 
         from archo_tui.host import Host
+        from archo_tui.node_files import NodeFile
+        from archo_tui.reloader import Reloader
         from archo_tui.robot.client import Robot
 
         # a textbook's node is made without a context: in the default one
@@ -109,7 +111,8 @@ class Session:
                 self._happened,
                 watching=options.watch,
             )
-            self.host = Host(self._context, self.robot.note)
+            self.host = Host(self._context, self.robot.note, self.robot.restarted)
+            self._node_files = [NodeFile(str(given)) for given in options.node_files]
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
             self._give_up()
@@ -131,6 +134,7 @@ class Session:
             on_disconnect=options.on_disconnect,
             quiet=options.quiet_alarms,
         )
+        self._reloader = Reloader(self.host, self._node_files, self.station.edits.kept)
 
     def _give_up(self) -> None:
         self.journal.close()
@@ -155,10 +159,8 @@ class Session:
 
     def _host_nodes(self) -> None:
         """Those of the user's files, and the robot's own whose names they do not have."""
-        from archo_tui import node_files
-
-        for path in self.options.node_files:
-            for make in node_files.load(path):
+        for file in self._node_files:
+            for make in file.load():
                 self.host.add(make)
         if self.options.attach or self.options.only:
             return
@@ -200,6 +202,7 @@ class Session:
         }
         self.robot.start()
         self.host.start()
+        self._reloader.start()
         for line in files.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
 
@@ -210,6 +213,7 @@ class Session:
 
     def close(self) -> list[str]:
         """Stop everything; returns the names of nodes whose callbacks did not return."""
+        self._reloader.stop()
         self.robot.stop()
         stuck = self.host.stop()
         self.journal.close()

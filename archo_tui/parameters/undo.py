@@ -39,6 +39,15 @@ class UndoList:
         """What would be undone."""
         return self._done[-1] if self._done else None
 
+    def kept(self, node: str) -> dict[str, Any]:
+        """What the operator has set of a node and not undone: the last value of each parameter."""
+        return {
+            name: value
+            for edit in self._done
+            if edit.node == node
+            for name, value in edit.after.items()
+        }
+
     async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
         """Set parameters of a node, all or none, and keep what they were."""
         known = {p.name: p.value for p in robot.snapshot.parameters if p.node == node}

@@ -5,7 +5,7 @@ Verbs are called on the asyncio loop. Each ends: done, refused with the reason, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
 from rcl_interfaces.msg import Log
@@ -214,6 +214,14 @@ class Robot:
         return await self._do(
             f"set {node.lstrip('/')} {texts}", command, lambda: self._parameters.set(node, values)
         )
+
+    def restarted(self, served: Sequence[str]) -> None:
+        """The node that served these actions was restarted: their goals are over. Any thread."""
+
+        def end() -> None:
+            self._goals.restarted(lambda kind: self._offers.full(kind.action) in served)
+
+        self._thread.submit(end)
 
     def note(self, level: str, source: str, text: str, command: str = "") -> None:
         """Add a line to the events, from any thread."""

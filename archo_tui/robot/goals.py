@@ -284,6 +284,12 @@ class Goals:
         for one in list(self._running.values()):
             one.heard()
 
+    def restarted(self, served: Callable[[GoalKind], bool]) -> None:
+        """What served some actions was restarted by us: it does not know their goals."""
+        for one in list(self._running.values()):
+            if served(one.goal.kind):
+                one.end(Phase.ABORTED, "its node was restarted")
+
     def check(self, now: float, motion: Motion) -> None:
         """Silent goals are lost; the robot is asked about doubtful ones."""
         for one in list(self._running.values()):

@@ -232,9 +232,11 @@ class Hosted:
 
     name: str  # fully qualified
     life: Life = Life.UP
-    error: str = ""  # what a callback raised
+    error: str = ""  # what a callback raised; of a node that is up: why its new text does not run
     traceback: str = ""
     serves: tuple[str, ...] = ()  # services and actions: a second one of its kind would as well
+    file: str = ""  # of the user's own, by its name
+    saved: float = 0.0  # Unix time of the file's text that runs
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from textual.app import ComposeResult
 
+from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Hosted, Life, NodeState, Snapshot
 from archo_tui.state_text import age
 from archo_tui.station import View
@@ -35,6 +36,8 @@ class NodeRow:
         life = Life.UP if self.hosted is None else self.hosted.life
         if life == Life.CRASHED and self.hosted is not None:
             return "✗", f"crashed: {self.hosted.error} (enter: traceback)", "bold"
+        if life == Life.UP and self.hosted is not None and self.hosted.error:
+            return "✗", f"not restarted: {self.hosted.error} (enter: traceback)", "bold"
         if life == Life.STUCK:
             return "✗", life.value, "bold"
         if life == Life.STOPPED:
@@ -80,7 +83,18 @@ def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
 
 
 def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
-    """`● battery_monitor    0.4 s  1.0 Hz`, or in words what is wrong with it."""
+    """`● battery_monitor    0.4 s  1.0 Hz`, or in words what is wrong with it.
+
+    Below that the file of a node of the user's own, and when it was saved.
+    """
+    hosted = row.hosted
+    if hosted is None or not hosted.file:
+        return _state_lines(row, width, columns)
+    saved = f"  {hosted.file}, saved {time_of_day(hosted.saved)}"
+    return [*_state_lines(row, width, columns), (saved, QUIET)]
+
+
+def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     glyph, word, style = row.word()
     name = f"{glyph} {pad(row.name.lstrip('/'), columns[0])} "
     if word and len(name + word) > width:

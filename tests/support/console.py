@@ -170,7 +170,7 @@ async def console(
     with Session(options, clock.current) as session:
         app = ArchoApp(session.station)
         app.animation_level = "none"
-        app.NOTIFICATION_TIMEOUT = DEADLINE  # s: a busy machine may look late
+        app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]  # s: a busy machine may look late
         async with app.run_test(size=size, notifications=True) as pilot:
             operator = Console(app, pilot, session)
             if wait:

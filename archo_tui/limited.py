@@ -1,0 +1,58 @@
+"""Work of the user's own that may never return: it is given its time, and then interrupted."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from collections.abc import Callable
+from typing import TypeVar
+
+T = TypeVar("T")
+
+_GRACE = 0.5  # s that what was interrupted has to end
+
+
+class Interrupted(BaseException):
+    """Raised in a thread whose work took too long. No `except Exception` stops it."""
+
+
+class TookTooLong(Exception):
+    """Work was given up."""
+
+
+def run_limited(work: Callable[[], T], seconds: float, name: str) -> T:
+    """The value of `work()`, done in a thread of that name. Raises what it raises.
+
+    Raises TookTooLong after `seconds`.
+    """
+    values: list[T] = []
+    errors: list[BaseException] = []
+
+    def run() -> None:
+        try:
+            values.append(work())
+        except BaseException as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=run, name=name, daemon=True)
+    thread.start()
+    thread.join(seconds)
+    if thread.is_alive():
+        interrupt(thread)
+        raise TookTooLong(f"did not return within {seconds:g} s")
+    if errors:
+        raise errors[0]
+    return values[0]
+
+
+def interrupt(thread: threading.Thread) -> bool:
+    """Have a thread end that runs Python code; False when it does not, as in a long `sleep`.
+
+    It is CPython's own means for it: an exception that is raised in another thread
+    (https://docs.python.org/3/c-api/threads.html, PyThreadState_SetAsyncExc).
+    """
+    if thread.ident is not None and thread.is_alive():
+        number = ctypes.c_ulong(thread.ident)
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(Interrupted))
+        thread.join(_GRACE)
+    return not thread.is_alive()

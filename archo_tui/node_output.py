@@ -1,0 +1,70 @@
+"""What hosted nodes print: lines of the events instead of letters on the screen."""
+
+from __future__ import annotations
+
+import io
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TextIO
+
+_PERIOD = 1.0  # s in which each node may say so many lines:
+_MOST = 50
+_LONGEST = 10_000  # characters of a line
+
+
+@dataclass
+class _Said:
+    """What one node has printed of late."""
+
+    rest: str = ""  # the line that is not ended
+    since: float = field(default_factory=time.monotonic)
+    lines: int = 0
+    left_out: int = 0
+
+
+class NodeOutput(io.TextIOBase):
+    """A standard output that tells threads apart: those of nodes have names that begin with `/`."""
+
+    def __init__(self, other: TextIO, note: Callable[[str, str, str], None]) -> None:
+        """`note(level, source, text)` takes a line; what no node prints goes to `other`."""
+        self._other, self._note = other, note
+        self._lock = threading.Lock()
+        self._said: dict[str, _Said] = {}
+
+    def write(self, text: str) -> int:
+        name = threading.current_thread().name
+        if not name.startswith("/"):
+            return self._other.write(text)
+        with self._lock:
+            lines = self._lines(name, text)
+        for line in lines:
+            self._note("INFO", f"{name.lstrip('/')} stdout", line)
+        return len(text)
+
+    def _lines(self, name: str, text: str) -> list[str]:
+        """The whole lines that are to be shown; of a storm only so many, and how many more."""
+        said = self._said.setdefault(name, _Said())
+        *lines, said.rest = (said.rest + text).split("\n")
+        if len(said.rest) > _LONGEST:
+            lines, said.rest = [*lines, said.rest], ""
+        shown: list[str] = []
+        now = time.monotonic()
+        if lines and now - said.since > _PERIOD:
+            if said.left_out:
+                shown.append(f"({said.left_out} lines were left out)")
+            said.since, said.lines, said.left_out = now, 0, 0
+        room = max(_MOST - said.lines, 0)
+        said.lines += len(lines[:room])
+        said.left_out += len(lines[room:])
+        return [*shown, *(line[:_LONGEST] for line in lines[:room])]
+
+    def flush(self) -> None:
+        self._other.flush()
+
+    def isatty(self) -> bool:
+        return self._other.isatty()
+
+    def fileno(self) -> int:
+        return self._other.fileno()

@@ -1,0 +1,242 @@
+"""Nodes of the user's own are restarted whenever their file is saved."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import sys
+import threading
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+from archo_tui.robot.state import Event, Life
+from tests.support.console import LONG, Console, console
+
+TALKER = """
+from rclpy.node import Node
+
+class Talker(Node):
+    def __init__(self):
+        super().__init__("talker")
+        self.declare_parameter("gain", 1.0)
+        self.create_timer(0.2, self.tick)
+
+    def tick(self):
+        {body}
+"""
+
+
+def talker(body: str) -> str:
+    return TALKER.format(body=body)
+
+
+def says(word: str) -> str:
+    return talker(f"self.get_logger().warning({word!r})")
+
+
+@asynccontextmanager
+async def running(file: Path, *ros_args: str, only: bool = True) -> AsyncIterator[Console]:
+    async with console(*ros_args, node_files=[file], only=only, wait=False) as op:
+        await op.until("● talker")
+        yield op
+
+
+async def save(op: Console, file: Path, text: str) -> None:
+    """Save it, and look at once, as the reloader soon would."""
+    file.write_text(text)
+    reloader = op.session._reloader
+    watched = reloader._files[0]
+    await asyncio.to_thread(reloader._host.reload, watched, reloader._kept)
+    op.app.look()
+
+
+@pytest.fixture(autouse=True)
+def _by_hand(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
+    """Only what `save` says is read again, unless the test is about the watching."""
+    if not request.node.get_closest_marker("real_time"):
+        monkeypatch.setattr("archo_tui.reloader.Reloader.start", lambda self: None)
+
+
+@pytest.mark.real_time
+async def test_a_saved_file_runs_by_itself(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    file.write_text(says("first words"))
+    async with running(file) as op:
+        await op.until("first words")
+        await op.until("talker.py, saved ")
+        file.write_text(says("other words"))
+        await op.until("other words")
+        await op.until("talker.py was saved: /talker restarted")
+
+
+async def test_a_text_that_cannot_be_imported_leaves_the_node_running(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    file.write_text(says("first words"))
+    async with running(file) as op:
+        await save(op, file, "import nosuchpackage\n" + says("other words"))
+        await op.until("✗ talker")
+        await op.until("not restarted: line 1:")
+        await op.until(lambda: event_with(op, "does not run"))
+        event = event_with(op, "does not run")
+        assert event is not None
+        assert f"{file}:1: ModuleNotFoundError: No module named 'nosuchpackage'" in event.text
+        assert f"looked for it in {tmp_path}" in event.text
+        before = op.app.view.snapshot.events[-1]
+        await op.until(lambda: op.app.view.snapshot.events[-1] != before)  # it still talks
+        await save(op, file, says("other words"))
+        await op.until("other words")
+        await op.until("● talker")
+
+
+async def test_a_constructor_that_raises_brings_the_old_node_back(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    file.write_text(says("first words"))
+    async with running(file) as op:
+        await op.until("first words")
+        broken = says("other words").replace('"gain", 1.0', '"gain", goal')
+        await save(op, file, broken)
+        await op.until("not restarted: line 7:")
+        await op.until(lambda: event_with(op, "NameError"))
+        assert op.session.host.nodes[0].state.life == Life.UP
+        event = event_with(op, "NameError")
+        assert event is not None
+        assert "name 'goal' is not defined, in: self.declare_parameter" in event.text
+        count = _said(op, "first words")
+        await op.until(lambda: _said(op, "first words") > count)
+        await op.press("5", "home", "enter")
+        await op.until("Traceback")
+        assert "talker.py" in op.text
+        assert "TWO NODES" not in op.text  # nothing is left of the one that could not be made
+
+
+def event_with(op: Console, text: str) -> Event | None:
+    return next((e for e in op.app.view.snapshot.events if text in e.text), None)
+
+
+def _said(op: Console, text: str) -> int:
+    return sum(e.count for e in op.app.view.snapshot.events if e.text == text)
+
+
+async def test_a_crash_names_the_line_and_its_text(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    file.write_text(talker("self.speed = distance / 0"))
+    async with running(file) as op:
+        await op.until("crashed: line 11:")
+        await op.until(lambda: "NameError" in op.app.view.hosted[0].error)
+        assert op.app.view.hosted[0].error.endswith(", in: self.speed = distance / 0")
+        await save(op, file, says("well again"))
+        await op.until("well again")
+
+
+async def test_sys_exit_ends_the_node_and_not_the_console(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    file.write_text(talker("import sys; sys.exit(3)"))
+    async with running(file) as op:
+        await op.until("crashed: line 11:")
+        assert "SystemExit: 3" in op.app.view.hosted[0].error
+        await op.press("question_mark")
+        await op.until("Keys")
+
+
+async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    file.write_text(talker("print('printed words')"))
+    async with running(file) as op:
+        await op.press("6", "l")
+        await op.until("printed words")
+        await op.until("talker stdout")
+
+
+async def test_a_goal_ends_with_its_node(tmp_path: Path) -> None:
+    file = tmp_path / "motor.py"
+    file.write_text(
+        "from archo_bringup.motor_controller import MotorController\n"
+        "class Motor(MotorController):\n    pass\n"
+    )
+    async with console(*LONG, node_files=[file]) as op:
+        await op.press("g", "7", "enter")
+        await op.until("MOVING to 7")
+        await save(op, file, file.read_text() + "# another\n")
+        await op.until("✗ ABORTED")
+        assert "its node was restarted" in op.line("✗ ABORTED")
+        await op.press("g", "8", "enter")
+        await op.until("MOVING to 8")
+
+
+async def test_parameters_that_were_set_are_set_again_where_they_fit(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    text = talker("self.get_logger().warning(f'gain {self.get_parameter(\"gain\").value}')")
+    file.write_text(text)
+    async with running(file) as op:
+        await op.until("gain 1.0")
+        assert (await op.app.station.set_parameters("/talker", {"gain": 2.5})).ok
+        await op.until("gain 2.5")
+        await save(op, file, text.replace("gain {", "now {"))
+        await op.until("now 2.5")
+        await save(op, file, says("bare").replace('self.declare_parameter("gain", 1.0)', "pass"))
+        await op.until("bare")
+        await op.until("gain 2.5 was not set again")
+
+
+async def test_what_the_file_imports_from_its_folder_counts_as_the_file(tmp_path: Path) -> None:
+    helper = tmp_path / "words_of_mine.py"
+    helper.write_text("WORDS = 'first words'\n")
+    file = tmp_path / "talker.py"
+    file.write_text(
+        "from words_of_mine import WORDS\n" + talker("self.get_logger().warning(WORDS)")
+    )
+    async with running(file) as op:
+        await op.until("first words")
+        watched = op.session._reloader._files[0]
+        helper.write_text("WORDS = 'other words, longer'\n")
+        assert watched.look() != watched.loaded
+        await save(op, file, file.read_text())
+        await op.until("other words, longer")
+        await save(op, file, says("alone"))
+        await op.until("alone")
+        assert "words_of_mine" not in sys.modules
+    assert not (tmp_path / "__pycache__").exists()  # nothing of the reader's is written to
+
+
+@pytest.mark.real_time
+async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(tmp_path: Path) -> None:
+    file = tmp_path / "talker.py"
+    file.write_text(talker("while True: pass"))
+    async with running(file) as op:
+        await op.press("question_mark")
+        await op.until("Keys")  # keys answer
+        await op.press("escape")
+        await save(op, file, says("well again"))
+        await op.until("well again")
+        await op.until("did not return and was interrupted")
+        looping = talker("pass").replace('super().__init__("talker")', "while True: pass")
+        await save(op, file, looping)
+        await op.until(lambda: event_with(op, "Talker.__init__ did not return within 2 s"))
+        await op.until("well again")
+
+
+@pytest.mark.real_time
+async def test_many_saves_half_of_them_broken_leave_nothing_behind(tmp_path: Path) -> None:
+    choose = random.Random(5)
+    file = tmp_path / "talker.py"
+    file.write_text(says("words 0"))
+    async with running(file) as op:
+        await save(op, file, says("words 1"))
+        threads, modules = threading.active_count(), len(sys.modules)
+        for number in range(40):
+            good = says(f"words {number}")
+            broken = (
+                "def x(:\n",
+                good.replace('"gain", 1.0', "nothing"),
+                talker("1 / 0"),
+                "raise SystemExit\n",
+            )
+            await save(op, file, good if number % 2 else choose.choice(broken))
+        await save(op, file, says("last words"))
+        await op.until("last words")
+        assert threading.active_count() == threads
+        assert len(sys.modules) <= modules + 3
+        assert [hosted.name for hosted in op.session.host.nodes] == ["/talker"]
