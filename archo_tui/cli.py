@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from archo_tui.session import Session
 
 FAILED, MISUSED = 1, 2  # exit codes
+_RADIUS = 0.07  # m, of --check's parameter file: not what the chapter's listing declares
 _MOST_FAILURES = 3  # of the screen, after which it is given up
 
 
@@ -52,6 +53,14 @@ def parser() -> argparse.ArgumentParser:
         help="host the rclpy nodes that a Python file (or package.module) defines, in place of the "
         "robot's own of the same name, else beside them; they are restarted whenever the file is "
         "saved; can be given several times",
+    )
+    made.add_argument(
+        "--check",
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="no screen: ask the nodes of a Python file what the textbook's chapter asks of them; "
+        "a line a check (TAP), with a hint for what is wrong; can be given several times",
     )
     made.add_argument(
         "--robot",
@@ -196,6 +205,8 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
 
         print(journal_file())
         return 0
+    if options.check:
+        return _check(options)
     from pathlib import Path
 
     gc.disable()  # until all is imported and made: nothing of that is garbage
@@ -229,6 +240,29 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     for name in stuck:
         _complain(f"{name} did not stop: its callback does not return")
     return code or (FAILED if stuck else 0)
+
+
+def _check(options: argparse.Namespace) -> int:
+    """What the chapter asks, asked."""
+    import tempfile
+    from pathlib import Path
+
+    from archo_tui.session import Options, Session
+
+    with tempfile.TemporaryDirectory(prefix="archo-check-") as folder:
+        values = Path(folder, "params.yaml")  # tell whether the nodes load a file at all
+        values.write_text(f"/**:\n  ros__parameters:\n    wheel_radius: {_RADIUS}\n")
+        given = Options(
+            engine=options.engine,
+            node_files=options.check,
+            only=True,
+            params_files=[values],
+            domain_id=None,
+        )
+        with Session(given) as session:
+            from archo_tui.chapter import check  # not before the engine is chosen
+
+            return check(session, _RADIUS, lambda line: print(line, flush=True))
 
 
 def _plain(session: Session) -> int:

@@ -7,8 +7,6 @@ read-only is an alarm while it lasts, and tried again with every line.
 from __future__ import annotations
 
 import contextlib
-import fcntl
-import getpass
 import json
 import os
 import queue
@@ -18,6 +16,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from archo_tui.paths import make_folder
+from archo_tui.system import lock, user_name
 
 MAX_BYTES = 1_000_000  # then it is renamed to journal.jsonl.1, which replaces the older one
 VERSION = 1  # of a line's form: it grows when what a name means changes
@@ -31,7 +30,10 @@ class Journal:
     def __init__(self, file: Path) -> None:
         self._file = file
         self.failure = ""  # why the last entry could not be written
-        self._who = {"user": _user(), "from": os.environ.get("SSH_CLIENT", "").partition(" ")[0]}
+        self._who = {
+            "user": user_name(),
+            "from": os.environ.get("SSH_CLIENT", "").partition(" ")[0],
+        }
         self._entries: queue.Queue[dict[str, object] | None] = queue.Queue(_WAITING)
         self._lost = 0
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
@@ -79,8 +81,10 @@ class Journal:
 def _write_line(descriptor: int, line: bytes) -> None:
     """Append a line whole or not at all; one that something else left broken is ended first."""
     size = os.fstat(descriptor).st_size
-    if size and os.pread(descriptor, 1, size - 1) != b"\n":
-        line = b"\n" + line
+    if size:
+        os.lseek(descriptor, size - 1, os.SEEK_SET)
+        if os.read(descriptor, 1) != b"\n":
+            line = b"\n" + line
     try:
         while line:
             line = line[os.write(descriptor, line) :]
@@ -92,16 +96,9 @@ def _write_line(descriptor: int, line: bytes) -> None:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    descriptor = os.open(folder, os.O_RDONLY)
+    descriptor = os.open(folder / "journal.lock", os.O_RDWR | os.O_CREAT, 0o600)
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX)
+        lock(descriptor)
         yield
     finally:
         os.close(descriptor)
-
-
-def _user() -> str:
-    try:
-        return getpass.getuser()
-    except (KeyError, OSError):  # no such user, in a container
-        return str(os.getuid())

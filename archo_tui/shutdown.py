@@ -9,13 +9,13 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
+from archo_tui.system import END_SIGNALS
 
 if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 CANCEL, LEAVE = "cancel", "leave"
 WAIT = 1.0  # s for the robot's answer; the process ends then in any case
-_NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 _LOOK = 0.02  # s between two looks at a goal that is being cancelled
 
 
@@ -103,13 +103,13 @@ _heeded = _Heeded()
 
 
 def heed_signals() -> None:
-    """From now on SIGINT, SIGTERM, SIGHUP and SIGQUIT end the console in order."""
-    for number in _NUMBERS:
+    """From now on these signals end the console in order."""
+    for number in END_SIGNALS:
         signal.signal(number, _heeded.on_signal)
 
 
 def ignore_signals() -> None:
     """The console ends already, and its exit code is known: to Python's own end a signal kills."""
-    for number in _NUMBERS:
+    for number in END_SIGNALS:
         if signal.getsignal(number) == _heeded.on_signal:
             signal.signal(number, signal.SIG_IGN)

@@ -47,7 +47,7 @@ def test_it_is_rotated_at_its_bound(tmp_path: Path) -> None:
         kept.close()
         kept = Journal(file)
     kept.close()
-    sizes = sorted(path.stat().st_size for path in tmp_path.iterdir())
+    sizes = sorted(path.stat().st_size for path in tmp_path.glob("journal.jsonl*"))
     assert len(sizes) == 2
     assert sum(sizes) < 2 * MAX_BYTES + 5000
 

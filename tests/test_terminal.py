@@ -280,7 +280,7 @@ def test_a_large_terminal_is_drawn_and_stays_alive(terminals: list[Terminal]) ->
     terminal.write("?")
     terminal.until("Acknowledge the alarm in the banner")
     terminal.output = b""
-    terminal.write("\x1b")
+    terminal.write("\x1bOP")  # f1: an escape alone and what comes behind it may be read as one
     terminal.until("wheel_radius")
     for width, height in ((120, 36), (300, 80)):
         terminal.output = b""

@@ -8,6 +8,7 @@ from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.help import Entry, Help
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
+from archo_tui.system import CAN_SUSPEND
 
 
 class Acknowledge(Command):
@@ -94,6 +95,9 @@ class Suspend(Command):
     id, key = "suspend", "ctrl+z"
     help = "Suspend to the shell (fg brings it back); the nodes of this process pause meanwhile"
     where = EVERYWHERE
+
+    def blocked(self, console: Console) -> str:
+        return "" if CAN_SUSPEND else "this system cannot suspend a program"
 
     def run(self, console: Console) -> None:
         def then(answer: str) -> None:

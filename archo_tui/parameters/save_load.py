@@ -17,6 +17,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.parameters import files
 from archo_tui.robot.parameter_values import fit
 from archo_tui.robot.state import Parameter
+from archo_tui.system import create_exclusively, keep_owner_and_mode
 
 # ROS's files have no way to write these
 _NOT_WRITTEN = ("byte[]", "not set")
@@ -87,12 +88,10 @@ def _write(path: Path, text: str) -> None:
         raise ArchoError(f"{path}: not a regular file")
     target = Path(os.path.realpath(path))
     temporary = target.with_name(f".{secrets.token_hex(16)}")  # nobody can have put it there
-    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW
     try:
-        with open(os.open(temporary, flags, 0o666), "w", encoding="utf-8") as file:
+        with open(create_exclusively(temporary), "w", encoding="utf-8") as file:
             if before is not None:
-                os.fchown(file.fileno(), before.st_uid, before.st_gid)
-                os.fchmod(file.fileno(), stat.S_IMODE(before.st_mode))
+                keep_owner_and_mode(file.fileno(), before)
             file.write(text)
             file.flush()
             os.fsync(file.fileno())

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import getpass
 import itertools
 import os
 import re
 import socket
+
+from archo_tui.system import user_name
 
 PREFIX = "_archo_console_"
 _LONGEST = 200  # characters; rclpy takes 255
@@ -15,13 +16,9 @@ _numbers = itertools.count(1)
 
 def own_name() -> str:
     """`_archo_console_anna_lab_4711`; of a second one in this process with its number behind."""
-    try:
-        user = getpass.getuser()
-    except (KeyError, OSError):  # no such user, in a container
-        user = str(os.getuid())
     number = next(_numbers)
     more = f"_{number}" if number > 1 else ""
-    name = f"{PREFIX}{user}_{socket.gethostname()}_{os.getpid()}{more}"
+    name = f"{PREFIX}{user_name()}_{socket.gethostname()}_{os.getpid()}{more}"
     return re.sub(r"_*[^A-Za-z0-9_]+_*", "_", name)[:_LONGEST]
 
 

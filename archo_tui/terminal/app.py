@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import signal
+import sys
 import traceback
 from collections.abc import Callable, Iterable, Sequence
 
@@ -17,6 +17,7 @@ from archo_tui.alarms import Alarm
 from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import Shutdown
 from archo_tui.station import Station
+from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.terminal.notice import notice
 from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, grey, remember, tones
@@ -59,11 +60,11 @@ class TerminalApp(App[None]):
 
     def get_driver_class(self) -> type[Driver]:
         chosen = super().get_driver_class()
-        if chosen.__name__ != "LinuxDriver":  # a test, Windows
-            return chosen
-        from archo_tui.terminal.driver import SteadyDriver
+        if sys.platform != "win32" and chosen.__name__ == "LinuxDriver":  # else a test's
+            from archo_tui.terminal.driver import SteadyDriver
 
-        return SteadyDriver
+            return SteadyDriver
+        return chosen
 
     def get_css_variables(self) -> dict[str, str]:
         """The theme's, and tones between its colours, where it has none of its own."""
@@ -108,7 +109,7 @@ class TerminalApp(App[None]):
 
     def hang_up(self) -> None:
         """The terminal is gone."""
-        self._ending.begin(128 + signal.SIGHUP)
+        self._ending.begin(HANG_UP)
 
     def _handle_exception(self, error: Exception) -> None:
         """Textual's end of the screen, without its report: the next screen shows it."""

@@ -13,6 +13,7 @@ import codecs
 import contextlib
 import os
 import selectors
+import sys
 import termios
 import threading
 import time
@@ -22,6 +23,8 @@ from typing import Any, Protocol, cast
 
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
+
+assert sys.platform != "win32"  # Textual's own driver serves there
 
 MAX_WAITING = 64 * 1024  # bytes, or two frames of a large terminal; one of 160 x 48 has 20,000
 _MARKS = 4096  # bytes of what stands around a frame

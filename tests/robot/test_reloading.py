@@ -40,7 +40,7 @@ def says(word: str) -> str:
 @asynccontextmanager
 async def running(file: Path, *ros_args: str, only: bool = True) -> AsyncIterator[Console]:
     async with console(*ros_args, node_files=[file], only=only, wait=False) as op:
-        await op.until("● talker")
+        await op.until(" talker ")
         yield op
 
 

@@ -1,0 +1,54 @@
+"""What one operating system has and another lacks."""
+
+from __future__ import annotations
+
+import contextlib
+import getpass
+import os
+import signal
+import stat
+import sys
+from pathlib import Path
+
+# what asks the console to end: SIGHUP and SIGQUIT are POSIX's
+END_SIGNALS = tuple(
+    getattr(signal, name)
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
+    if hasattr(signal, name)
+)
+HANG_UP = 128 + int(getattr(signal, "SIGHUP", 1))  # the exit code of a terminal that was lost
+CAN_SUSPEND = hasattr(signal, "SIGTSTP")
+
+
+def user_name() -> str:
+    """Who runs this process; in a container a number, which is no user's."""
+    with contextlib.suppress(KeyError, OSError, ImportError):  # the last: without the module pwd
+        return getpass.getuser()
+    if sys.platform != "win32" and hasattr(os, "getuid"):
+        return str(os.getuid())
+    return "unknown"
+
+
+def lock(descriptor: int) -> None:
+    """Wait until no other process holds the file, and hold it until it is closed.
+
+    Where there are no such locks nothing is waited for.
+    """
+    if sys.platform != "win32":
+        with contextlib.suppress(ImportError):
+            import fcntl
+
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+
+
+def create_exclusively(path: Path) -> int:
+    """The descriptor of a new file, never of one that a link leads to. Raises OSError."""
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
+    return os.open(path, flags, 0o666)
+
+
+def keep_owner_and_mode(descriptor: int, before: os.stat_result) -> None:
+    """Give a file to the owner of another, with its mode, where files have them. Raises OSError."""
+    if sys.platform != "win32" and hasattr(os, "fchown"):
+        os.fchown(descriptor, before.st_uid, before.st_gid)
+        os.fchmod(descriptor, stat.S_IMODE(before.st_mode))
