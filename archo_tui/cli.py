@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from archo_tui.session import Session
 
 FAILED, MISUSED = 1, 2  # exit codes
+_AGAIN = 100  # shutdown.RESTART, which is not loaded for --help: begin again, with the same words
 _RADIUS = 0.07  # m, of --check's parameter file: not what the chapter's listing declares
 _MOST_FAILURES = 3  # of the screen, after which it is given up
 
@@ -66,6 +67,12 @@ def parser() -> argparse.ArgumentParser:
         "--robot",
         metavar="FILE",
         help="what the robot offers and what it means, instead of ARCHO's config/robots/archo.yaml",
+    )
+    made.add_argument(
+        "--interfaces",
+        metavar="DIR",
+        help="an interface package, or a workspace's src/, whose files are taken before the "
+        "built-in ones; everything restarts when one is saved (embedded engine only)",
     )
     made.add_argument("--only", action="store_true", help="host none of the robot's own nodes")
     made.add_argument(
@@ -125,9 +132,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # not where it is closed
             stream.reconfigure(errors="backslashreplace")
-    words, ros_args = split_ros_args(sys.argv[1:] if argv is None else argv)
+    given = sys.argv[1:] if argv is None else argv
+    words, ros_args = split_ros_args(given)
     try:
         code = _run(parser().parse_args(words), ros_args)
+        if code == _AGAIN:
+            os.execv(sys.executable, [sys.executable, "-m", "archo_tui", *given])
         if sys.stdout is not None:
             sys.stdout.flush()
     except ArchoError as error:
@@ -224,6 +234,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
             node_files=options.node,
             only=options.only,
             robot=Path(options.robot) if options.robot else None,
+            interfaces=Path(options.interfaces) if options.interfaces else None,
             watch=options.watch,
             ros_args=ros_args,
             attach=options.attach,
@@ -255,6 +266,7 @@ def _check(options: argparse.Namespace) -> int:
         given = Options(
             engine=options.engine,
             node_files=options.check,
+            interfaces=Path(options.interfaces) if options.interfaces else None,
             only=True,
             params_files=[values],
             domain_id=None,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,10 +35,11 @@ _NEEDED = {
 }
 
 
-def activate(name: str, *, hosting: bool = True) -> None:
+def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None = None) -> None:
     """Make `import rclpy` mean the named engine. Never falls back to another one.
 
-    With `hosting` every interface of the robot's own nodes must be there.
+    With `hosting` every interface of the robot's own nodes must be there. `own` are interface
+    packages of the user.
     Raises ArchoError that says what to type when something is missing.
     """
     if name not in ENGINES:
@@ -46,7 +48,7 @@ def activate(name: str, *, hosting: bool = True) -> None:
         _activate_ros2(hosting)
         return
     try:
-        embedded.install(interface_packages())
+        embedded.install(interface_packages(), own)
     except RuntimeError as error:
         raise ArchoError(f"cannot use the embedded engine: {error}") from None
 

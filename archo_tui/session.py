@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from archo_tui import engine
+from archo_tui import engine, own_interfaces
 from archo_tui.clock import Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
@@ -46,6 +46,7 @@ class Options:
     watch: bool = False  # command nothing
     quiet_alarms: bool = False  # no bell
     robot: Path | None = None  # a robot file, instead of ARCHO's
+    interfaces: Path | None = None  # interface packages of the user's own
 
 
 class Session:
@@ -72,8 +73,11 @@ class Session:
             )
         self._own_files = [] if options.attach else files.default_files()
         self._overrides = files.load([*self._own_files, *options.params_files])
-        own = options.attach or options.node_makers or options.only
-        engine.activate(options.engine, hosting=not own)
+        others = options.attach or options.node_makers or options.only
+        own = {}
+        if options.interfaces is not None:
+            own = own_interfaces.find(options.interfaces, options.engine)
+        engine.activate(options.engine, hosting=not others, own=own)
 
         import rclpy
         from rclpy.context import Context
@@ -135,6 +139,9 @@ class Session:
             quiet=options.quiet_alarms,
         )
         self._reloader = Reloader(self.host, self._node_files, self.station.edits.kept)
+        self._interfaces = own_interfaces.InterfaceWatch(
+            own, self.robot.note, lambda: self.station.restart()
+        )
 
     def _give_up(self) -> None:
         self.journal.close()
@@ -169,15 +176,15 @@ class Session:
         if self.options.node_makers:
             return
         taken = {hosted.node.get_name() for hosted in self.host.nodes}
-        for name, kind in _robots_nodes(self.options.use_sim).items():
-            if name in taken:
-                continue
-            try:
-                self.host.add(kind)
-            except RuntimeError as error:  # rclpy's own: of one process DDS allows one type a topic
-                said = str(error).splitlines()[0]
-                hint = "--only leaves the robot's own nodes out"
-                raise ArchoError(f"{name}: {said}: {hint}") from None
+        # rclpy's own: of one process DDS allows one type a topic; or interfaces of the user's own
+        name, expected = "the robot's own nodes", (RuntimeError, ImportError, AttributeError)
+        try:
+            for name, kind in _robots_nodes(self.options.use_sim).items():
+                if name not in taken:
+                    self.host.add(kind)
+        except expected as error:
+            said = str(error).splitlines()[0]
+            raise ArchoError(f"{name}: {said}: --only leaves the robot's own nodes out") from None
 
     def _ros_args(self) -> list[str]:
         args = ["--ros-args", "--disable-stdout-logs"]
@@ -203,6 +210,7 @@ class Session:
         self.robot.start()
         self.host.start()
         self._reloader.start()
+        self._interfaces.start()
         for line in files.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
 
@@ -213,6 +221,7 @@ class Session:
 
     def close(self) -> list[str]:
         """Stop everything; returns the names of nodes whose callbacks did not return."""
+        self._interfaces.stop()
         self._reloader.stop()
         self.robot.stop()
         stuck = self.host.stop()

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 CANCEL, LEAVE = "cancel", "leave"
+RESTART = 100  # in place of an exit code: begin again, with the same words
 WAIT = 1.0  # s for the robot's answer; the process ends then in any case
 _LOOK = 0.02  # s between two looks at a goal that is being cancelled
 

@@ -74,6 +74,7 @@ class Station:
         self.edits = UndoList()
         self.targets = Targets()
         self._history = History()
+        self.restart: Callable[[], None] = lambda: None  # everything, from any thread
         # sends a target that is due; True: it comes from the queue
         self.drive: Callable[[Target, bool], None] = lambda *_: None
         self._journal = journal

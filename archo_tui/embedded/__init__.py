@@ -38,11 +38,21 @@ def is_installed() -> bool:
     return any(isinstance(finder, RclpyFinder) for finder in sys.meta_path)
 
 
-def install(packages: Mapping[str, Path] | None = None) -> None:
+def finder(
+    packages: Mapping[str, Path] | None = None, own: Mapping[str, Path] | None = None
+) -> InterfaceFinder:
+    """Finds the same interfaces as `install` does."""
+    return InterfaceFinder(HERE / "share", packages or {}, own)
+
+
+def install(
+    packages: Mapping[str, Path] | None = None, own: Mapping[str, Path] | None = None
+) -> None:
     """Put the embedded `rclpy` and the interface packages in front of every other.
 
     `packages` names interface packages by folder (`{"archo_interfaces": Path("interfaces")}`),
-    beside those in `share/` and on AMENT_PREFIX_PATH. Installing twice changes nothing.
+    beside those in `share/` and on AMENT_PREFIX_PATH; `own` those of the user, whose files are
+    taken before any other's. Installing twice changes nothing.
 
     Raises RuntimeError when another `rclpy` has been imported already: two meanings of one
     name in one process would be worse than none.
@@ -52,5 +62,5 @@ def install(packages: Mapping[str, Path] | None = None) -> None:
     other = sys.modules.get("rclpy")
     if other is not None:
         raise RuntimeError(f"another rclpy is already imported: {other.__file__}")
-    sys.meta_path.insert(0, InterfaceFinder(HERE / "share", packages or {}))
+    sys.meta_path.insert(0, finder(packages, own))
     sys.meta_path.insert(0, RclpyFinder())

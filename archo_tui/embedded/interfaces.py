@@ -1,13 +1,15 @@
 """Import hook: `from archo_interfaces.msg import BatteryStatus` reads `BatteryStatus.msg`.
 
 A package is a folder with `msg/`, `srv/` or `action/` in it. Each file is looked for, in this
-order, in the folders given by name, `share/` beside this file, and `share/<package>/` of each
-prefix on AMENT_PREFIX_PATH: a package that is whole there completes one that is partial here.
+order, in the folders of the user's own, in those given by name, `share/` beside this file, and
+`share/<package>/` of each prefix on AMENT_PREFIX_PATH: a package that is whole there completes one
+that is partial here.
 Classes are made at their first use.
 """
 
 from __future__ import annotations
 
+import contextlib
 import importlib.abc
 import importlib.machinery
 import os
@@ -15,6 +17,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+from xml.etree import ElementTree
 
 from .idl import Field, InterfaceError, Section, parse
 from .messages import make_action, make_message, make_service
@@ -25,15 +28,19 @@ KINDS = ("msg", "srv", "action")
 class InterfaceFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Finds interface packages and is the loader of their modules."""
 
-    def __init__(self, share: Path, packages: Mapping[str, Path]) -> None:
+    def __init__(
+        self, share: Path, packages: Mapping[str, Path], own: Mapping[str, Path] | None = None
+    ) -> None:
+        """`own` are the user's packages, whose files are taken before any other's."""
         self._share = share
-        self._packages = dict(packages)
+        self._packages, self._own = dict(packages), dict(own or {})
         self._classes: dict[str, Any] = {}
 
     def folders(self, package: str) -> list[Path]:
         """The folders that hold the package's msg/, srv/ and action/, the first one first."""
         prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         candidates = [
+            self._own.get(package),
             self._packages.get(package),
             self._share / package,
             *(Path(prefix) / "share" / package for prefix in prefixes if prefix),
@@ -63,6 +70,13 @@ class InterfaceFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
                 made = make_action(type_name, sections, self._resolve, self.load)
             self._classes[type_name] = made
         return self._classes[type_name]
+
+    def check(self) -> None:
+        """Make every class of the user's packages. Raises InterfaceError with file and line."""
+        for package in self._own:
+            for kind in KINDS:
+                for name in self.names(package, kind):
+                    self.load(f"{package}/{kind}/{name}")
 
     def _resolve(self, section: Section, field: Field) -> Any:
         package, name = field.type.base.split("/")
@@ -102,3 +116,18 @@ class InterfaceFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
             return made
 
         module.__dict__.update(__getattr__=__getattr__, __all__=names)
+
+
+def packages_in(folder: Path) -> dict[str, Path]:
+    """The interface packages of a folder by name: itself, or those of a workspace's `src/`."""
+    places = [folder, *sorted(path.parent for path in folder.glob("**/package.xml"))]
+    return {_name(p): p for p in places if any((p / kind).is_dir() for kind in KINDS)}
+
+
+def _name(folder: Path) -> str:
+    """What package.xml says, else the folder's own name."""
+    with contextlib.suppress(OSError, ElementTree.ParseError):
+        found = ElementTree.parse(folder / "package.xml").findtext("name")
+        if found and found.strip():
+            return found.strip()
+    return folder.resolve().name

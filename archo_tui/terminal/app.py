@@ -15,7 +15,7 @@ from textual.filter import LineFilter
 
 from archo_tui.alarms import Alarm
 from archo_tui.robot.text import safe_in_place
-from archo_tui.shutdown import Shutdown
+from archo_tui.shutdown import RESTART, Shutdown
 from archo_tui.station import Station
 from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
@@ -80,6 +80,12 @@ class TerminalApp(App[None]):
     def on_mount(self) -> None:
         if not self.is_headless:
             self._ending.on_signals()
+        loop = asyncio.get_running_loop()
+
+        def restart() -> None:
+            loop.call_soon_threadsafe(self._ending.begin, RESTART)
+
+        self.station.restart = restart
         self.app_resume_signal.subscribe(self, lambda _: self.repaint())
 
     def watch_theme(self, before: str, theme: str) -> None:

@@ -1,0 +1,70 @@
+"""`--interfaces DIR`: a reader's own messages, without colcon."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import archo_tui
+from archo_tui import own_interfaces
+from archo_tui.errors import ArchoError
+from tests.support import chosen
+from tests.support.terminal import Terminal
+
+INTERFACES = Path(archo_tui.__file__).parent.parent / "interfaces"
+TELLER = """
+from archo_interfaces.msg import BatteryStatus
+from rclpy.node import Node
+
+class Teller(Node):
+    def __init__(self):
+        super().__init__("teller")
+        names = list(BatteryStatus.get_fields_and_field_types())
+        self.create_timer(0.2, lambda: self.get_logger().warning(f"the last is {names[-1]}"))
+"""
+
+
+def package(folder: Path, *lines: str) -> Path:
+    """A workspace's src/ with a battery of the reader's own."""
+    ours = folder / "src" / "robot" / "my_archo"
+    (ours / "msg").mkdir(parents=True, exist_ok=True)
+    (ours / "package.xml").write_text("<package><name>archo_interfaces</name></package>")
+    text = (INTERFACES / "msg" / "BatteryStatus.msg").read_text()
+    (ours / "msg" / "BatteryStatus.msg").write_text("\n".join([text, *lines, ""]))
+    return folder / "src"
+
+
+@pytest.mark.real_time
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
+def test_a_saved_interface_restarts_everything_and_a_broken_one_does_not(tmp_path: Path) -> None:
+    source = package(tmp_path, "float32 temperature")
+    node = tmp_path / "teller.py"
+    node.write_text(TELLER)
+    terminal = Terminal("--interfaces", str(source), "--node", str(node))
+    terminal.until("the last is temperature")
+    package(tmp_path, "float32 humidity", "what is this")
+    terminal.until("archo_interfaces/msg/BatteryStatus.msg:")  # its file and line, and all goes on
+    package(tmp_path, "float32 humidity")
+    terminal.until("the last is humidity")
+    terminal.write("g7\r")
+    terminal.until("MOVING to 7")  # the robot's own nodes took it, too
+    terminal.write("\x03")
+    terminal.until("CANCELLED")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+    assert terminal.is_as_before()
+    terminal.close()
+
+
+def test_a_file_that_cannot_be_read_names_its_line(tmp_path: Path) -> None:
+    source = package(tmp_path, "floot32 x")
+    with pytest.raises(ArchoError, match=r"BatteryStatus\.msg:\d+: .*floot32"):
+        own_interfaces.find(source, "embedded")
+
+
+def test_without_a_package_or_on_ros_2_it_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(ArchoError, match="no interface package"):
+        own_interfaces.find(tmp_path, "embedded")
+    with pytest.raises(ArchoError, match=r"colcon build .* --packages-select archo_interfaces"):
+        own_interfaces.find(package(tmp_path), "ros2")
