@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -33,14 +34,30 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+# these import what Windows lacks, and are all of POSIX
+_POSIX = {
+    *("test_terminal", "test_256_colours", "test_journal", "test_own_interfaces", "test_cli"),
+    *("test_plain", "test_files", "test_save_load", "test_two_processes", "test_kill"),
+}
+
+
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    if collection_path.stem in _POSIX and sys.platform == "win32":
+        return True
     wanted = config.getoption("--end-to-end")
     return True if collection_path.name == "end_to_end" and not wanted else None
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if item.path.stem in _POSIX:
+            item.add_marker(pytest.mark.posix)
+
+
 def pytest_configure(config: pytest.Config) -> None:
     os.environ["TZ"] = "UTC"  # times of day are part of pictures, and some texts are kept
-    time.tzset()
+    if sys.platform != "win32":
+        time.tzset()
     gc.set_threshold(50_000)  # an app makes many objects, and most tests make an app
     from tests.support import chosen
 
