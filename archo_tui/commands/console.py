@@ -51,6 +51,7 @@ class ShowHelp(Command):
 
     def run(self, console: Console) -> None:
         if isinstance(console.screen, Help):
+            console.screen.action_close()
             return
         entries = [
             Entry(

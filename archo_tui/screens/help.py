@@ -36,7 +36,7 @@ class Help(Dialog[None]):
     """One line a command, the reason below it when it cannot run now."""
 
     BINDINGS = [
-        ("escape,f1", "close", "Close"),
+        ("escape", "close", "Close"),
         ("pageup", "scroll(-1)", "Scroll up"),
         ("pagedown", "scroll(1)", "Scroll down"),
     ]

@@ -47,6 +47,7 @@ class MainScreen(Screen[None]):
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)
 
     _before: Widget | None = None  # had the focus before a panel was asked for
+    _asked = False  # a panel was; until then a small terminal shows the first ones
 
     def __init__(self, snapshot: Snapshot) -> None:
         """`snapshot` knows the robot's file."""
@@ -84,6 +85,7 @@ class MainScreen(Screen[None]):
         self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
         self.set_timer(_LATEST, self._draw_from_now_on)  # behind a dialog no size may come
         self.focus_panel(4)
+        self._asked = False
 
     def watch_focused(self) -> None:
         self._mark_focused()
@@ -140,6 +142,7 @@ class MainScreen(Screen[None]):
                 self.toggle_full(self._panels[number])
                 return
         self._before = self.focused
+        self._asked = True
         self._panels[number].take_focus()
         self.call_after_refresh(self._show_focused)
 
@@ -163,7 +166,7 @@ class MainScreen(Screen[None]):
     def _show_focused(self) -> None:
         """Where not all panels have room, the one with the focus is seen whole."""
         panel = self._panels.get(self.focused_panel)
-        if panel is not None:
+        if panel is not None and self._asked:
             panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:

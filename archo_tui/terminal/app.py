@@ -12,6 +12,7 @@ from textual.app import App
 from textual.color import Color
 from textual.driver import Driver
 from textual.filter import LineFilter
+from textual.worker import WorkerFailed
 
 from archo_tui.alarms import Alarm
 from archo_tui.robot.text import safe_in_place
@@ -119,6 +120,8 @@ class TerminalApp(App[None]):
 
     def _handle_exception(self, error: Exception) -> None:
         """Textual's end of the screen, without its report: the next screen shows it."""
+        if isinstance(error, WorkerFailed):  # of any worker: what it raised is what is of interest
+            error = error.error if isinstance(error.error, Exception) else error
         if self.is_headless:
             super()._handle_exception(error)  # so that tests fail
             return

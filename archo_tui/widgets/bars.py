@@ -13,6 +13,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.goal_text import doing, way_left
 from archo_tui.robot.state import Battery, Motion, Phase
 from archo_tui.robot.text import harmless
+from archo_tui.state_text import number
 from archo_tui.station import View
 
 
@@ -24,6 +25,8 @@ def header(view: View, width: int) -> Content:
     doing, left = _doing(view)
     watching = "watching" if view.watching else ""
     what = [harmless(view.snapshot.robot.name), _contact(view), watching, doing]
+    if width < _TINY and view.snapshot.robot.battery is not None:  # its panel may be out of sight
+        what.insert(2, f"{number(view.snapshot.battery.percentage, '.1f')} %")
     where, others = [view.engine, view.namespace], view.snapshot.consoles
     count = f"{len(others) + 1} consoles" if others else ""
     named = f"{count}: {', '.join(others)}" if others else ""
@@ -70,6 +73,9 @@ def banner(view: View, width: int) -> Content:
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
     hint = Content.from_markup(f"   [u][@click=app.command('acknowledge')]{words}[/][/]")
     return Content.assemble((line, f"bold {style}"), hint)
+
+
+_TINY = 71  # cells of the header, without the clock, below which panels may be scrolled away
 
 
 class FooterKey(NamedTuple):

@@ -125,16 +125,19 @@ def idle() -> None:
         program.read(REST)
         empty = program.load(SPAN)
     say("CPU of an empty Textual app", f"{empty:.2%}")
-    for name, words, keys in (
-        ("CPU at 1 Hz", (), ""),
-        ("CPU at 50 Hz", FAST, ""),
-        ("CPU while a goal runs, 1 Hz", ("-p", "route_length:=1000.0"), "g12\r"),
+    for name, words, keys, size in (
+        ("CPU at 1 Hz", (), "", (120, 36)),
+        ("CPU at 1 Hz, 160 x 48 with the history", (), "", (160, 48)),
+        ("CPU at 50 Hz", FAST, "", (120, 36)),
+        ("CPU while a goal runs, 1 Hz", ("-p", "route_length:=1000.0"), "g12\r", (120, 36)),
     ):
-        with Program("--ros-args", *words) as program:
+        with Program("--ros-args", *words, size=size) as program:
             program.until(ONLINE)
             program.terminal.write(keys)
             program.read(REST)
-            say(name, f"{program.load(SPAN):.2%}")
+            program.terminal.output = b""
+            load = program.load(SPAN)
+            say(name, f"{load:.2%}", f"{len(program.terminal.output) / SPAN:.0f} B/s")
 
 
 @contextlib.contextmanager

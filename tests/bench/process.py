@@ -31,10 +31,16 @@ def resident(pid: int) -> float:
 class Program:
     """The console, or with `code` that ends in `sys.exit()` another program."""
 
-    def __init__(self, *words: str, code: str = "", engine: str = "embedded") -> None:
+    def __init__(
+        self,
+        *words: str,
+        code: str = "",
+        engine: str = "embedded",
+        size: tuple[int, int] = (120, 36),
+    ) -> None:
         chosen.ENGINE = engine
         self.began = time.perf_counter()
-        self.terminal = Terminal(*words, code=code)
+        self.terminal = Terminal(*words, code=code, size=size)
         self.terminal.write(_SYNCHRONIZED)
 
     def __enter__(self) -> Program:

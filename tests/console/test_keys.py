@@ -83,7 +83,7 @@ async def test_help_is_there_while_typing_and_narrows_by_what_is_typed() -> None
         await op.type("encoder")
         await op.until("Reset the encoder")
         assert "Go to panel" not in op.text
-        await op.press("escape")
+        await op.press("f1")
         await op.until(lambda: op.app.screen is op.app.main)
 
 

@@ -22,7 +22,8 @@ from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, StubRobot, stub_app
 
 FOLDER = Path(__file__).parent.parent / "snapshots"
-SIZES = {"80x24": (80, 24), "120x36": (120, 36), "160x48": (160, 48), "40x10": (40, 10)}
+SIZES = {"80x24": (80, 24), "120x36": (120, 36), "160x48": (160, 48)}
+SIZES |= {"40x10": (40, 10), "60x20": (60, 20)}
 ALL_SIZES = ("80x24", "120x36", "160x48")
 
 
@@ -237,6 +238,14 @@ async def test_a_tiny_terminal_shows_the_focused_panel_between_header_and_footer
     request: pytest.FixtureRequest, panel: str
 ) -> None:
     await compare(request, f"tiny panel {panel}", STATES["battery low and moving"], "40x10", panel)
+
+
+async def test_a_small_terminal_opens_at_the_top_with_the_percentage_in_the_header(
+    request: pytest.FixtureRequest,
+) -> None:
+    svg = await compare(request, "small", STATES["battery low and moving"], "60x20")
+    assert "18.0&#160;%&#160;MOVING&#160;to&#160;12" in svg
+    assert "STOP&#160;" in svg
 
 
 @pytest.mark.parametrize("size", [(40, 10), (20, 5), (79, 23), (300, 80)])
