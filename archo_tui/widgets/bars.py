@@ -16,6 +16,8 @@ from archo_tui.robot.text import harmless
 from archo_tui.state_text import number
 from archo_tui.station import View
 
+_TINY = 71  # cells of the header, without the clock, below which panels may be scrolled away
+
 
 def header(view: View, width: int) -> Content:
     """Which robot, in contact or not, what it does; at the right end who else is here, and where.
@@ -40,7 +42,10 @@ def header(view: View, width: int) -> Content:
             gap = width - cell_len(head) - cell_len(tail) - 2
             if gap >= len(blanks):
                 return Content.assemble((f" {head}", "bold"), f"{' ' * gap}{tail} ")
-    return Content.styled(f" {head} {view.engine}", "bold")
+    whole = " ".join(filter(None, what))
+    if cell_len(whole) >= width:  # its name is what a person knows best
+        whole = " ".join(filter(None, what[1:]))
+    return Content.styled(f" {whole} {view.engine}", "bold")
 
 
 def clock(view: View) -> Content:
@@ -73,9 +78,6 @@ def banner(view: View, width: int) -> Content:
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
     hint = Content.from_markup(f"   [u][@click=app.command('acknowledge')]{words}[/][/]")
     return Content.assemble((line, f"bold {style}"), hint)
-
-
-_TINY = 71  # cells of the header, without the clock, below which panels may be scrolled away
 
 
 class FooterKey(NamedTuple):
