@@ -7,11 +7,24 @@ from collections.abc import Mapping
 
 from rich.cells import cell_len
 
+_ROWS = (0x09, 0x12, 0x24, 0xC0)  # the dots of a braille cell, from above
+_BRAILLE = 0x2800
+
+
+def _of_braille(dots: int) -> str:
+    """A stroke about as high as the dots stand; `|` where they stand above each other."""
+    rows = [number for number, mask in enumerate(_ROWS) if dots & mask]
+    if not rows or len(rows) > 2:
+        return "|" if rows else " "
+    return "'--_"[rows[0]] if len(rows) == 1 else {0: "'", 1: "-", 2: "."}[rows[0]]
+
+
 _TABLE = str.maketrans(
     {
+        **{chr(_BRAILLE + dots): _of_braille(dots) for dots in range(256)},
         **dict.fromkeys("╭╮╰╯┌┐└┘├┤┬┴┼", "+"),
         **dict.fromkeys("┏┓┗┛█▇▉▊▋▍", "#"),
-        **dict.fromkeys("─╌╍▔▃▄", "-"),
+        **dict.fromkeys("─╌╍┄▔▃▄", "-"),
         **dict.fromkeys("━▅▆", "="),
         **dict.fromkeys("▁▂", "_"),
         **dict.fromkeys("│┃╎▌▐▏▕▎", "|"),
