@@ -274,7 +274,11 @@ def _check(options: argparse.Namespace) -> int:
         with Session(given) as session:
             from archo_tui.chapter import check  # not before the engine is chosen
 
-            return check(session, _RADIUS, lambda line: print(line, flush=True))
+            try:
+                return check(session, _RADIUS, lambda line: print(line, flush=True))
+            except KeyboardInterrupt:
+                _complain("interrupted: not all was checked")
+                return FAILED
 
 
 def _plain(session: Session) -> int:

@@ -22,6 +22,7 @@ from archo_tui.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, NodeFile
 from archo_tui.robot.state import Hosted, Life, Outcome
 from archo_tui.robot.values import text_of
 from archo_tui.tracebacks import own_frames
+from archo_tui.watch import Stamps
 
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
 END_TIMEOUT = 1.5  # s for all of them when the console ends
@@ -290,11 +291,38 @@ class Host:
 
     def stop(self) -> list[str]:
         """Stop every node; returns the names of those that did not end within END_TIMEOUT."""
-        with self._changing:
+        end = time.monotonic() + END_TIMEOUT
+        changed = self._changing.acquire(timeout=END_TIMEOUT / 2)  # a file may hang in its import
+        try:
             for hosted in self.nodes:
                 hosted.begin_to_stop()
-            end = time.monotonic() + END_TIMEOUT
             return [n.name for n in self.nodes if not n.stop(max(end - time.monotonic(), 0.0))]
+        finally:
+            if changed:
+                self._changing.release()
 
     def _crashed(self, hosted: HostedNode) -> None:
         self._on_event("ERROR", hosted.name.lstrip("/"), f"crashed: {hosted.state.error}")
+
+
+class HostedFile:
+    """A node file that is watched: its nodes are restarted when it was saved."""
+
+    def __init__(
+        self, host: Host, file: NodeFile, kept: Callable[[str], Mapping[str, Any]]
+    ) -> None:
+        """`kept(node)` are the parameters that the operator has set."""
+        self._host, self._file, self._kept = host, file, kept
+
+    @property
+    def loaded(self) -> Stamps:
+        """Of the text that was last loaded, or tried."""
+        return self._file.loaded
+
+    def look(self) -> Stamps:
+        """As it is now, with what it imports from its folder."""
+        return self._file.look()
+
+    def reload(self) -> None:
+        """Run it as it is now."""
+        self._host.reload(self._file, self._kept)

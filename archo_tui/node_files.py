@@ -22,12 +22,12 @@ import archo_tui
 from archo_tui.errors import ArchoError
 from archo_tui.limited import TookTooLong, run_limited
 from archo_tui.tracebacks import own_frames
+from archo_tui.watch import Stamps, stamps
 
 T = TypeVar("T")
 
 IMPORT_TIME = 10.0  # s that a file may take to be imported
 CONSTRUCTION_TIME = 2.0  # s that a node's constructor may take
-Stamps = dict[Path, tuple[int, int]]  # when each was saved (ns), and its size (bytes)
 _OURS = ("archo_tui", "archo_bringup", "rclpy")  # never read again, wherever the file is
 
 
@@ -98,17 +98,10 @@ class NodeFile:
             return 0.0
 
     def look(self) -> Stamps:
-        """Time and size of all that counts as the file; after a failure of its whole folder."""
+        """All that counts as the file; after a failure its whole folder."""
         own = {Path(module.__file__) for module in self._modules.values() if module.__file__}
         beside = self.path.parent.glob("*.py") if self._failed else ()
-        found = {}
-        for path in {self.path, *own, *beside}:
-            try:
-                stat = path.stat()
-            except OSError:  # an editor may be replacing it just now
-                continue
-            found[path] = stat.st_mtime_ns, stat.st_size
-        return found
+        return stamps({self.path, *own, *beside})
 
     def load(self) -> list[FileNode]:
         """The nodes that it defines now. Raises NodeFileError: then all is as it was before."""

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from archo_tui import embedded, engine
 from archo_tui.embedded.interfaces import KINDS, packages_in
 from archo_tui.errors import ArchoError
-
-PERIOD = 0.25  # s between two looks
-Stamps = dict[Path, tuple[int, int]]
+from archo_tui.watch import Stamps, stamps
 
 
 def find(folder: Path, engine_name: str) -> dict[str, Path]:
@@ -38,39 +35,27 @@ def check(packages: Mapping[str, Path]) -> None:
         raise ArchoError(str(error)) from None
 
 
-class InterfaceWatch:
-    """Notices what is saved; `changed()` is called when all of it can be read."""
+class OwnInterfaces:
+    """The files of the packages; all restarts when they were saved and can be read."""
 
     def __init__(
         self,
         packages: Mapping[str, Path],
         note: Callable[[str, str, str], None],
-        changed: Callable[[], None],
+        restart: Callable[[], None],
     ) -> None:
         """`note(level, source, text)` says what cannot be read; all goes on as it is then."""
-        self._packages, self._note, self._changed = packages, note, changed
-        self._ends = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="interfaces", daemon=True)
+        self._packages, self._note, self._restart = packages, note, restart
+        self.loaded = self.look()
 
-    def start(self) -> None:
-        """Begin to watch, when there is anything to watch."""
-        if self._packages:
-            self._thread.start()
+    def look(self) -> Stamps:
+        """Every interface file."""
+        folders = self._packages.values()
+        return stamps(p for f in folders for kind in KINDS for p in f.glob(f"{kind}/*.{kind}"))
 
-    def stop(self) -> None:
-        """No more restarts."""
-        self._ends.set()
-
-    def _run(self) -> None:
-        loaded = before = self._look()
-        while not self._ends.wait(PERIOD):
-            now = self._look()
-            if now != loaded and now == before:  # and not still being written
-                loaded = now
-                self._try()
-            before = now
-
-    def _try(self) -> None:
+    def reload(self) -> None:
+        """Restart, if that is of any use."""
+        self.loaded = self.look()
         try:
             check(self._packages)
         except ArchoError as error:
@@ -80,15 +65,4 @@ class InterfaceWatch:
             self._note("ERROR", "interfaces", f"not read: {said}")
         else:
             self._note("YOU", "console", "interfaces were saved: all nodes restart")
-            self._changed()
-
-    def _look(self) -> Stamps:
-        found: Stamps = {}
-        for folder in self._packages.values():
-            for path in (p for kind in KINDS for p in folder.glob(f"{kind}/*.{kind}")):
-                try:
-                    stat = path.stat()
-                except OSError:  # an editor may be replacing it just now
-                    continue
-                found[path] = stat.st_mtime_ns, stat.st_size
-        return found
+            self._restart()

@@ -13,11 +13,13 @@ from archo_tui.clock import Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
 from archo_tui.journal import Journal
+from archo_tui.own_interfaces import OwnInterfaces
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file
 from archo_tui.robots import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
 from archo_tui.station import Station
+from archo_tui.watch import Watch, Watched
 
 if TYPE_CHECKING:
     from archo_tui.host import Host
@@ -89,9 +91,8 @@ class Session:
         from rclpy.signals import SignalHandlerOptions
         from rclpy.utilities import get_default_context
 
-        from archo_tui.host import Host
+        from archo_tui.host import Host, HostedFile
         from archo_tui.node_files import NodeFile
-        from archo_tui.reloader import Reloader
         from archo_tui.robot.client import Robot
 
         # a textbook's node is made without a context: in the default one
@@ -138,10 +139,11 @@ class Session:
             on_disconnect=options.on_disconnect,
             quiet=options.quiet_alarms,
         )
-        self._reloader = Reloader(self.host, self._node_files, self.station.edits.kept)
-        self._interfaces = own_interfaces.InterfaceWatch(
-            own, self.robot.note, lambda: self.station.restart()
-        )
+        kept, note = self.station.edits.kept, self.robot.note
+        watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
+        if own:
+            watched.append(OwnInterfaces(own, note, lambda: self.station.restart()))
+        self._watch = Watch(watched)
 
     def _give_up(self) -> None:
         self.journal.close()
@@ -209,8 +211,7 @@ class Session:
         }
         self.robot.start()
         self.host.start()
-        self._reloader.start()
-        self._interfaces.start()
+        self._watch.start()
         for line in files.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
 
@@ -221,8 +222,7 @@ class Session:
 
     def close(self) -> list[str]:
         """Stop everything; returns the names of nodes whose callbacks did not return."""
-        self._interfaces.stop()
-        self._reloader.stop()
+        self._watch.stop()
         self.robot.stop()
         stuck = self.host.stop()
         self.journal.close()

@@ -45,11 +45,9 @@ async def running(file: Path, *ros_args: str, only: bool = True) -> AsyncIterato
 
 
 async def save(op: Console, file: Path, text: str) -> None:
-    """Save it, and look at once, as the reloader soon would."""
+    """Save it, and have it reloaded at once, as it soon would be."""
     file.write_text(text)
-    reloader = op.session._reloader
-    watched = reloader._files[0]
-    await asyncio.to_thread(reloader._host.reload, watched, reloader._kept)
+    await asyncio.to_thread(op.session._watch.watched[0].reload)
     op.app.look()
 
 
@@ -57,7 +55,7 @@ async def save(op: Console, file: Path, text: str) -> None:
 def _by_hand(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """Only what `save` says is read again, unless the test is about the watching."""
     if not request.node.get_closest_marker("real_time"):
-        monkeypatch.setattr("archo_tui.reloader.Reloader.start", lambda self: None)
+        monkeypatch.setattr("archo_tui.watch.Watch.start", lambda self: None)
 
 
 @pytest.mark.real_time
@@ -190,7 +188,7 @@ async def test_what_the_file_imports_from_its_folder_counts_as_the_file(tmp_path
     )
     async with running(file) as op:
         await op.until("first words")
-        watched = op.session._reloader._files[0]
+        watched = op.session._watch.watched[0]
         helper.write_text("WORDS = 'other words, longer'\n")
         assert watched.look() != watched.loaded
         await save(op, file, file.read_text())
