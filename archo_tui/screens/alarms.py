@@ -68,7 +68,7 @@ class AlarmList(Dialog[None]):
             yield self._rows
 
     def on_mount(self) -> None:
-        self._rows.focus()
+        self.set_focus(self._rows)
         self.show(self._view)
 
     def show(self, view: View) -> None:

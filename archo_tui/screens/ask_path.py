@@ -50,7 +50,7 @@ class AskPath(Form):
                 yield Button("OK", id="go-on", compact=True)
 
     async def on_mount(self) -> None:
-        self.query_one("#path").focus()
+        self.set_focus(self.query_one("#path"))
         self.run_worker(self._recall())
 
     async def _recall(self) -> None:

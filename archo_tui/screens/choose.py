@@ -41,7 +41,7 @@ class Choose(Dialog[None]):
             yield Static(classes="rows")
 
     def on_mount(self) -> None:
-        self.query_one(Field).focus()
+        self.set_focus(self.query_one(Field))
         self._draw()
 
     @property

@@ -41,7 +41,7 @@ class Confirm(Dialog[str]):
                     yield Button(answer, id=f"answer-{number}", compact=True)
 
     def on_mount(self) -> None:
-        self.query_one("#answer-0").focus()
+        self.set_focus(self.query_one("#answer-0"))
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         self.end(str(event.button.label))

@@ -56,7 +56,7 @@ class EditParameter(Form):
                 yield Button("Set", id="set", compact=True, disabled=parameter.read_only)
 
     def on_mount(self) -> None:
-        self.query_one("#leave" if self._parameter.read_only else "#value").focus()
+        self.set_focus(self.query_one("#leave" if self._parameter.read_only else "#value"))
 
     def submit(self, typed: str) -> None:
         if self._sending:

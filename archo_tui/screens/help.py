@@ -55,7 +55,7 @@ class Help(Dialog[None]):
                 yield Static(classes="column")
 
     def on_mount(self) -> None:
-        self.query_one(Field).focus()
+        self.set_focus(self.query_one(Field))
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._draw)

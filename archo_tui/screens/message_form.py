@@ -84,7 +84,7 @@ class MessageForm(Dialog[None]):
 
     def on_mount(self) -> None:
         first = "#yaml" if self._is_yaml else "#field-0" if self._leaves else "#send"
-        self.query_one(first).focus()
+        self.set_focus(self.query_one(first))
 
     def on_input_submitted(self, event: Field.Submitted) -> None:
         last = len(self._fields) - 1
@@ -93,7 +93,7 @@ class MessageForm(Dialog[None]):
     def on_field_recall(self, event: Field.Recall) -> None:
         """The arrows lead from field to field."""
         number = next((n for n, field in enumerate(self._fields) if field.has_focus), 0)
-        self._fields[(number + event.step) % len(self._fields)].focus()
+        self.set_focus(self._fields[(number + event.step) % len(self._fields)])
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == "send":
@@ -129,7 +129,7 @@ class MessageForm(Dialog[None]):
                 values[leaf.path] = parse(leaf, self._form.get(leaf.path, Input()), text)
             except ValueError as error:
                 self.say(str(error))
-                self._fields[number].focus()
+                self.set_focus(self._fields[number])
                 return None
         return values
 

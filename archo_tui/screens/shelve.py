@@ -36,7 +36,7 @@ class ShelveReason(Form):
                 yield Button("Shelve", id="shelve", compact=True)
 
     def on_mount(self) -> None:
-        self.query_one("#reason").focus()
+        self.set_focus(self.query_one("#reason"))
 
     def submit(self, typed: str) -> None:
         if typed.strip():
