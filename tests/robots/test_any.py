@@ -50,9 +50,9 @@ async def test_fibonacci_is_sent_followed_and_cancelled_in_six_keys_beside_its_v
         await form(op, "G", "enter")
         assert "/fibonacci  depot_interfaces/action/Fibonacci" in op.text
         assert "order" in op.line("int32")
-        await op.press("backspace", "9", "enter")
-        await op.until("RUNNING fibonacci 9")
-        await op.until("so far   sequence [0, 1, 1, 2]")
+        await op.press("backspace", *"40", "enter")  # 8 s: it is still running when it is cancelled
+        await op.until("RUNNING fibonacci 40")
+        await op.until("so far   sequence [0, 1, 1, 2")
         await op.press("ctrl+c")
         await op.until("✗ CANCELLED")
         assert "sequence [0, 1, 1, 2" in op.line("✗ CANCELLED")
