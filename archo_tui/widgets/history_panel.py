@@ -44,7 +44,7 @@ def plots(robot: Robot) -> tuple[Plot, ...]:
     remaining = next((kind.remaining for kind in robot.goals[:1]), None)
     found = []
     if robot.battery is not None:
-        found.append(Plot("battery", "%", 1, lambda s: s.charge, 100.0, fixed=True))
+        found.append(Plot("battery", "%", 0, lambda s: s.charge, 100.0, fixed=True))
     if robot.motion is not None:
         found.append(Plot("speed", "m/s", 2, lambda s: s.speed, 0.5))
     if remaining is not None:
