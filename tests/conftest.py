@@ -113,6 +113,13 @@ def _time(request: pytest.FixtureRequest) -> Iterator[None]:
     clock.current = None
 
 
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a busy machine a node of real ROS 2 may take seconds to construct."""
+    for module in ("node_files", "host"):
+        monkeypatch.setattr(f"archo_tui.{module}.CONSTRUCTION_TIME", 30.0)
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _parsed_once() -> None:
     """A style sheet is parsed once for all the apps of a run, not once for each."""

@@ -200,7 +200,10 @@ async def test_what_the_file_imports_from_its_folder_counts_as_the_file(tmp_path
 
 
 @pytest.mark.real_time
-async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(tmp_path: Path) -> None:
+async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("archo_tui.node_files.CONSTRUCTION_TIME", 8.0)
     file = tmp_path / "talker.py"
     file.write_text(talker("while True: pass"))
     async with running(file) as op:
@@ -212,7 +215,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(tmp_path: Path
         await op.until("did not return and was interrupted")
         looping = talker("pass").replace('super().__init__("talker")', "while True: pass")
         await save(op, file, looping)
-        await op.until(lambda: event_with(op, "Talker.__init__ did not return within 2 s"))
+        await op.until(lambda: event_with(op, "Talker.__init__ did not return within 8 s"))
         await op.until("well again")
 
 
