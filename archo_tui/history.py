@@ -53,11 +53,11 @@ class History:
         part = span / count
         newest = int(now // part)
         found: list[float | None] = [None] * count
-        begin = bisect_left(self._samples, (newest - count + 1) * part, key=lambda s: s.at)
         first = newest - count + 1
+        begin = bisect_left(self._samples, first * part, key=lambda s: s.at)
         for sample in islice(self._samples, begin, None):
             until = min(int((sample.at + _HOLDS) // part), newest) if part < 1.0 else 0
-            place = int(sample.at // part)
+            place = max(int(sample.at // part), first)  # the product above may have been rounded
             for later in range(place, max(place, until) + 1):
                 found[later - first] = reading(sample)
         return found

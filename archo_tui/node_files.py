@@ -134,15 +134,13 @@ class NodeFile:
 
     def _own(self, known: set[str]) -> list[str]:
         """The modules that are new and lie in its folder."""
-        folder, found = self.path.parent, []
-        for name, module in list(sys.modules.items()):
-            file = getattr(module, "__file__", None)
-            if name in known or name.startswith(_OURS) or not file:
-                continue
-            path = Path(file).resolve()
-            if folder in path.parents and "site-packages" not in path.parts:
-                found.append(name)
-        return found
+        return [
+            name
+            for name, module in list(sys.modules.items())
+            if name not in known
+            and not name.startswith(_OURS)
+            and self._is_own(getattr(module, "__file__", None) or "")
+        ]
 
     def _run(self) -> list[FileNode]:
         parent = self._name.rpartition(".")[0]
@@ -205,10 +203,11 @@ class NodeFile:
         return said + _quoted(last.line or ""), report
 
     def _is_own(self, filename: str) -> bool:
+        if not filename:  # what is built in has none
+            return False
         path = Path(filename).resolve()
-        return path == self.path or (
-            self.path.parent in path.parents and "site-packages" not in path.parts
-        )
+        beside = self.path.parent in path.parents and "site-packages" not in path.parts
+        return path == self.path or beside
 
     def _named(self, filename: str) -> str:
         """As the user called it, or what stands beside it by its name."""

@@ -158,9 +158,7 @@ class Session:
     def _happened(self, event: Event) -> None:
         """An event came, or repeated, on the robot's thread."""
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
-            kind = {"YOU": "command", "GOAL": "goal", "PEER": "other console"}.get(
-                event.level, "event"
-            )
+            kind = _KINDS.get(event.level, "event")
             what = {"level": event.level, "source": event.source, "text": event.text}
             if event.command:
                 what["command"] = event.command

@@ -49,7 +49,7 @@ class AskPath(Form):
                 yield Button("Cancel", id="leave", compact=True)
                 yield Button("OK", id="go-on", compact=True)
 
-    async def on_mount(self) -> None:
+    def on_mount(self) -> None:
         self.set_focus(self.query_one("#path"))
         self.run_worker(self._recall())
 
