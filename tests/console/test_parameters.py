@@ -28,6 +28,12 @@ async def edit(op: Console, name: str, typed: str) -> None:
     await op.press("enter")
 
 
+async def undo(op: Console) -> None:
+    """Press u when every change is answered; what was set may be seen before that."""
+    await op.until(lambda: not op.app.station.edits.is_changing)
+    await op.press("u")
+
+
 async def test_a_parameter_is_edited_mid_route_and_takes_effect() -> None:
     async with console("-p", "feedback_period:=0.2", "-p", "time_scale:=3.0") as op:
         await op.press("g", "1", "2", "enter")
@@ -171,9 +177,9 @@ async def test_u_undoes_the_last_change_and_says_when_there_is_none() -> None:
         await op.until("0.4 *  double")
         await edit(op, "max_speed", "0.6")
         await op.until("0.6 *  double")
-        await op.press("u")
+        await undo(op)
         await op.until("0.4 *  double")
-        await op.press("u")
+        await undo(op)
         await op.until("0.8    double   0.05 .. 2")
         await op.until("set motor_controller max_speed 0.8: max_speed is 0.8")
 
@@ -184,12 +190,13 @@ async def test_undo_asks_when_somebody_else_has_changed_it_since() -> None:
         await op.until("0.4 *  double")
         await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
         await op.until("1.25 *  double")
-        await op.press("4", "u")
+        await op.press("4")
+        await undo(op)
         await op.until("max_speed has since changed to 1.25. Restore 0.8?")
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
         assert "1.25 *  double" in op.text
-        await op.press("u")
+        await undo(op)
         await op.until("Restore 0.8?")
         await op.press("tab", "enter")
         await op.until("0.8    double   0.05 .. 2")
@@ -218,7 +225,7 @@ async def test_parameters_are_saved_and_loaded_with_a_preview(tmp_path: Path) ->
         await op.press("enter")
         await op.until(file.exists)
         await op.until(lambda: op.app.screen is op.app.main)
-        await op.press("u")
+        await undo(op)
         await op.until("0.8    double   0.05 .. 2")
         await op.press("ctrl+o")
         await op.until("ROS parameter file")
@@ -226,9 +233,8 @@ async def test_parameters_are_saved_and_loaded_with_a_preview(tmp_path: Path) ->
         await op.press("enter")
         await op.until("motor_controller max_speed: 0.8 -> 0.4")
         await op.press("tab", "enter")
-        # the new value may be seen before the change is answered, and only then can it be undone
         await op.until(lambda: op.text.count("max_speed is 0.4, was 0.8") == 2)
-        await op.press("u")
+        await undo(op)
         await op.until("0.8    double   0.05 .. 2")
 
 
@@ -335,7 +341,7 @@ async def test_space_switches_a_boolean_and_undo_takes_it_back() -> None:
         await op.press("4", "slash", *"sim_time", "enter", "space")
         await op.until("set battery_monitor use_sim_time true: ")
         await op.until("true *")
-        await op.press("u")
+        await undo(op)
         await op.until(lambda: "true *" not in op.text)
         await op.press("slash", "ctrl+u", *"max_speed", "enter", "space")
         await op.until("the selected parameter is no boolean")
