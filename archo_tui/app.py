@@ -62,7 +62,7 @@ class ArchoApp(TerminalApp):
         snapshot = station.robot.snapshot
         self.title = snapshot.robot.name
         self.registry = registry(snapshot.robot)
-        self.main = MainScreen(snapshot)
+        self.main = MainScreen(snapshot, self.size)
         self.typed: dict[str, dict[str, str]] = {}
         self.used = snapshot.robot
         self._failed_before = failed

@@ -219,7 +219,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
         return _check(options)
     from pathlib import Path
 
-    gc.disable()  # until all is imported and made: nothing of that is garbage
+    gc.disable()  # until all is imported and made: nothing of that is garbage (terminal/app.py)
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
 
@@ -307,7 +307,6 @@ def _console(session: Session) -> int:
     keys, others = keymap.load(config_file("keymap.yaml"), registry(session.description))
     heed_signals()
     session.start()
-    gc.enable()
     if others:
         station.robot.note("WARN", "console", others)
     failed, failures = "", 0

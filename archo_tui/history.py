@@ -2,49 +2,45 @@
 
 from __future__ import annotations
 
+import math
+from array import array
 from bisect import bisect_left
-from collections import deque
-from collections.abc import Callable
-from itertools import islice
-from typing import NamedTuple
+from typing import Literal
 
 from archo_tui.robot.state import Snapshot
 
+# charge: %; speed: in the unit of the robot's own messages, m/s in ROS; left: of the goal's way, in
+# the unit of its remainder
+Quantity = Literal["charge", "speed", "left"]
 SPANS = (60.0, 600.0, 3600.0)  # s that can be looked back
 _KEPT = 3600  # samples
 _HOLDS = 1.5  # s that a sample stands for: where the parts are shorter than a second
-
-
-class Sample(NamedTuple):
-    """One second; None: not heard, or not reported by this robot."""
-
-    at: float  # monotonic s
-    charge: float | None  # %
-    speed: float | None  # in the unit of the robot's own messages, m/s in ROS
-    left: float | None  # of the goal's way, in the unit of its remainder
 
 
 class History:
     """Bounded; what was before a screen crashed is still there."""
 
     def __init__(self) -> None:
-        self._samples: deque[Sample] = deque(maxlen=_KEPT)
+        self._times = array("d")  # monotonic s
+        # NaN: not heard, or not reported by this robot
+        self._values = {"charge": array("d"), "speed": array("d"), "left": array("d")}
 
     def add(self, snapshot: Snapshot, now: float) -> None:
         """Keep how it is now."""
         battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.goal
         runs = goal is not None and goal.is_running
-        self._samples.append(
-            Sample(
-                now,
-                None if battery.is_old(now) else battery.percentage,
-                None if motion.is_old(now) else motion.speed,
-                goal.remaining if goal is not None and runs else None,
-            )
-        )
+        self._times.append(now)
+        for name, value in (
+            ("charge", None if battery.is_old(now) else battery.percentage),
+            ("speed", None if motion.is_old(now) else motion.speed),
+            ("left", goal.remaining if goal is not None and runs else None),
+        ):
+            self._values[name].append(math.nan if value is None else value)
+        for column in (self._times, *self._values.values()):
+            del column[:-_KEPT]
 
     def columns(
-        self, reading: Callable[[Sample], float | None], span: float, count: int, now: float
+        self, quantity: Quantity, span: float, count: int, now: float
     ) -> list[float | None]:
         """The last value in each of `count` equal parts of the last `span` s, the newest last.
 
@@ -54,10 +50,11 @@ class History:
         newest = int(now // part)
         found: list[float | None] = [None] * count
         first = newest - count + 1
-        begin = bisect_left(self._samples, first * part, key=lambda s: s.at)
-        for sample in islice(self._samples, begin, None):
-            until = min(int((sample.at + _HOLDS) // part), newest) if part < 1.0 else 0
-            place = max(int(sample.at // part), first)  # the product above may have been rounded
+        values = self._values[quantity]
+        for number in range(bisect_left(self._times, first * part), len(self._times)):
+            at, value = self._times[number], values[number]
+            until = min(int((at + _HOLDS) // part), newest) if part < 1.0 else 0
+            place = max(int(at // part), first)  # the product above may have been rounded
             for later in range(place, max(place, until) + 1):
-                found[later - first] = reading(sample)
+                found[later - first] = None if math.isnan(value) else value
         return found

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from textual import _ansi_sequences, keys
+from textual._compositor import Compositor
 from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.binding import BindingsMap
@@ -33,6 +34,9 @@ METHODS = [
     ("terminal/driver.py", XTermParser, "tick"),
     ("widgets/rows.py", Widget, "_refresh_scrollbars"),
     ("screens/main.py", Screen, "_compositor_refresh"),
+    ("terminal/compositor.py", Compositor, "_get_renders"),
+    ("terminal/compositor.py", Compositor, "_regions_to_spans"),
+    ("terminal/compositor.py", Compositor, "render_partial_update"),
     ("commands/keymap.py", keys, "_character_to_key"),
     ("tests/support/console.py", keys, "_get_unicode_name_from_key"),
     ("tests/support/quiet.py", Screen, "_on_timer_update"),
@@ -53,6 +57,8 @@ ATTRIBUTES = [
     ("tests/support/quiet.py", Screen, "_repaint_required"),
     ("tests/support/quiet.py", Screen, "_dirty_widgets"),
     ("tests/support/quiet.py", Screen, "_callbacks"),
+    ("screens/main.py", Screen, "_compositor"),
+    ("terminal/compositor.py", Compositor, "_dirty_regions"),
     ("tests/support/console.py", Screen, "_compositor"),
 ]
 

@@ -6,7 +6,6 @@ and PyYAML only. `install()` makes `import rclpy` mean the package beside this f
 
 from __future__ import annotations
 
-import importlib.abc
 import importlib.machinery
 import importlib.util
 import sys
@@ -19,7 +18,7 @@ from .interfaces import InterfaceFinder
 HERE = Path(__file__).parent
 
 
-class RclpyFinder(importlib.abc.MetaPathFinder):
+class RclpyFinder:
     """Answers `import rclpy` with the embedded package; submodules follow from its `__path__`."""
 
     def find_spec(

@@ -10,14 +10,12 @@ Classes are made at their first use.
 from __future__ import annotations
 
 import contextlib
-import importlib.abc
 import importlib.machinery
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import Any
-from xml.etree import ElementTree
+from typing import Any, cast
 
 from .idl import Field, InterfaceError, Section, parse
 from .messages import make_action, make_message, make_service
@@ -25,7 +23,7 @@ from .messages import make_action, make_message, make_service
 KINDS = ("msg", "srv", "action")
 
 
-class InterfaceFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+class InterfaceFinder:
     """Finds interface packages and is the loader of their modules."""
 
     def __init__(
@@ -94,13 +92,18 @@ class InterfaceFinder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
         package, _, kind = fullname.partition(".")
+        if kind and kind not in KINDS:
+            return None  # nearly all of what is imported: nothing is looked up for it
         folders = self.folders(package)
         if kind:
-            folders = [f for f in folders if kind in KINDS and (f / kind).is_dir()]
+            folders = [f for f in folders if (f / kind).is_dir()]
         if not folders:
             return None
-        origin = str(folders[0])
-        return importlib.machinery.ModuleSpec(fullname, self, origin=origin, is_package=True)
+        origin, loader = str(folders[0]), cast(Any, self)  # importlib.abc costs more than it is
+        return importlib.machinery.ModuleSpec(fullname, loader, origin=origin, is_package=True)
+
+    def create_module(self, spec: importlib.machinery.ModuleSpec) -> None:
+        """None: an ordinary module."""
 
     def exec_module(self, module: ModuleType) -> None:
         package, _, kind = module.__name__.partition(".")
@@ -126,6 +129,8 @@ def packages_in(folder: Path) -> dict[str, Path]:
 
 def _name(folder: Path) -> str:
     """What package.xml says, else the folder's own name."""
+    from xml.etree import ElementTree  # only here, and only for who has a package of their own
+
     with contextlib.suppress(OSError, ElementTree.ParseError):
         found = ElementTree.parse(folder / "package.xml").findtext("name")
         if found and found.strip():

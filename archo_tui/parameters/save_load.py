@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 import stat
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -87,7 +86,7 @@ def _write(path: Path, text: str) -> None:
     if before is not None and not stat.S_ISREG(before.st_mode):
         raise ArchoError(f"{path}: not a regular file")
     target = Path(os.path.realpath(path))
-    temporary = target.with_name(f".{secrets.token_hex(16)}")  # nobody can have put it there
+    temporary = target.with_name(f".{os.urandom(16).hex()}")  # nobody can have put it there
     try:
         with open(create_exclusively(temporary), "w", encoding="utf-8") as file:
             if before is not None:

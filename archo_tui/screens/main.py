@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+from textual import events
 from textual.app import ComposeResult
-from textual.containers import Container, Horizontal
+from textual.containers import Horizontal
 from textual.content import Content
+from textual.geometry import Size
 from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
@@ -14,6 +18,7 @@ from textual.widget import Widget
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot.text import harmless
 from archo_tui.station import View
+from archo_tui.terminal.compositor import Bare, DirtyCompositor
 from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.battery_panel import BatteryPanel
@@ -28,6 +33,11 @@ from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.search import Search
 
 _LATEST = 0.5  # s after which the screen is drawn, laid out for its size or not
+
+
+def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
+    """The one that Textual will give it, known before all is laid out and styled again for it."""
+    return max((least, name) for least, name in breakpoints if cells >= least)[1]
 
 
 class MainScreen(Screen[None]):
@@ -49,9 +59,11 @@ class MainScreen(Screen[None]):
     _before: Widget | None = None  # had the focus before a panel was asked for
     _asked = False  # a panel was; until then a small terminal shows the first ones
 
-    def __init__(self, snapshot: Snapshot) -> None:
-        """`snapshot` knows the robot's file."""
-        super().__init__()
+    def __init__(self, snapshot: Snapshot, size: Size) -> None:
+        """`snapshot` knows the robot's file; `size` is the terminal's."""
+        of_size = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
+        super().__init__(classes=f"{of_size} {_class_of(size.height, self.VERTICAL_BREAKPOINTS)}")
+        self._compositor = DirtyCompositor()
         robot = snapshot.robot
         self._has_gauges = bool(robot.gauges)
         self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
@@ -71,13 +83,13 @@ class MainScreen(Screen[None]):
             yield self._header
             yield self._clock
         yield self._banner
-        with Container(id="body"):
-            with Container(id="top"):
-                with Container(id="left", classes="-gauges" if self._has_gauges else ""):
+        with Bare(id="body"):
+            with Bare(id="top"):
+                with Bare(id="left", classes="-gauges" if self._has_gauges else ""):
                     yield from (self._panels[number] for number in (1, 2, 5))
-                with Container(id="right"):
+                with Bare(id="right"):
                     yield from (self._panels[number] for number in (3, 4))
-            with Container(id="aside"):
+            with Bare(id="aside"):
                 yield from (self.history, self.events)
         yield self._footer
 
@@ -145,6 +157,10 @@ class MainScreen(Screen[None]):
         self._asked = True
         self._panels[number].take_focus()
         self.call_after_refresh(self._show_focused)
+
+    def on_screen_resume(self, event: events.ScreenResume) -> None:
+        if not self._is_laid_out:
+            event.refresh_styles = False  # all of them were just set
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._laid_out)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Sequence
@@ -23,6 +24,8 @@ from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.terminal.notice import notice
 from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, grey, remember, tones
 
+_STANDS = 1.0  # s after which a screen is made, and looking for garbage pays again
+
 
 class TextFilter(LineFilter):
     """Changes the text of whatever is drawn; its cells stay as many."""
@@ -36,6 +39,12 @@ class TextFilter(LineFilter):
             segment if segment.control else Segment(self._change(segment.text), segment.style)
             for segment in segments
         ]
+
+
+def _collect_garbage() -> None:
+    """From now on; what was made so far stays, and is not looked through again and again."""
+    gc.freeze()
+    gc.enable()
 
 
 class TerminalApp(App[None]):
@@ -88,6 +97,8 @@ class TerminalApp(App[None]):
 
         self.station.restart = restart
         self.app_resume_signal.subscribe(self, lambda _: self.repaint())
+        if not gc.isenabled():
+            self.set_timer(_STANDS, _collect_garbage)
 
     def watch_theme(self, before: str, theme: str) -> None:
         """Remember a theme that the operator chose."""

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime
 
 from textual.app import ComposeResult
+from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import OWN_LEVELS, Event
@@ -108,8 +109,9 @@ class EventsPanel(Panel):
         """The event under the cursor."""
         return self._rows.item
 
-    def take_focus(self) -> None:
-        self.screen.set_focus(self._rows)
+    @property
+    def operated(self) -> Widget:
+        return self._rows
 
     def show(self, view: View) -> None:
         self.show_keys(view, f"{self._level} and above, and yours")

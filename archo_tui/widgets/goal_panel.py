@@ -8,6 +8,7 @@ from typing import Any
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.message import Message
+from textual.widget import Widget
 from textual.widgets import Button, Label
 
 from archo_tui import goal_text, state_text
@@ -95,9 +96,10 @@ class GoalPanel(Panel):
         if self._about not in (None, _situation(snapshot)):
             self.hint("")
 
-    def take_focus(self) -> None:
+    @property
+    def operated(self) -> Widget:
         """The first field; the button where there is none."""
-        self.screen.set_focus(self.fields[0] if self.fields else self._go)
+        return self.fields[0] if self.fields else self._go
 
     def on_input_changed(self) -> None:
         self.hint("")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from itertools import groupby
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
-from archo_tui.history import SPANS, Sample
+from archo_tui.history import SPANS, Quantity
 from archo_tui.robot.state import Goal, Phase
 from archo_tui.robots.model import Robot
 from archo_tui.state_text import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans
@@ -34,7 +34,7 @@ class Plot(NamedTuple):
     title: str
     unit: str
     places: int  # behind the decimal point
-    reading: Callable[[Sample], float | None]
+    quantity: Quantity
     least: float  # what the scale reaches at least
     fixed: bool = False  # the scale reaches just that
 
@@ -44,11 +44,11 @@ def plots(robot: Robot) -> tuple[Plot, ...]:
     remaining = next((kind.remaining for kind in robot.goals[:1]), None)
     found = []
     if robot.battery is not None:
-        found.append(Plot("battery", "%", 0, lambda s: s.charge, 100.0, fixed=True))
+        found.append(Plot("battery", "%", 0, "charge", 100.0, fixed=True))
     if robot.motion is not None:
-        found.append(Plot("speed", "m/s", 2, lambda s: s.speed, 0.5))
+        found.append(Plot("speed", "m/s", 2, "speed", 0.5))
     if remaining is not None:
-        found.append(Plot("left", remaining.unit, 1, lambda s: s.left, 1.0))
+        found.append(Plot("left", remaining.unit, 1, "left", 1.0))
     return tuple(found)
 
 
@@ -62,7 +62,7 @@ def history_lines(
         return [(("too small for the plots: press h", OLD),)]
     lines: list[Spans] = []
     for plot in shown:
-        values = view.history.columns(plot.reading, span, 2 * cells, view.second)
+        values = view.history.columns(plot.quantity, span, 2 * cells, view.second)
         mark = view.snapshot.threshold if plot.fixed else None
         lines += _plot(plot, values, rows, mark)
     lines.append(((" " * (_LABEL + 1), PLAIN), (_ends(view, span, cells), PLAIN)))

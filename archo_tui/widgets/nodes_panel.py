@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from textual.app import ComposeResult
+from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Hosted, Life, NodeState, Snapshot
@@ -139,8 +140,9 @@ class NodesPanel(Panel):
         """The node under the cursor."""
         return self._rows.item
 
-    def take_focus(self) -> None:
-        self.screen.set_focus(self._rows)
+    @property
+    def operated(self) -> Widget:
+        return self._rows
 
     def show(self, view: View) -> None:
         self.show_keys(view)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from textual.containers import Container
 from textual.markup import escape
+from textual.widget import Widget
 from textual.widgets import Button
 
 from archo_tui.station import View
@@ -69,6 +70,11 @@ class Panel(Container):
             self._marked = colour
             self.styles.border = ("heavy", colour) if colour else None
 
+    @property
+    def operated(self) -> Widget:
+        """What a person expects to operate in this panel."""
+        return self
+
     def take_focus(self) -> None:
-        """Focus what a person expects to operate in this panel, at once: keys may follow."""
-        self.screen.set_focus(self)
+        """Focus it at once: keys may follow. The screen shows the whole panel, when it is asked."""
+        self.screen.set_focus(self.operated, scroll_visible=False)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from textual.app import ComposeResult
 from textual.content import Content
+from textual.widget import Widget
 
 from archo_tui.robot.parameter_values import range_text
 from archo_tui.robot.state import Parameter
@@ -57,8 +58,9 @@ class ParametersPanel(Panel):
     def on_mount(self) -> None:
         self._fill()
 
-    def take_focus(self) -> None:
-        self.screen.set_focus(self._rows)
+    @property
+    def operated(self) -> Widget:
+        return self._rows
 
     @property
     def selected(self) -> Parameter | None:

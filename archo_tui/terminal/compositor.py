@@ -1,0 +1,53 @@
+"""Draws what changed, and asks only the widgets and lines for it that changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from textual._compositor import ChopsUpdate, Compositor
+from textual.containers import Container
+from textual.geometry import Region
+from textual.strip import Strip
+
+
+class Bare(Container):
+    """Only lays out what it contains, and is not drawn itself: what is beneath it shows."""
+
+
+class DirtyCompositor(Compositor):
+    """Textual's asks every widget for all its lines, however little of the screen has changed.
+
+    That is most of what a screen costs whose readings change a few times a second.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._dirty: dict[int, list[tuple[int, int]]] | None = None  # spans (x1, x2) by line
+
+    def render_partial_update(self) -> ChopsUpdate | None:
+        _ = self.full_map  # brought up to date: else what a scroll exposes may first be drawn blank
+        self._dirty = {}
+        for y, x1, x2 in self._regions_to_spans(self._dirty_regions):
+            self._dirty.setdefault(y, []).append((x1, x2))
+        try:
+            return super().render_partial_update()
+        finally:
+            self._dirty = None
+
+    def _get_renders(
+        self, crop: Region | None = None
+    ) -> Iterable[tuple[Region, Region, list[Strip]]]:
+        for widget, (region, clip) in self.visible_widgets.items():
+            if isinstance(widget, Bare):
+                continue
+            seen = region.intersection(clip)
+            lines = [y for y in seen.line_range if self._is_dirty(y, seen)]
+            if lines:
+                part = Region(seen.x, lines[0], seen.width, lines[-1] + 1 - lines[0])
+                yield region, part, widget.render_lines(part.translate(-region.offset))
+
+    def _is_dirty(self, y: int, seen: Region) -> bool:
+        """Whether a line of a widget is to be drawn, or a part of it."""
+        if self._dirty is None:  # all
+            return True
+        return any(x1 < seen.right and seen.x < x2 for x1, x2 in self._dirty.get(y, ()))

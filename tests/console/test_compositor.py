@@ -1,0 +1,82 @@
+"""Only what changed is drawn, and what is drawn is what Textual itself would draw."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+from textual._compositor import ChopsUpdate, Compositor
+from textual.screen import Screen
+from textual.widgets import Button
+
+from archo_tui.terminal.compositor import DirtyCompositor
+from tests.console.states import STATES
+from tests.support.console import send
+from tests.support.quiet import Quiet
+from tests.support.stub import StubRobot, stub_app
+
+_DRAW = Screen._compositor_refresh
+_KEYS = [*"1234567", "down", "up", "end", "slash", "a", "h", "e", "escape", "l", "enter", "?"]
+
+
+@pytest.fixture(autouse=True)
+def _drawn(_undrawn: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Here it counts what is drawn."""
+    monkeypatch.setattr(Screen, "_compositor_refresh", _DRAW)
+
+
+@pytest.mark.parametrize("size", [(40, 10), (80, 24), (120, 36), (160, 48)])
+async def test_a_part_of_the_screen_is_drawn_as_textual_draws_it(
+    monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
+) -> None:
+    drawn: list[str] = []
+    part = DirtyCompositor.render_partial_update
+
+    def compared(compositor: DirtyCompositor) -> ChopsUpdate | None:
+        dirty = compositor._dirty_regions.copy()
+        update = part(compositor)
+        compositor._dirty_regions = dirty
+        with monkeypatch.context() as patch:
+            patch.setattr(DirtyCompositor, "_get_renders", Compositor._get_renders)
+            expected = Compositor.render_partial_update(compositor)
+        if update is not None and expected is not None:
+            console = compositor.root.app.console  # type: ignore[union-attr]
+            drawn.append(update.render_segments(console))
+            assert drawn[-1] == expected.render_segments(console)
+        return update
+
+    monkeypatch.setattr(DirtyCompositor, "render_partial_update", compared)
+    app = stub_app(STATES["normal"])
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    choose = random.Random(1)
+    states: list[Any] = sorted(set(STATES) - {"many parameters"})
+    async with app.run_test(size=size):
+        quiet = Quiet(app)
+        await quiet.settle()
+        for _ in range(60):
+            robot.put(STATES[choose.choice(states)])
+            send(app, choose.choice(_KEYS))
+            await quiet.settle()
+    assert len(drawn) > 60
+
+
+async def test_only_what_changed_is_asked_for_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+    lines = Button.render_lines
+
+    def counted(button: Button, crop: Any) -> Any:
+        asked.append(button)
+        return lines(button, crop)
+
+    app = stub_app(STATES["normal"])
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        await quiet.settle()
+        monkeypatch.setattr(Button, "render_lines", counted)
+        app.main.query_one("#clock").refresh()
+        await quiet.settle()
+        assert asked == []
+        app.main.query_one("#reset", Button).refresh()
+        await quiet.settle()
+        assert {button.id for button in asked} == {"reset"}
