@@ -16,6 +16,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from statistics import median
 
 from tests.bench.process import Program, cpu, resident
@@ -56,6 +57,16 @@ for part in range({executors}):
         executor.add_node(node)
     threading.Thread(target=executor.spin, daemon=True).start()
 print("CROWD", flush=True)
+"""
+HANGING = """
+from rclpy.node import Node
+class Hanging(Node):
+    def __init__(self):
+        super().__init__("hanging")
+        self.create_timer(0.5, self.hang)
+    def hang(self):
+        while True:
+            pass
 """
 ONLINE = "● online"
 HERE = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
@@ -205,6 +216,29 @@ def keys() -> None:
     )
 
 
+def hanging() -> None:
+    """A dialog beside a node of the user's own whose callback never returns."""
+    took: dict[str, list[float]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "hanging.py")
+        file.write_text(HANGING)
+        for words in ((), ("--node", str(file))):
+            with Program(*words) as program:
+                program.until(ONLINE)
+                program.read(REST)
+                for _ in range(CANCELS):
+                    took.setdefault(" ".join(words), []).append(
+                        program.press("?", "type to search")
+                    )
+                    program.terminal.write("\x1bOP")  # the same key in a dialog: f1
+    alone, beside = took.values()
+    say(
+        "help beside a node that hangs, p50",
+        f"{1000 * median(beside):.0f} ms",
+        f"{_times(beside, alone)} without it",
+    )
+
+
 def crowds() -> None:
     """A thousand nodes, and one with thousands of parameters."""
     for name, executors, each, parameters in (
@@ -247,6 +281,7 @@ ROWS: dict[str, Callable[[], None]] = {
     "commands": commands,
     "idle": idle,
     "keys": keys,
+    "hanging": hanging,
     "stop": stop_in_a_flood,
     "crowds": crowds,
     "memory": memory,
