@@ -6,8 +6,8 @@ An alarm is gone only when it is over and acknowledged. Shelved, it is silent fo
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from enum import Enum
+from typing import NamedTuple
 
 from archo_tui.robot.state import Hosted, Life, Snapshot
 from archo_tui.robots.model import Robot
@@ -95,8 +95,7 @@ ON_DELAY = {LOW: 2.0, EMPTY: 2.0, WORD: 2.0, GAUGE: 2.0, UNCONFIRMED: 1.0, MIXED
 SHELF_TIME = 600.0  # s
 
 
-@dataclass(frozen=True)
-class Alarm:
+class Alarm(NamedTuple):
     """One alarm; `text` says what and what to do, `since` and `until` are Unix times."""
 
     name: str  # its kind, and of which node where there are several
@@ -242,16 +241,16 @@ class AlarmBoard:
         for name, text in found.items():
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
-                self._alarms[name] = replace(known, text=text)
+                self._alarms[name] = known._replace(text=text)
             elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
                 raised = known or Alarm(name, text, now, State.NORMAL)
-                changed += self._change(replace(raised, text=text), Change.RAISED, now)
+                changed += self._change(raised._replace(text=text), Change.RAISED, now)
         for alarm in list(self._alarms.values()):
             if alarm.name in found or alarm.is_over:
                 continue
             if CONTACT_LOST in found and _kind(alarm.name) in _HEARD:
                 text = alarm.text.removesuffix(_LAST_KNOWN) + _LAST_KNOWN
-                self._alarms[alarm.name] = replace(alarm, text=text)
+                self._alarms[alarm.name] = alarm._replace(text=text)
                 continue
             changed += self._change(alarm, Change.CLEARED, now)
         return changed
@@ -262,7 +261,7 @@ class AlarmBoard:
 
     def shelve(self, alarm: Alarm, now: float, reason: str = "") -> list[Alarm]:
         """Silence it for SHELF_TIME, or take it off the shelf."""
-        known = replace(self._alarms.get(alarm.name, alarm), reason=reason)
+        known = self._alarms.get(alarm.name, alarm)._replace(reason=reason)
         change = Change.UNSHELVE if known.state == State.SHELVED else Change.SHELVE
         return self._change(known, change, now)
 
@@ -272,14 +271,14 @@ class AlarmBoard:
 
     def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
         state = TRANSITIONS.get((alarm.state, change), alarm.state)
-        new = replace(alarm, state=state)
+        new = alarm._replace(state=state)
         if change == Change.CLEARED:
-            new = replace(new, until=now)
+            new = new._replace(until=now)
         elif change == Change.RAISED:
             since = alarm.since if alarm.state == State.SHELVED else now
-            new = replace(new, since=since, until=None)
+            new = new._replace(since=since, until=None)
         shelved = alarm.shelved_until if alarm.state == State.SHELVED else now + SHELF_TIME
-        new = replace(new, shelved_until=shelved if state == State.SHELVED else None)
+        new = new._replace(shelved_until=shelved if state == State.SHELVED else None)
         if state == State.NORMAL:
             self._alarms.pop(alarm.name, None)
         else:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from textual import events
@@ -137,7 +136,7 @@ class ArchoApp(TerminalApp):
         if not (self.is_running and self.main.is_mounted):  # before or after the screen's life
             return
         blocked = frozenset(c.id for c in self.registry if self.blocked(c))
-        self.view = replace(self.view, blocked=blocked)
+        self.view = self.view._replace(blocked=blocked)
         footer = [
             FooterKey(
                 c.id,
@@ -156,7 +155,7 @@ class ArchoApp(TerminalApp):
                 screen.show(self.view)
 
     def _view(self) -> View:
-        return replace(self.station.view, keys=self._shown_keys)
+        return self.station.view._replace(keys=self._shown_keys)
 
     # keys
 

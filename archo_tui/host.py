@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from itertools import count
 from typing import Any
 
@@ -47,7 +46,7 @@ class HostedNode:
         self.state = Hosted(self.name, serves=_served(self.node))
         if self.file is not None:
             named, saved = self.file.path.name, self.file.saved
-            self.state = replace(self.state, file=named, saved=saved)
+            self.state = self.state._replace(file=named, saved=saved)
         self._on_change = on_change
         self._stopping = False
         self._executor = SingleThreadedExecutor(context=context)
@@ -75,7 +74,7 @@ class HostedNode:
             report = own_frames(error, rclpy, archo_tui)
             if self.file is not None:
                 said = in_its_file(self.file, self.file.said(error)[0])
-            self.state = replace(self.state, life=Life.CRASHED, error=said, traceback=report)
+            self.state = self.state._replace(life=Life.CRASHED, error=said, traceback=report)
             self._on_change(self)
 
     def begin_to_stop(self) -> None:
@@ -90,12 +89,12 @@ class HostedNode:
         if self._thread.is_alive():
             self._thread.join(timeout)
             if self._thread.is_alive():
-                self.state = replace(self.state, life=Life.STUCK)
+                self.state = self.state._replace(life=Life.STUCK)
                 return False
         self._executor.shutdown(0)
         self.node.destroy_node()
         if self.state.life != Life.CRASHED:
-            self.state = replace(self.state, life=Life.STOPPED)
+            self.state = self.state._replace(life=Life.STOPPED)
         return True
 
     def abandon(self) -> bool:
@@ -247,7 +246,7 @@ class Host:
         """Say why the new text does not run."""
         for hosted in nodes:
             said = in_its_file(file, str(error))
-            hosted.state = replace(hosted.state, error=said, traceback=error.report)
+            hosted.state = hosted.state._replace(error=said, traceback=error.report)
         self._on_event("ERROR", file.path.name, f"the saved text does not run: {error}")
 
     def _set_again(self, hosted: HostedNode, kept: Mapping[str, Any]) -> None:

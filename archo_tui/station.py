@@ -6,8 +6,8 @@ The console's app and `--plain` both sit on it; each only shows what it says.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from archo_tui.alarms import Alarm, AlarmBoard, Ringer, conditions
 from archo_tui.clock import Clock
@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 
-@dataclass(frozen=True)
-class View:
+class View(NamedTuple):
     """One moment, as it is shown."""
 
     snapshot: Snapshot
@@ -32,14 +31,14 @@ class View:
     time: float  # Unix time
     engine: str
     namespace: str
+    history: History
     alarms: tuple[Alarm, ...] = ()
     hosted: tuple[Hosted, ...] = ()  # the nodes of this process
-    keys: Mapping[str, str] = field(default_factory=dict)  # of each command, as a person reads it
+    keys: Mapping[str, str] = MappingProxyType({})  # of each command, as a person reads it
     blocked: frozenset[str] = frozenset()  # commands that cannot run now
     watching: bool = False  # nothing is commanded from here
     waiting: tuple[str, ...] = ()  # targets of the queue
     held: str = ""  # why the queue is held
-    history: History = field(default_factory=History)
     changing: bool = False  # a parameter is being set from here
 
     def key(self, command: str) -> str:
@@ -177,11 +176,11 @@ class Station:
             self.clock.now(),
             self._engine,
             self._namespace,
+            self._history,
             self._board.all(),
             self.host.states(),
             watching=self.robot.watching,
             waiting=tuple(target.text for target in self.targets.waiting),
             held=self.targets.held,
-            history=self._history,
             changing=self.edits.is_changing,
         )

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from archo_tui.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
 from archo_tui.robot.state import Goal, Phase, Snapshot, target
 from archo_tui.robots.model import GoalKind
 
 
-@dataclass(frozen=True)
-class Target:
+class Target(NamedTuple):
     """A goal that is to be sent."""
 
     kind: GoalKind

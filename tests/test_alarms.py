@@ -21,6 +21,7 @@ from archo_tui.alarms import (
     State,
     conditions,
 )
+from archo_tui.history import History
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.station import View
 from archo_tui.widgets.bars import banner, header
@@ -54,9 +55,8 @@ def test_a_crashed_node_is_an_alarm_of_its_own() -> None:
 
 
 def test_lost_contact_hides_what_was_last_heard() -> None:
-    snapshot = replace(
-        NORMAL,
-        battery=replace(BATTERY, health="warning", received=NOW - 9),
+    snapshot = NORMAL._replace(
+        battery=BATTERY._replace(health="warning", received=NOW - 9),
         motion=replace(MOTOR, stopped=True, received=NOW - 9),
     )
     assert list(conditions(snapshot, NOW)) == [CONTACT_LOST]
@@ -116,7 +116,9 @@ def test_the_board_keeps_to_the_machine(state: State) -> None:
 
 
 def shown(board: AlarmBoard) -> str:
-    view = View(NORMAL, NOW, NOW, 0.0, "embedded", "/", board.all(), keys={"acknowledge": "a"})
+    view = View(
+        NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys={"acknowledge": "a"}
+    )
     return banner(view, 80).plain.strip()
 
 
@@ -157,13 +159,13 @@ def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
 
 
 def test_a_motor_that_falls_silent_in_a_move_is_an_alarm_of_its_own() -> None:
-    silent = replace(STATES["motor moving"], motion=replace(MOTOR, received=NOW - 3))
+    silent = STATES["motor moving"]._replace(motion=replace(MOTOR, received=NOW - 3))
     found = conditions(silent, NOW)
     assert list(found) == [SILENT]
     assert found[SILENT] == (
         "motor_status silent for 3 s while moving: the robot may still be driving"
     )
-    resting = replace(NORMAL, motion=replace(MOTOR, received=NOW - 3))
+    resting = NORMAL._replace(motion=replace(MOTOR, received=NOW - 3))
     assert list(conditions(resting, NOW)) == []
 
 
@@ -211,15 +213,15 @@ def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
     board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 0, 100)
     board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 3, 103)
     keys = {"acknowledge": "a", "charge": "c"}
-    view = View(NORMAL, NOW, NOW, 0.0, "embedded", "/", board.all(), keys=keys)
+    view = View(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys=keys)
     assert "dock the robot, or press c to charge" in banner(view, 120).plain
-    nobody_charges = replace(view, blocked=frozenset({"charge"}))
+    nobody_charges = view._replace(blocked=frozenset({"charge"}))
     assert "press c" not in banner(nobody_charges, 120).plain
 
 
 def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
-    silent = replace(NORMAL, motion=replace(MOTOR, received=NOW - 4))
-    view = View(silent, NOW, NOW, 0.0, "embedded", "/")
+    silent = NORMAL._replace(motion=replace(MOTOR, received=NOW - 4))
+    view = View(silent, NOW, NOW, 0.0, "embedded", "/", History())
     assert "▲ motor_status silent, 4 s" in header(view, 80).plain
     assert "online" not in header(view, 80).plain
-    assert "● online" in header(replace(view, snapshot=NORMAL), 80).plain
+    assert "● online" in header(view._replace(snapshot=NORMAL), 80).plain

@@ -13,8 +13,8 @@ def filled(seconds: int) -> History:
     """The charge is the second's number."""
     history = History()
     for second in range(seconds):
-        battery = replace(BATTERY, percentage=float(second), received=float(second))
-        history.add(replace(NORMAL, battery=battery), float(second))
+        battery = BATTERY._replace(percentage=float(second), received=float(second))
+        history.add(NORMAL._replace(battery=battery), float(second))
     return history
 
 
@@ -26,7 +26,7 @@ def test_each_column_has_the_last_value_of_its_part() -> None:
 def test_a_column_that_is_past_never_changes() -> None:
     history = filled(100)
     before = history.columns("charge", 50.0, 5, 95.0)
-    history.add(replace(NORMAL, battery=replace(BATTERY, percentage=7.0, received=101.0)), 101.0)
+    history.add(NORMAL._replace(battery=BATTERY._replace(percentage=7.0, received=101.0)), 101.0)
     after = history.columns("charge", 50.0, 5, 101.0)
     assert after == [*before[1:4], 99.0, 7.0]
 
@@ -39,17 +39,17 @@ def test_parts_shorter_than_a_second_have_no_gaps() -> None:
 def test_what_is_old_or_not_reported_is_a_gap() -> None:
     history = History()
     for second in range(10):
-        battery = replace(BATTERY, received=0.0)  # silent from the first second on
+        battery = BATTERY._replace(received=0.0)  # silent from the first second on
         motion = replace(MOTOR, speed=None, received=float(second))
-        history.add(replace(NORMAL, battery=battery, motion=motion), float(second))
+        history.add(NORMAL._replace(battery=battery, motion=motion), float(second))
     assert history.columns("charge", 10.0, 10, 9.0)[-5:] == [None] * 5
     assert history.columns("speed", 10.0, 10, 9.0) == [None] * 10
 
 
 def test_the_way_left_is_only_of_a_goal_that_runs() -> None:
     history = History()
-    history.add(replace(NORMAL, goal=MOVING), 1.0)
-    history.add(replace(NORMAL, goal=None), 2.0)
+    history.add(NORMAL._replace(goal=MOVING), 1.0)
+    history.add(NORMAL._replace(goal=None), 2.0)
     assert history.columns("left", 2.0, 2, 2.0) == [9.0, None]
 
 

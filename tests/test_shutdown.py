@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -47,7 +46,7 @@ async def test_a_running_goal_is_cancelled_and_its_end_waited_for() -> None:
 
 
 async def test_the_goal_of_another_client_is_neither_cancelled_nor_spoken_of() -> None:
-    it: Any = Robot(replace(STATES["motor moving"], goal=replace(MOVING, mine=False)))
+    it: Any = Robot(STATES["motor moving"]._replace(goal=MOVING._replace(mine=False)))
     await let_go(it, clock.current or Clock(), CANCEL, "ended by SIGHUP")
     assert not it.cancelled
     assert it.said == []

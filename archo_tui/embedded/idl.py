@@ -7,8 +7,8 @@ The grammar is the one of ROS 2's "About interfaces": `type name [default]`, `ty
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import yaml
 
@@ -36,8 +36,7 @@ class InterfaceError(ImportError):
     """An interface file that cannot be used; the message starts with `file:line:`."""
 
 
-@dataclass(frozen=True)
-class FieldType:
+class FieldType(NamedTuple):
     """The type of a field: a primitive or `package/Name`, and its array form."""
 
     base: str
@@ -58,8 +57,7 @@ class FieldType:
         return text
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(NamedTuple):
     """One field: its type, name, default (None when the file gives none) and line."""
 
     type: FieldType
@@ -68,8 +66,7 @@ class Field:
     line: int
 
 
-@dataclass(frozen=True)
-class Section:
+class Section(NamedTuple):
     """The fields and constants between two `---` lines."""
 
     path: Path

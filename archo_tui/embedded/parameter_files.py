@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -32,8 +31,7 @@ class ParameterFileError(YamlError):
     """A parameter file that ROS would refuse; the message starts with `file:line:`."""
 
 
-@dataclass(frozen=True)
-class Override:
+class Override(NamedTuple):
     """One value for one parameter of the nodes that a pattern names, and where it was written."""
 
     pattern: str

@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 import stat
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import yaml
 
@@ -22,8 +21,7 @@ from archo_tui.system import create_exclusively, keep_owner_and_mode
 _NOT_WRITTEN = ("byte[]", "not set")
 
 
-@dataclass(frozen=True)
-class Plan:
+class Plan(NamedTuple):
     """What a file would change. With problems nothing may be changed."""
 
     changes: tuple[tuple[Parameter, Any], ...]  # the parameter as it is, and its new value

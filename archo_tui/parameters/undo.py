@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from archo_tui.robot.state import Outcome
 
@@ -13,8 +12,7 @@ if TYPE_CHECKING:
 LIMIT = 100  # changes that are kept
 
 
-@dataclass(frozen=True)
-class Edit:
+class Edit(NamedTuple):
     """What parameters of one node were, and what they were set to."""
 
     node: str

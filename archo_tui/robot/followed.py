@@ -7,7 +7,6 @@ without news while it runs LOST, until the robot says how it ended, or that it d
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -155,7 +154,7 @@ class Followed:
             self.end(Phase.DISPUTED, f"the action says {said}, its result {but}")
             return
         if phase == Phase.ARRIVED and self.goal.kind.remaining:
-            self.goal = replace(self.goal, remaining=0.0, unreadable="")
+            self.goal = self.goal._replace(remaining=0.0, unreadable="")
         said = self._said(result)
         self.end(phase, said if said or phase == Phase.ARRIVED else _NO_REASON)
 
@@ -180,5 +179,5 @@ class Followed:
         before = self.goal
         if changes.get("phase", before.phase) != before.phase:
             changes["time"] = self._clock.now()
-        self.goal = replace(before, **changes)
+        self.goal = before._replace(**changes)
         self._changed(self, before)

@@ -7,7 +7,6 @@ from what was asked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping
-from dataclasses import replace
 from typing import Any
 
 from rcl_interfaces import srv
@@ -180,7 +179,7 @@ class Parameters:
             if node in self._by_node and node not in self._loading:
                 self._by_node.pop(node)  # declared later: load the whole node
         elif known.value != value:
-            self._by_node[node][name] = replace(known, value=value)
+            self._by_node[node][name] = known._replace(value=value)
             self._changed()
             self._set_anew()
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from statistics import median
+from typing import NamedTuple
 
 _MEASURED = 5  # intervals, of which the median is the period
 LEAST_SILENCE = 2.5  # s
 
 
-@dataclass(frozen=True)
-class Period:
+class Period(NamedTuple):
     """The intervals (s) between the first messages, and when the last one came (monotonic s).
 
     It stays as it was measured: of a link that grows slower and slower the silence must be seen.

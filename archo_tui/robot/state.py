@@ -7,8 +7,9 @@ Unix time. None means: never heard, or not reported by this robot.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from archo_tui.robot.period import is_silent
@@ -16,9 +17,10 @@ from archo_tui.robot.readings import number
 from archo_tui.robot.values import text_of
 from archo_tui.robots.model import Gauge, GoalKind, Link, Robot
 
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
 
-@dataclass(frozen=True)
-class Battery:
+
+class Battery(NamedTuple):
     """The last battery reading."""
 
     percentage: float | None = None  # %
@@ -34,7 +36,7 @@ class Battery:
         return is_silent(self.received, self.period, now)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True)  # a NamedTuple, which is made in less time, has a count of its own
 class Motion:
     """How the robot last said that it moves."""
 
@@ -50,8 +52,7 @@ class Motion:
         return is_silent(self.received, self.period, now)
 
 
-@dataclass(frozen=True)
-class Reading:
+class Reading(NamedTuple):
     """The last number of one of the robot's gauges."""
 
     gauge: Gauge
@@ -101,8 +102,7 @@ def target(kind: GoalKind, values: Mapping[str, Any]) -> str:
     return ", ".join(f"{labels.get(path, path)} {text_of(v)}" for path, v in values.items())
 
 
-@dataclass(frozen=True)
-class Goal:
+class Goal(NamedTuple):
     """One goal, of this console's or of another client."""
 
     kind: GoalKind
@@ -175,8 +175,7 @@ class Leaf(NamedTuple):
     default: Any
 
 
-@dataclass(frozen=True)
-class Parameter:
+class Parameter(NamedTuple):
     """One parameter of one node, as the node reported it."""
 
     node: str  # fully qualified
@@ -195,8 +194,7 @@ class Parameter:
         return bool(self.value != self.initial)
 
 
-@dataclass(frozen=True)
-class NodeState:
+class NodeState(NamedTuple):
     """One node on the graph."""
 
     name: str  # fully qualified
@@ -226,8 +224,7 @@ class Life(Enum):
     STUCK = "does not stop"
 
 
-@dataclass(frozen=True)
-class Hosted:
+class Hosted(NamedTuple):
     """One node that this process hosts."""
 
     name: str  # fully qualified
@@ -253,21 +250,19 @@ class Event:
     number: int = 0  # of the first of them: tells events apart
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """How a command ended: done, or not and why."""
 
     ok: bool
     text: str
 
 
-@dataclass(frozen=True)
-class Snapshot:
+class Snapshot(NamedTuple):
     """Everything a screen can show, at one moment."""
 
-    robot: Robot = field(default_factory=Robot)  # its file
-    battery: Battery = field(default_factory=Battery)
-    motion: Motion = field(default_factory=Motion)
+    robot: Robot = Robot()  # its file
+    battery: Battery = Battery()
+    motion: Motion = Motion()
     gauges: tuple[Reading, ...] = ()
     goal: Goal | None = None
     running: int = 0  # goals
@@ -279,14 +274,14 @@ class Snapshot:
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     stop_asked: float | None = None  # a STOP was sent then, and the robot has not confirmed it
     namespace: str = "/"  # of the robot that is operated
-    faults: Mapping[str, str] = field(default_factory=dict)  # why one of these is not used
-    publishers: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # nodes, by topic
+    faults: Mapping[str, str] = _NOTHING  # why one of these is not used
+    publishers: Mapping[str, tuple[str, ...]] = _NOTHING  # nodes, by topic
     twice: tuple[str, ...] = ()  # names that several nodes have
     elsewhere: tuple[str, ...] = ()  # namespaces with nodes, beside this one
     consoles: tuple[str, ...] = ()  # the others of this namespace: user_host_pid
-    forms: Mapping[str, tuple[Leaf, ...]] = field(default_factory=dict)  # by id of the goal
-    actions: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # types, of all served
-    services: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # types, of all served
+    forms: Mapping[str, tuple[Leaf, ...]] = _NOTHING  # by id of the goal
+    actions: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
+    services: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
 
     def parameter(self, name: str) -> Parameter | None:
         """The first parameter of that name on any node."""

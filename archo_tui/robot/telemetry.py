@@ -79,9 +79,9 @@ class Telemetry:
     def measure_anew(self) -> None:
         """The robot may have another pace from now on: silence is judged when that is known."""
         self._periods.clear()
-        self.battery = replace(self.battery, period=self._fixed(self._robot.battery))
+        self.battery = self.battery._replace(period=self._fixed(self._robot.battery))
         self.motion = replace(self.motion, period=self._fixed(self._robot.motion))
-        self.gauges = tuple(replace(reading, period=None) for reading in self.gauges)
+        self.gauges = tuple(reading._replace(period=None) for reading in self.gauges)
 
     def _follow(
         self,
@@ -147,7 +147,7 @@ class Telemetry:
             unreadable=unreadable,
         )
         self._sample(now, turned=charging != self.battery.charging)
-        self._heard(topic, self.battery != replace(last, received=now))
+        self._heard(topic, self.battery != last._replace(received=now))
 
     def _on_motion(self, message: Any, fields: Mapping[str, Field]) -> None:
         assert self._robot.motion is not None
@@ -172,7 +172,7 @@ class Telemetry:
             self._warn(f"{gauge.topic}: {gauge.title} {unreadable} is not {_range_text(gauge)}")
         new = Reading(gauge, reading, now, self._measured(place, now), unreadable)
         self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
-        self._heard(gauge.topic, new != replace(last, received=now))
+        self._heard(gauge.topic, new != last._replace(received=now))
 
     def _measured(self, key: object, now: float) -> float | None:
         self._periods[key] = self._periods.get(key, Period()).heard(now)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from textual.app import ComposeResult
 from textual.widget import Widget
@@ -19,8 +19,7 @@ from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
 _MARK, _AGE, _RATE = 2, 6, 9  # columns
 
 
-@dataclass(frozen=True)
-class NodeRow:
+class NodeRow(NamedTuple):
     """One line of the panel: a node that is on the graph, runs here, or both."""
 
     state: NodeState

@@ -44,8 +44,7 @@ MOVING = Goal(
 
 
 def ended(shelf: int, phase: Phase, message: str, remaining: float = 0.0) -> Goal:
-    return replace(
-        MOVING,
+    return MOVING._replace(
         fields={"shelf_number": shelf},
         phase=phase,
         message=message,
@@ -103,47 +102,42 @@ def past(seconds: int) -> Iterator[tuple[Snapshot, float]]:
         moves = 400 < ago <= 460 or 100 < ago <= 160
         left = 18.0 * ((ago - 100) % 300) / 60
         yield (
-            replace(
-                NORMAL,
-                battery=replace(BATTERY, percentage=87.5 - (600 - ago) / 9, received=now),
+            NORMAL._replace(
+                battery=BATTERY._replace(percentage=87.5 - (600 - ago) / 9, received=now),
                 motion=replace(MOTOR, speed=0.8 if moves else 0.0, received=now),
-                goal=replace(MOVING, remaining=left) if moves else None,
+                goal=MOVING._replace(remaining=left) if moves else None,
             ),
             now,
         )
 
 
 def goal(phase: Phase, **changes: object) -> Snapshot:
-    return replace(
-        NORMAL,
-        goal=replace(MOVING, phase=phase, **changes),  # type: ignore[arg-type]
+    return NORMAL._replace(
+        goal=MOVING._replace(phase=phase, **changes),  # type: ignore[arg-type]
         history=(ARRIVED, CANCELLED),
     )
 
 
 def battery(percentage: float | None = 87.5, **changes: object) -> Snapshot:
-    return replace(NORMAL, battery=replace(BATTERY, percentage=percentage, **changes))  # type: ignore[arg-type]
+    return NORMAL._replace(battery=BATTERY._replace(percentage=percentage, **changes))  # type: ignore[arg-type]
 
 
 STATES: dict[str, Snapshot] = {
     "nothing heard yet": Snapshot(robot=ARCHO, forms=FORMS),
     "normal": NORMAL,
-    "battery low and moving": replace(
-        goal(Phase.MOVING),
-        battery=replace(BATTERY, percentage=18.0, voltage=21.3, health="warning"),
+    "battery low and moving": goal(Phase.MOVING)._replace(
+        battery=BATTERY._replace(percentage=18.0, voltage=21.3, health="warning"),
     ),
     "battery empty": battery(0.0, voltage=20.6, health="warning"),
-    "battery charging": replace(
-        battery(43.0, voltage=22.3, charging=True),
+    "battery charging": battery(43.0, voltage=22.3, charging=True)._replace(
         charge=tuple((NOW - 60 + second, 13.0 + second / 2) for second in range(61)),
     ),
     "battery to be replaced": battery(87.5, health="replace"),
     "battery without health": battery(18.0, voltage=None, health=None, charging=None),
-    "battery not a number": replace(
-        NORMAL, battery=replace(BATTERY, percentage=None, voltage=None, unreadable="nan")
+    "battery not a number": NORMAL._replace(
+        battery=BATTERY._replace(percentage=None, voltage=None, unreadable="nan")
     ),
-    "battery of another type": replace(
-        NORMAL,
+    "battery of another type": NORMAL._replace(
         battery=Battery(),
         faults={
             "battery_level": "battery_level is std_msgs/msg/String: expected "
@@ -155,21 +149,21 @@ STATES: dict[str, Snapshot] = {
         },
     ),
     "battery with an unknown word": battery(87.5, health="swollen"),
-    "battery published twice": replace(
-        NORMAL, publishers={"battery_level": ("/battery_monitor", "/battery_monitor_2")}
+    "battery published twice": NORMAL._replace(
+        publishers={"battery_level": ("/battery_monitor", "/battery_monitor_2")}
     ),
     "battery old": battery(87.5, received=NOW - 4.2),
-    "contact lost": replace(
-        goal(Phase.LOST, heard=NOW - 9.0),
-        battery=replace(BATTERY, received=NOW - 9.5),
+    "contact lost": goal(Phase.LOST, heard=NOW - 9.0)._replace(
+        battery=BATTERY._replace(received=NOW - 9.5),
         motion=replace(MOTOR, received=NOW - 9.1),
-        nodes=tuple(replace(node, heard=NOW - 9.1) for node in NORMAL.nodes),
+        nodes=tuple(node._replace(heard=NOW - 9.1) for node in NORMAL.nodes),
     ),
-    "motor moving": replace(
-        goal(Phase.MOVING), motion=Motion(1_234_567, 0.8, True, False, NOW - 0.1)
+    "motor moving": goal(Phase.MOVING)._replace(
+        motion=Motion(1_234_567, 0.8, True, False, NOW - 0.1)
     ),
-    "motor stopped": replace(
-        goal(Phase.ABORTED, message="Emergency stop, 9.0 m before shelf 12", ended=NOW),
+    "motor stopped": goal(
+        Phase.ABORTED, message="Emergency stop, 9.0 m before shelf 12", ended=NOW
+    )._replace(
         motion=replace(MOTOR, stopped=True),
     ),
     "goal sent": goal(Phase.SENT, started=None, heard=None, remaining=None),
@@ -177,19 +171,18 @@ STATES: dict[str, Snapshot] = {
         Phase.REFUSED, message="shelf 99 is not in 1 .. 40", fields={"shelf_number": 99}
     ),
     "goal cancelling": goal(Phase.CANCELLING, cancel_asked=NOW - 0.4),
-    "goal cancelled": replace(NORMAL, goal=CANCELLED, history=(CANCELLED,)),
-    "goal arrived": replace(NORMAL, goal=ARRIVED, history=(ARRIVED, CANCELLED)),
+    "goal cancelled": NORMAL._replace(goal=CANCELLED, history=(CANCELLED,)),
+    "goal arrived": NORMAL._replace(goal=ARRIVED, history=(ARRIVED, CANCELLED)),
     "goal unknown": goal(Phase.UNKNOWN, started=None, heard=None, remaining=None),
-    "motor stop not confirmed": replace(NORMAL, stop_asked=NOW - 2.0),
-    "node silent": replace(
-        NORMAL, nodes=(replace(NORMAL.nodes[0], heard=NOW - 4.0), *NORMAL.nodes[1:])
+    "motor stop not confirmed": NORMAL._replace(stop_asked=NOW - 2.0),
+    "node silent": NORMAL._replace(
+        nodes=(NORMAL.nodes[0]._replace(heard=NOW - 4.0), *NORMAL.nodes[1:])
     ),
-    "many parameters": replace(
-        NORMAL,
+    "many parameters": NORMAL._replace(
         parameters=tuple(
             Parameter(f"/guest_{n // 20}", f"gain_{n}", "double", n + 0.5, n + 0.5)
             for n in range(10_000)
         ),
     ),
-    "nothing offered": replace(NORMAL, offered=frozenset(), nodes=()),
+    "nothing offered": NORMAL._replace(offered=frozenset(), nodes=()),
 }

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -185,8 +184,8 @@ async def test_what_keys_open_looks_as_accepted(
 
 @pytest.mark.parametrize("name", ["history", "history of a minute", "history of an hour"])
 async def test_the_history_looks_as_accepted(request: pytest.FixtureRequest, name: str) -> None:
-    ended = [replace(ARRIVED, time=TIME - 100), replace(CANCELLED, time=TIME - 400)]
-    snapshot = replace(STATES["battery low and moving"], history=tuple(ended))
+    ended = [ARRIVED._replace(time=TIME - 100), CANCELLED._replace(time=TIME - 400)]
+    snapshot = STATES["battery low and moving"]._replace(history=tuple(ended))
     span = {"history": [], "history of a minute": ["["], "history of an hour": ["]"]}[name]
     await compare_all(request, name, snapshot, "h", *span, seconds=700)
 
@@ -194,8 +193,8 @@ async def test_the_history_looks_as_accepted(request: pytest.FixtureRequest, nam
 async def test_the_history_stands_beside_the_panels_where_there_is_room(
     request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ended = [replace(ARRIVED, time=TIME - 100), replace(CANCELLED, time=TIME - 400)]
-    snapshot = replace(STATES["battery low and moving"], history=tuple(ended))
+    ended = [ARRIVED._replace(time=TIME - 100), CANCELLED._replace(time=TIME - 400)]
+    snapshot = STATES["battery low and moving"]._replace(history=tuple(ended))
     await compare(request, "history beside", snapshot, "160x48", seconds=700)
     monkeypatch.setenv("LC_ALL", "C")
     await compare(request, "history in ascii", snapshot, "160x48", seconds=700)

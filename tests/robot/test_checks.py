@@ -16,6 +16,7 @@ from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool
 
 from archo_tui.alarms import MIXED, TWICE, WORD, conditions
+from archo_tui.history import History
 from archo_tui.robot.period import Period, is_silent
 from archo_tui.robot.state import Snapshot
 from archo_tui.state_text import battery_line, battery_word, motion_word, plain
@@ -331,6 +332,6 @@ async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one()
         await until(lambda: clock.seconds() > begin + 3)
         guest = Node("guest", context=it._node.context, namespace="/r2", use_global_arguments=False)
         await until(lambda: it.snapshot.elsewhere == ("/r2",))
-        view = View(it.snapshot, begin, begin, 0.0, "embedded", "/r1")
+        view = View(it.snapshot, begin, begin, 0.0, "embedded", "/r1", History())
         assert "? robots seen: /r2; use --namespace /r2" in header(view, 120).plain
         guest.destroy_node()

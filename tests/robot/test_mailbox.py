@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import threading
-from dataclasses import replace
 
 from archo_tui.robot.mailbox import Mailbox
 from archo_tui.robot.state import Motion, Snapshot
@@ -16,7 +15,7 @@ async def test_a_stalled_loop_gets_one_call_with_the_newest() -> None:
 
     def flood() -> None:
         for ticks in range(1000):
-            door.put(replace(Snapshot(), motion=Motion(count=ticks)))
+            door.put(Snapshot()._replace(motion=Motion(count=ticks)))
 
     thread = threading.Thread(target=flood)
     thread.start()

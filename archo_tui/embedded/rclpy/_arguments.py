@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from rclpy._names import Remap, validate_namespace, validate_node_name
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
@@ -21,8 +20,7 @@ LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal":
 _IGNORED_FLAGS = re.compile(r"--(enable|disable)-external-lib-logs|--enable-stdout-logs")
 
 
-@dataclass(frozen=True)
-class Arguments:
+class Arguments(NamedTuple):
     """What a command line says to ROS."""
 
     remaps: tuple[Remap, ...] = ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from rclpy.exceptions import (
     InvalidNamespaceException,
@@ -17,8 +17,7 @@ _FULL_MAX = 247  # RMW_TOPIC_MAX_NAME_LENGTH
 _NAME_MAX = 255  # RMW_NODE_NAME_MAX_NAME_LENGTH
 
 
-@dataclass(frozen=True)
-class Remap:
+class Remap(NamedTuple):
     """One `[node:]from:=to` rule; `node` is None when it holds for every node."""
 
     node: str | None
