@@ -5,10 +5,12 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 from archo_tui.embedded import stubs
+from tests import recording
 
 ROOT = Path(__file__).parent.parent
 
@@ -30,6 +32,19 @@ def test_without_a_screen_textual_is_not_imported() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_the_recorded_session_shows_one_screen_after_the_other_for_ever() -> None:
+    pictures = [f'<svg viewBox="0 0 9 9"><style>.terminal-{n}{{}}</style></svg>' for n in "12"]
+    fonts = "<style>@font-face { a }\n"
+    text = recording.joined([p.replace("<style>", fonts) for p in pictures], [1.0, 3.0])
+    assert ElementTree.fromstring(text).get("viewBox") == "0 0 9 9"
+    assert "s0 { 0% { visibility: hidden } 0.00% { visibility: visible } 25.00%" in text
+    assert "s1 { 0% { visibility: hidden } 25.00% { visibility: visible } 99.99%" in text
+    assert text.count("@font-face") == 1
+    recorded = (ROOT / "session.svg").read_bytes()
+    assert ElementTree.fromstring(recorded).get("viewBox")
+    assert len(recorded) < recording.MOST
 
 
 def test_the_stubs_are_what_the_interface_files_say() -> None:

@@ -133,8 +133,8 @@ _read: WeakKeyDictionary[Any, tuple[int, str]] = WeakKeyDictionary()  # by scree
 
 def screen_text(app: App[Any]) -> str:
     """What a screen shows, line by line; read again only after it was drawn again."""
-    draws = getattr(app.screen, "draws", 0)
-    if _read.get(app.screen, (-1, ""))[0] != draws:
+    draws = getattr(app.screen, "draws", -1)  # nobody counts them outside of a test
+    if draws < 0 or _read.get(app.screen, (-1, ""))[0] != draws:
         text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
         _read[app.screen] = draws, text
     return _read[app.screen][1]
