@@ -12,9 +12,9 @@ from archo_tui.paths import config_file, make_folder
 
 HIGH_CONTRAST = Theme(
     name="high-contrast",
-    primary="#ffff00",
+    primary="#00ffff",  # of what is normal and of the focus: another than a warning's
     secondary="#00ffff",
-    accent="#ffff00",
+    accent="#00ffff",
     foreground="#ffffff",
     background="#000000",
     surface="#000000",
