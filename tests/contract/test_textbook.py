@@ -13,6 +13,7 @@ import rclpy
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.srv import ResetEncoder
 from rcl_interfaces.msg import Log
+from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -50,8 +51,12 @@ class Listing:
         self.nodes.append(node)
 
         def run() -> None:
-            with contextlib.suppress(ExternalShutdownException):
-                rclpy.spin(node)
+            try:
+                with contextlib.suppress(ExternalShutdownException):
+                    rclpy.spin(node)
+            except InvalidHandle:  # shut down while a callback published: its publisher is gone
+                if rclpy.ok():
+                    raise
 
         self._thread = threading.Thread(target=run, daemon=True)
         self._thread.start()
