@@ -70,6 +70,9 @@ class Panel(Container):
             self._marked = colour
             self.styles.border = ("heavy", colour) if colour else None
 
+    def watch_has_focus(self, focused: bool) -> None:
+        """The border shows it; no style is for `:focus`, and Textual would look for some."""
+
     @property
     def operated(self) -> Widget:
         """What a person expects to operate in this panel."""

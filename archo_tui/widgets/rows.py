@@ -109,8 +109,8 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self._lay_out()
 
     def watch_has_focus(self, focused: bool) -> None:
-        super().watch_has_focus(focused)
-        self.refresh()
+        """Show or hide the cursor; no style is for `:focus`, and Textual would look for some."""
+        self.redraw()
 
     def _lay_out(self) -> None:
         before = self._width, self.columns
