@@ -6,6 +6,7 @@ import threading
 
 import pytest
 from rcl_interfaces.msg import Log
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Float32, Int32, String
@@ -140,6 +141,27 @@ def test_publishing_on_what_was_destroyed_or_shut_down_raises(ros: Ros) -> None:
     ros.context.shutdown()
     with pytest.raises(Exception, match=r"destruction was requested|context is invalid"):
         publisher.publish(Float32())
+
+
+def test_a_late_joiner_gets_nothing_that_is_older_than_its_lifespan(ros: Ros) -> None:
+    late: list[int] = []
+    old: list[int] = []
+    node = ros.node("n")
+    short = QoSProfile(
+        depth=5, durability=DurabilityPolicy.TRANSIENT_LOCAL, lifespan=Duration(seconds=0.2)
+    )
+    publisher = node.create_publisher(Int32, "topic", short)
+    publisher.publish(Int32(data=1))
+    watch = ros.node("watch")
+    watch.create_timer(0.5, lambda: old.append(1))
+    ros.spin(watch)
+    wait_until(lambda: old)
+    node.create_subscription(Int32, "topic", lambda m: late.append(m.data), LATCHED)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    ros.spin(node)
+    publisher.publish(Int32(data=2))
+    wait_until(lambda: late)
+    assert late == [2]
 
 
 def test_a_node_added_to_an_executor_late_gets_what_waits(ros: Ros) -> None:

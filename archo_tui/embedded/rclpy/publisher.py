@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy._rclpy_pybind11 import InvalidHandle
+from rclpy._time_source import monotonic_ns
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
@@ -39,7 +40,9 @@ class Publisher(Generic[MsgT]):
         self._warns = True  # of endpoints that do not match, without a callback for them
         self._matched: tuple[Subscription[Any], ...] = ()
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-        self._kept: deque[Any] = deque(maxlen=qos_profile.queue_size)
+        # for late joiners, with the time (ns) from which on a lifespan counts; 0: for ever
+        self._kept: deque[tuple[int, Any]] = deque(maxlen=qos_profile.queue_size)
+        self._lifespan = qos_profile.lifespan.nanoseconds
         self._make_kept: Callable[[], Any] | None = None
         self._has_published = False
 
@@ -59,12 +62,19 @@ class Publisher(Generic[MsgT]):
         self._sent += 1
         if self._keeps:
             with self._node._graph.lock:  # so that a late joiner gets each one once
-                self._kept.append(message.__received__())
+                self._drop_expired()
+                self._kept.append((monotonic_ns(), message.__received__()))
                 matched = self._matched
         else:
             matched = self._matched
         for subscription in matched:
             subscription._receive(message, self)
+
+    def _drop_expired(self) -> None:
+        if self._lifespan:
+            oldest = monotonic_ns() - self._lifespan
+            while self._kept and self._kept[0][0] < oldest:
+                self._kept.popleft()
 
     def _kept_by(self, make: Callable[[], Any]) -> None:
         """What a late joiner gets is made when it comes."""
@@ -119,5 +129,6 @@ class Publisher(Generic[MsgT]):
         if subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             if self._make_kept is not None and self._has_published:
                 subscription._receive(self._make_kept(), self)
-            for message in self._kept:
+            self._drop_expired()
+            for _, message in self._kept:
                 subscription._receive(message, self)

@@ -1,7 +1,7 @@
 """Quality of service: profiles, and whether two of them match.
 
-History depth, reliability and durability are honoured. Deadline and liveliness are compared when
-endpoints meet, as DDS does, and have no other effect; nor has lifespan.
+History depth, reliability and durability are honoured; lifespan ends what is kept for late joiners.
+Deadline and liveliness are compared when endpoints meet, as DDS does, and have no other effect.
 """
 
 from __future__ import annotations
