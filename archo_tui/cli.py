@@ -219,7 +219,11 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
         return _check(options)
     from pathlib import Path
 
-    gc.disable()  # until all is imported and made: nothing of that is garbage (terminal/app.py)
+    if options.node:
+        # beside a callback that never waits, Python's 5 ms would pass many times between a key and
+        # what it draws
+        sys.setswitchinterval(0.0002)
+    gc.disable()  # all that is imported and made at the start stays; TerminalApp enables it again
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
 

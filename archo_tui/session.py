@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -142,10 +141,6 @@ class Session:
         )
         kept, note = self.station.edits.kept, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
-        if self._node_files:
-            # Python's 5 ms would be waited for many times between a key and what it draws, beside
-            # a callback that never waits for anything
-            sys.setswitchinterval(0.0002)
         if own:
             watched.append(OwnInterfaces(own, note, lambda: self.station.restart()))
         self._watch = Watch(watched)

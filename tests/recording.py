@@ -82,8 +82,8 @@ def joined(pictures: list[str], seconds: list[float]) -> str:
         shown.append(f'<g class="s{number}">{inner.replace("&#160;", NO_BREAK)}</g>')
         begin = end
     sheet = "\n".join(["<style>", fonts[0], *styles, "</style>"])
-    parts = ["<svg ", 'class="rich-terminal" ', box[0], ' xmlns="http://www.w3.org/2000/svg">']
-    return "\n".join(["".join(parts), sheet, *shown, "</svg>\n"])
+    head = f'<svg class="rich-terminal" {box[0]} xmlns="http://www.w3.org/2000/svg">'
+    return "\n".join([head, sheet, *shown, "</svg>\n"])
 
 
 def main() -> None:

@@ -99,7 +99,8 @@ class InterfaceFinder:
             folders = [f for f in folders if (f / kind).is_dir()]
         if not folders:
             return None
-        origin, loader = str(folders[0]), cast(Any, self)  # importlib.abc costs more than it is
+        # a loader by its methods: importlib.abc, for the type's sake, takes long to import
+        origin, loader = str(folders[0]), cast(Any, self)
         return importlib.machinery.ModuleSpec(fullname, loader, origin=origin, is_package=True)
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> None:
@@ -129,7 +130,7 @@ def packages_in(folder: Path) -> dict[str, Path]:
 
 def _name(folder: Path) -> str:
     """What package.xml says, else the folder's own name."""
-    from xml.etree import ElementTree  # only here, and only for who has a package of their own
+    from xml.etree import ElementTree  # slow to import, and needed for the user's packages only
 
     with contextlib.suppress(OSError, ElementTree.ParseError):
         found = ElementTree.parse(folder / "package.xml").findtext("name")

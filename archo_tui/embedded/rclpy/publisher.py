@@ -40,9 +40,9 @@ class Publisher(Generic[MsgT]):
         self._warns = True  # of endpoints that do not match, without a callback for them
         self._matched: tuple[Subscription[Any], ...] = ()
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-        # for late joiners, with the time (ns) from which on a lifespan counts; 0: for ever
+        # for late joiners, each with the time (ns) when it was sent
         self._kept: deque[tuple[int, Any]] = deque(maxlen=qos_profile.queue_size)
-        self._lifespan = qos_profile.lifespan.nanoseconds
+        self._lifespan = qos_profile.lifespan.nanoseconds  # 0: for ever
         self._make_kept: Callable[[], Any] | None = None
         self._has_published = False
 
@@ -62,19 +62,18 @@ class Publisher(Generic[MsgT]):
         self._sent += 1
         if self._keeps:
             with self._node._graph.lock:  # so that a late joiner gets each one once
-                self._drop_expired()
-                self._kept.append((monotonic_ns(), message.__received__()))
+                now = monotonic_ns()
+                self._drop_expired(now)
+                self._kept.append((now, message.__received__()))
                 matched = self._matched
         else:
             matched = self._matched
         for subscription in matched:
             subscription._receive(message, self)
 
-    def _drop_expired(self) -> None:
-        if self._lifespan:
-            oldest = monotonic_ns() - self._lifespan
-            while self._kept and self._kept[0][0] < oldest:
-                self._kept.popleft()
+    def _drop_expired(self, now: int) -> None:
+        while self._lifespan and self._kept and now - self._kept[0][0] > self._lifespan:
+            self._kept.popleft()
 
     def _kept_by(self, make: Callable[[], Any]) -> None:
         """What a late joiner gets is made when it comes."""
@@ -129,6 +128,6 @@ class Publisher(Generic[MsgT]):
         if subscription.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL:
             if self._make_kept is not None and self._has_published:
                 subscription._receive(self._make_kept(), self)
-            self._drop_expired()
+            self._drop_expired(monotonic_ns())
             for _, message in self._kept:
                 subscription._receive(message, self)
