@@ -196,10 +196,10 @@ class Session:
 
     def _refused(self, message: str) -> str:
         """The line for a parameter value that a node refused at the start, with file and line."""
-        quoted = message.split("'")
+        said, _, name = message.rpartition(": ")  # rclpy ends its errors by the parameter's name
         for override in reversed(self._overrides):
-            if override.name in quoted:
-                return f"{override.where}: {message}"
+            if override.name == name:
+                return f"{override.where}: {said}"
         return message
 
     def start(self) -> None:

@@ -69,6 +69,8 @@ def pytest_configure(config: pytest.Config) -> None:
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
+    # the textbook's listings say `warn`, of which rclpy warns
+    config.addinivalue_line("filterwarnings", "ignore:Deprecated in favor:DeprecationWarning")
 
 
 @pytest.fixture(autouse=True)

@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Callable
 from operator import attrgetter
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 from . import fields as rules
 from .idl import Field, FieldType, Section
@@ -17,7 +18,18 @@ from .idl import Field, FieldType, Section
 Resolve = Callable[[Section, Field], Any]
 
 
-class Message:
+class _MessageType(type):
+    """Keeps the constants of a message constant."""
+
+    __constants__: ClassVar[frozenset[str]] = frozenset()
+
+    def __setattr__(cls, name: str, value: Any) -> None:
+        if name in cls.__constants__:
+            raise AttributeError(f"{name} of {cls.__name__} is a constant")
+        super().__setattr__(name, value)
+
+
+class Message(metaclass=_MessageType):
     """Base of every generated message, request, goal and so on."""
 
     __slots__ = ()
@@ -28,6 +40,8 @@ class Message:
     __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # slot, type, nested class
 
     def __init__(self, **values: Any) -> None:
+        """Fields by name. Their values are always checked: `check_fields` is taken, and no more."""
+        values.pop("check_fields", None)
         for name, default in self.__defaults__.items():
             setattr(self, name, values.pop(name) if name in values else default())
         if values:
@@ -55,7 +69,11 @@ class Message:
 
     def __repr__(self) -> str:
         package, kind, name = self.__type_name__.split("/")
-        inside = ", ".join(f"{field}={getattr(self, field)!r}" for field in self.__field_types__)
+        values = ((field, getattr(self, field)) for field in self.__field_types__)
+        inside = ", ".join(
+            f"{field}={list(value) if isinstance(value, array) else value!r}"
+            for field, value in values
+        )
         return f"{package}.{kind}.{name}({inside})"
 
 
@@ -67,6 +85,7 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
         "__module__": f"{package}.{kind}",
         "__type_name__": type_name,
         "__field_types__": {field.name: str(field.type) for field in section.fields},
+        "__constants__": frozenset(name for name, _ in section.constants),
         **dict(section.constants),
     }
     defaults: dict[str, Callable[[], Any]] = {}
@@ -85,11 +104,12 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
     body["__defaults__"] = defaults
     body["__copiers__"] = tuple(copiers)
     body["__layout__"] = tuple(layout)
-    return type(name, (Message,), body)
+    made: Any = _MessageType(name, (Message,), body)
+    return cast("type[Message]", made)
 
 
 def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:
-    """A service class with `Request` and `Response`."""
+    """A service class with `Request` and `Response`, of which there are no objects."""
     parts = {
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Request", "Response"), sections, strict=True)
@@ -158,7 +178,13 @@ def _base(member: type[Message]) -> str:
 
 def _holder(type_name: str, parts: dict[str, Any]) -> type:
     package, kind, name = type_name.split("/")
-    return type(name, (), {"__module__": f"{package}.{kind}", "__type_name__": type_name, **parts})
+    told = f"{'Action' if kind == 'action' else 'Service'} classes can not be instantiated"
+
+    def refuse(_: Any) -> None:
+        raise NotImplementedError(told)
+
+    where = {"__module__": f"{package}.{kind}", "__type_name__": type_name, "__init__": refuse}
+    return type(name, (), {**where, **parts})
 
 
 def _setter(slot: str, check: Callable[[Any], Any]) -> Callable[[Any, Any], None]:

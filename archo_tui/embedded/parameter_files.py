@@ -32,7 +32,10 @@ class ParameterFileError(YamlError):
 
 
 class Override(NamedTuple):
-    """One value for one parameter of the nodes that a pattern names, and where it was written."""
+    """One value for one parameter of the nodes that a pattern names, and where it was written.
+
+    The pattern is as written: `node` and `/node` mean the same node, and are two to rcl.
+    """
 
     pattern: str
     name: str
@@ -96,7 +99,7 @@ def _nodes(path: Path, mapping: yaml.MappingNode, prefix: str) -> Iterator[Overr
                 raise ParameterFileError(f"{_where(path, value)}: {_FORM}")
             yield from _parameters(path, value, prefix, "")
         elif isinstance(value, yaml.MappingNode):
-            yield from _nodes(path, value, f"{prefix}/{name.strip('/')}")
+            yield from _nodes(path, value, f"{prefix}/{name.strip('/')}" if prefix else name)
         else:
             raise ParameterFileError(f"{_where(path, key)}: {_FORM}, found {name!r}")
 

@@ -55,6 +55,6 @@ async def test_a_later_file_wins(tmp_path: Path) -> None:
 def test_the_projects_own_files_are_in_ros_form() -> None:
     own = files.load(files.default_files())
     assert {(o.pattern, o.name) for o in own} >= {
-        ("/motor_controller", "max_speed"),
-        ("/motor_controller", "wheel_radius"),
+        ("motor_controller", "max_speed"),
+        ("motor_controller", "wheel_radius"),
     }

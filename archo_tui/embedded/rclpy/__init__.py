@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from rclpy import logging as logging
+from rclpy import utilities
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
@@ -67,14 +68,14 @@ class InitContextManager:
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """End. Raises RCLError when not begun."""
-    (context or get_default_context()).shutdown()
+    """End. Raises RuntimeError when not begun."""
+    utilities.shutdown(context=context)
     _reset_executor()
 
 
 def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
     """End if begun."""
-    (context or get_default_context()).try_shutdown()
+    utilities.try_shutdown(context=context)
     _reset_executor()
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rclpy._names import Remap, validate_namespace, validate_node_name
+from rclpy._names import Remap, topic_problem, validate_namespace, validate_node_name
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
 from rclpy.exceptions import NameValidationException
 
@@ -30,8 +30,19 @@ class Arguments(NamedTuple):
     rosout_logs: bool = True
 
     def parameters_of(self, node: str) -> dict[str, Any]:
-        """Overrides for the node of that fully qualified name; the later one wins."""
-        return {o.name: o.value for o in self.overrides if matches(o.pattern, node)}
+        """Overrides for the node of that fully qualified name.
+
+        As rcl has it: within one pattern the later value wins, and of two patterns the one that
+        was first named later, whatever was said of the other after that.
+        """
+        by_pattern: dict[str, dict[str, Any]] = {}
+        for override in self.overrides:
+            by_pattern.setdefault(override.pattern, {})[override.name] = override.value
+        found: dict[str, Any] = {}
+        for pattern, values in by_pattern.items():
+            if matches(pattern, node):
+                found |= values
+        return found
 
 
 def parse(args: Sequence[str] | None) -> Arguments:
@@ -40,17 +51,17 @@ def parse(args: Sequence[str] | None) -> Arguments:
     Raises RCLInvalidROSArgsError, UnknownROSArgsError, and RCLError for a file that cannot be read.
     """
     remaps: list[Remap] = []
-    files: list[Override] = []
-    assigned: list[Override] = []
+    overrides: list[Override] = []  # of files and single ones, in their order
+    unknown: list[str] = []
     level, stdout_logs, rosout_logs = 0, True, True
     words = iter(split(args or ())[1])
     for word in words:
         if word in ("-r", "--remap"):
             remaps.append(_remap(_next(words, word)))
         elif word in ("-p", "--param"):
-            assigned.append(_assignment(_next(words, word)))
+            overrides.append(_assignment(_next(words, word)))
         elif word == "--params-file":
-            files.extend(_file(_next(words, word)))
+            overrides.extend(_file(_next(words, word)))
         elif word == "--log-level":
             level = _level(_next(words, word))
         elif word == "--disable-stdout-logs":
@@ -58,8 +69,10 @@ def parse(args: Sequence[str] | None) -> Arguments:
         elif word in ("--disable-rosout-logs", "--enable-rosout-logs"):
             rosout_logs = word.startswith("--enable")
         elif not _IGNORED_FLAGS.fullmatch(word):
-            raise UnknownROSArgsError(f"unknown ROS argument: {word}")
-    return Arguments(tuple(remaps), (*files, *assigned), level, stdout_logs, rosout_logs)
+            unknown.append(word)
+    if unknown:
+        raise UnknownROSArgsError(f"unknown ROS arguments: {unknown}")
+    return Arguments(tuple(remaps), tuple(overrides), level, stdout_logs, rosout_logs)
 
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -80,7 +93,7 @@ def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
 def _next(words: Any, option: str) -> str:
     word: str | None = next(words, None)
     if word is None:
-        raise RCLInvalidROSArgsError(f"{option} needs a value")
+        raise _invalid(f"{option} needs a value")
     return word
 
 
@@ -88,7 +101,7 @@ def _split(text: str, what: str) -> tuple[str | None, str, str]:
     """`[node:]left:=right` in its three parts."""
     left, sign, right = text.partition(":=")
     if not sign or not left:
-        raise RCLInvalidROSArgsError(f"{what} is not 'name:=value': {text!r}")
+        raise _invalid(f"{what} is not 'name:=value': {text!r}")
     node, colon, name = left.rpartition(":")
     return (node if colon else None), name, right
 
@@ -101,9 +114,12 @@ def _remap(text: str) -> Remap:
         elif rule.match in ("__node", "__name"):
             validate_node_name(rule.replacement)
     except NameValidationException as error:
-        raise RCLInvalidROSArgsError(
-            f"not a {error.name_type}: {error.name!r}: {error.error_msg}"
-        ) from None
+        raise _invalid(f"not a {error.name_type}: {error.name!r}: {error.error_msg}") from None
+    if not rule.match.startswith("__"):
+        for name in (rule.match, rule.replacement):
+            problem = topic_problem(name)
+            if problem:
+                raise _invalid(f"remap rule {text!r}: {name!r}: {problem[0]}")
     return rule
 
 
@@ -112,7 +128,7 @@ def _assignment(text: str) -> Override:
     try:
         return Override(node or "/**", name, value_of(value), f"-p {text}")
     except ValueError as error:
-        raise RCLInvalidROSArgsError(f"parameter {name}: {error}") from None
+        raise _invalid(f"parameter {name}: {error}") from None
 
 
 def _file(text: str) -> list[Override]:
@@ -127,5 +143,9 @@ def _file(text: str) -> list[Override]:
 def _level(text: str) -> int:
     name = text.rpartition(":=")[2].lower()
     if name not in LEVELS:
-        raise RCLInvalidROSArgsError(f"no log level {text!r}: one of {', '.join(LEVELS)}")
+        raise _invalid(f"no log level {text!r}: one of {', '.join(LEVELS)}")
     return LEVELS[name]
+
+
+def _invalid(said: str) -> RCLInvalidROSArgsError:
+    return RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {said}")

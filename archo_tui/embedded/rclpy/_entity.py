@@ -8,16 +8,47 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.callback_groups import CallbackGroup
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
 
-EntityT = TypeVar("EntityT")
+EntityT = TypeVar("EntityT", bound="Entity")
 
 
-class Entity:
+class Destroyable:
+    """What can be destroyed; who uses it afterwards is told."""
+
+    _destroyed = False
+    _is_part_of_action = False  # and not one of those that its node tells of
+
+    @property
+    def handle(self) -> Handle:
+        """What stands for the object that rcl has of it."""
+        return Handle(self)
+
+    def _use(self) -> None:
+        """Raises InvalidHandle once it is destroyed."""
+        if self._destroyed:
+            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+
+
+class Handle:
+    """Of something that can be destroyed: `with thing.handle:` raises InvalidHandle after that."""
+
+    def __init__(self, of: Destroyable) -> None:
+        self._of = of
+
+    def __enter__(self) -> None:
+        self._of._use()
+
+    def __exit__(self, *_: object) -> None:
+        """Nothing is held."""
+
+
+class Entity(Destroyable):
     """Something of a node with callbacks to run."""
 
     # in a round: actions, timers, subscriptions, guard conditions, clients, services
@@ -27,7 +58,6 @@ class Entity:
         self._node = node
         self.callback_group = callback_group
         callback_group.add_entity(self)
-        self._destroyed = False
 
     def destroy(self) -> None:
         """Never call back again; its node's own `destroy_...` does this too."""
@@ -75,11 +105,13 @@ class QueueEntity(Entity):
             self._notify()
 
     def _take(self) -> Callable[[], Any] | None:
+        found = self._next()
+        return self._work(*found) if found else None
+
+    def _next(self) -> tuple[Any] | tuple[()]:
+        """The oldest item, or none, taken out of the queue."""
         with self._queue_lock:
-            if not self._queue or self._destroyed:
-                return None
-            item = self._queue.popleft()
-        return self._work(item)
+            return (self._queue.popleft(),) if self._queue and not self._destroyed else ()
 
     def _work(self, item: Any) -> Callable[[], Any]:
         """What is called for one item."""

@@ -10,11 +10,11 @@ from rclpy.exceptions import (
     InvalidNodeNameException,
     InvalidServiceNameException,
     InvalidTopicNameException,
-    NameValidationException,
 )
 
 _FULL_MAX = 247  # RMW_TOPIC_MAX_NAME_LENGTH
 _NAME_MAX = 255  # RMW_NODE_NAME_MAX_NAME_LENGTH
+_NAMESPACE_MAX = 245  # RMW_NAMESPACE_MAX_LENGTH
 
 
 class Remap(NamedTuple):
@@ -25,58 +25,147 @@ class Remap(NamedTuple):
     replacement: str
 
 
+Problem = tuple[str, int] | None  # what is wrong with a name, and at which character
+
+
 def validate_node_name(name: str) -> None:
     """Raises InvalidNodeNameException."""
-    if not name:
-        raise InvalidNodeNameException(name, "node name must not be empty", 0)
-    bad = re.search(r"[^A-Za-z0-9_]", name)
-    if bad:
-        raise InvalidNodeNameException(
-            name,
-            "node name must not contain characters other than alphanumerics or '_'",
-            bad.start(),
-        )
-    if name[0].isdigit():
-        raise InvalidNodeNameException(name, "node name must not start with a number", 0)
-    if len(name) > _NAME_MAX:
-        raise InvalidNodeNameException(name, "node name length should not exceed 255", _NAME_MAX)
+    problem = node_name_problem(name)
+    if problem:
+        raise InvalidNodeNameException(name, *problem)
 
 
 def validate_namespace(namespace: str) -> None:
     """Raises InvalidNamespaceException unless `namespace` is `/` or an absolute name."""
-    if not namespace.startswith("/"):
-        raise InvalidNamespaceException(
-            namespace, "namespace must be absolute, it must lead with a '/'", 0
+    problem = namespace_problem(namespace)
+    if problem:
+        raise InvalidNamespaceException(namespace, *problem)
+
+
+def validate_topic_name(name: str, *, is_service: bool = False) -> None:
+    """A name as it is written. Raises InvalidTopicNameException or InvalidServiceNameException."""
+    problem = topic_problem(name)
+    if problem:
+        raise (InvalidServiceNameException if is_service else InvalidTopicNameException)(
+            name, *problem
         )
-    if namespace != "/":
-        _check(namespace, InvalidNamespaceException, "namespace", r"[^A-Za-z0-9_/]")
 
 
-def expand(name: str, node: str, namespace: str, *, is_service: bool = False) -> str:
+def validate_full_topic_name(name: str, *, is_service: bool = False) -> None:
+    """A name on the graph. Raises InvalidTopicNameException or InvalidServiceNameException."""
+    problem = full_topic_problem(name)
+    if problem:
+        raise (InvalidServiceNameException if is_service else InvalidTopicNameException)(
+            name, *problem
+        )
+
+
+def node_name_problem(name: str) -> Problem:
+    """What ROS says against a node's name."""
+    if not name:
+        return "node name must not be empty", 0
+    bad = re.search(r"[^A-Za-z0-9_]", name)
+    if bad:
+        said = "node name must not contain characters other than alphanumerics or '_'"
+        return said, bad.start()
+    if name[0].isdigit():
+        return "node name must not start with a number", 0
+    if len(name) > _NAME_MAX:
+        return f"node name length should not exceed '{_NAME_MAX}'", _NAME_MAX
+    return None
+
+
+def topic_problem(name: str) -> Problem:
+    """What ROS says against a topic's or a service's name, before it is expanded.
+
+    Raises TypeError for what is no text.
+    """
+    if not isinstance(name, str):
+        raise TypeError(f"a name is a str, not {type(name).__name__}")
+    if not name:
+        return "topic name must not be empty string", 0
+    if name.endswith("/"):
+        return "topic name must not end with a forward slash", len(name) - 1
+    bad = re.search(r"[^A-Za-z0-9_/{}~]", name)
+    if bad:
+        said = (
+            "topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}'"
+        )
+        return said, bad.start()
+    if "~" in name[1:]:
+        said = "topic name must not have tilde '~' unless it is the first character"
+        return said, name.index("~", 1)
+    bare = re.sub(r"\{[^{}]*\}", lambda found: " " * len(found[0]), name)
+    brace = re.search(r"[{}]", bare)
+    if brace:
+        said = "topic name must not have unmatched (unbalanced) curly braces '{}'"
+        return said, brace.start()
+    digit = re.search(r"(?:^|/)(\d)", name)
+    return ("topic name token must not start with a number", digit.start(1)) if digit else None
+
+
+def full_topic_problem(name: str) -> Problem:
+    """What ROS says against a topic's or a service's name, when it is expanded."""
+    if not name:
+        return "topic name must not be empty", 0
+    if not name.startswith("/"):
+        return "topic name must be absolute, it must lead with a '/'", 0
+    if name.endswith("/"):
+        return "topic name must not end with a '/'", len(name) - 1
+    problem = _tokens_problem(name, "topic name")
+    if problem is None and len(name) > _FULL_MAX:
+        return f"topic length should not exceed '{_FULL_MAX}'", _FULL_MAX
+    return problem
+
+
+def namespace_problem(name: str) -> Problem:
+    """What ROS says against a node's namespace."""
+    if not name:
+        return "namespace must not be empty", 0
+    if not name.startswith("/"):
+        return "namespace must be absolute, it must lead with a '/'", 0
+    if name == "/":
+        return None
+    if name.endswith("/"):
+        return "namespace must not end with a '/', unless only a '/'", len(name) - 1
+    problem = _tokens_problem(name, "namespace")
+    if problem is None and len(name) > _NAMESPACE_MAX:
+        return f"namespace should not exceed '{_NAMESPACE_MAX}'", _NAMESPACE_MAX
+    return problem
+
+
+def _tokens_problem(name: str, kind: str) -> Problem:
+    bad = re.search(r"[^A-Za-z0-9_/]", name)
+    if bad:
+        said = f"{kind} must not contain characters other than alphanumerics, '_', or '/'"
+        return said, bad.start()
+    if "//" in name:
+        return f"{kind} must not contain repeated '/'", name.index("//") + 1
+    digit = re.search(r"/(\d)", name)
+    return (
+        (f"{kind} must not have a token that starts with a number", digit.start(1))
+        if digit
+        else None
+    )
+
+
+def expand(name: str, node: str, namespace: str) -> str:
     """The fully qualified form of a topic or service name, as seen from a node.
 
-    Raises InvalidTopicNameException or InvalidServiceNameException.
+    Raises ValueError, as rcl does; whoever creates an endpoint validates its name before.
     """
-    error = InvalidServiceNameException if is_service else InvalidTopicNameException
-    kind = "service name" if is_service else "topic name"
-    if not name:
-        raise error(name, f"{kind} must not be empty", 0)
-    _check(name, error, kind, r"[^A-Za-z0-9_/{}~]")
-    if "~" in name[1:]:
-        raise error(name, f"{kind} must not have a '~' after the start", name.index("~", 1))
+    problem = topic_problem(name)
+    if problem:
+        raise ValueError(f"topic name '{name}' is invalid: {problem[0]}")
+    for found in re.findall(r"\{.*?\}", name):
+        if found not in ("{node}", "{ns}", "{namespace}"):
+            raise ValueError(f"topic name '{name}' is invalid: unknown substitution: {found}")
     base = "" if namespace == "/" else namespace
-    for found in re.findall(r"\{(.*?)\}", name):
-        if found not in ("node", "ns", "namespace"):
-            raise ValueError(f"{kind} {name!r} is invalid: unknown substitution '{{{found}}}'")
     name = name.replace("{node}", node)
     name = name.replace("{ns}", namespace).replace("{namespace}", namespace)
     if name.startswith("~"):
-        name = f"{base}/{node}{name[1:]}"
-    elif not name.startswith("/"):
-        name = f"{base}/{name}"
-    if len(name) > _FULL_MAX:
-        raise error(name, f"{kind} length should not exceed '{_FULL_MAX}'", _FULL_MAX)
-    return name
+        return f"{base}/{node}{name[1:]}"
+    return name if name.startswith("/") else f"{base}/{name}"
 
 
 def remapped(full_name: str, node: str, namespace: str, rules: tuple[Remap, ...]) -> str:
@@ -95,21 +184,3 @@ def special(rules: tuple[Remap, ...], node: str, *matches: str) -> str | None:
         if rule.match in matches and rule.node in (None, node):
             return rule.replacement
     return None
-
-
-def _check(name: str, error: type[NameValidationException], kind: str, allowed: str) -> None:
-    make: type[InvalidTopicNameException] = error  # type: ignore[assignment]
-    bad = re.search(allowed, name)
-    if bad:
-        raise make(
-            name,
-            f"{kind} must not contain characters other than alphanumerics, '_', '~', '{{', or '}}'",
-            bad.start(),
-        )
-    if name.endswith("/"):
-        raise make(name, f"{kind} must not end with a forward slash", len(name) - 1)
-    if "//" in name:
-        raise make(name, f"{kind} must not contain repeated '/'", name.index("//"))
-    digit = re.search(r"(^|/)\d", name)
-    if digit:
-        raise make(name, f"{kind} token must not start with a number", digit.start())

@@ -48,9 +48,9 @@ class NodeParameters:
         self._descriptors: dict[str, ParameterDescriptor] = {}
         self._parameter_overrides = overrides
         self._allow_undeclared_parameters = allow_undeclared
-        self._pre_set: list[PreSet] = []
-        self._on_set: list[OnSet] = []
-        self._post_set: list[PostSet] = []
+        self._pre_set_parameters_callbacks: list[PreSet] = []
+        self._on_set_parameters_callbacks: list[OnSet] = []
+        self._post_set_parameters_callbacks: list[PostSet] = []
         self._declare_on_start = automatically_declare
 
     def get_fully_qualified_name(self) -> str:
@@ -68,10 +68,33 @@ class NodeParameters:
         Raises ParameterAlreadyDeclaredException, InvalidParameterException,
         InvalidParameterTypeException, InvalidParameterValueException, ValueError.
         """
-        if not name:
-            raise InvalidParameterException(name)
-        if name in self._parameters:
-            raise ParameterAlreadyDeclaredException([name])
+        return self.declare_parameters("", [(name, value, descriptor)], ignore_override)[0]
+
+    def declare_parameters(
+        self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
+    ) -> list[Parameter[Any]]:
+        """Declare several `(name, value, descriptor)` under a prefix; none if a name is bad.
+
+        Raises TypeError for what is no such tuple, and as `declare_parameter`.
+        """
+        prefix = f"{namespace}{PARAMETER_SEPARATOR_STRING}" if namespace else ""
+        whole = [_checked(place, prefix, given) for place, given in enumerate(parameters)]
+        known = [name for name, _, _ in whole if name in self._parameters]
+        if known:
+            raise ParameterAlreadyDeclaredException(known)
+        declared = []
+        for one in whole:
+            declared.append(self._declare(*one, ignore_override=ignore_override))
+        return declared
+
+    def _declare(
+        self,
+        name: str,
+        value: Any,
+        descriptor: ParameterDescriptor | None,
+        *,
+        ignore_override: bool,
+    ) -> Parameter[Any]:
         name_only = value is None and descriptor is None
         descriptor = ParameterDescriptor() if descriptor is None else descriptor.__received__()
         if name_only:
@@ -79,12 +102,25 @@ class NodeParameters:
                 f"when declaring parameter named '{name}', declaring a parameter only providing "
                 "its name is deprecated: give a value, a type, or a descriptor with "
                 "dynamic_typing=True",
-                stacklevel=2,
+                stacklevel=4,
             )
             descriptor.dynamic_typing = True
         descriptor.name = name
         if isinstance(value, Parameter.Type):
+            if value == Parameter.Type.NOT_SET:
+                raise ValueError(
+                    f"Cannot declare parameter {name} as statically typed of type NOT_SET"
+                )
+            if descriptor.dynamic_typing:
+                raise ValueError(
+                    f"When declaring parameter {name} passing a descriptor with "
+                    "`dynamic_typing=True` is not allowed when the parameter type is provided"
+                )
             descriptor.type, value = int(value), None
+        elif isinstance(value, ParameterValue):
+            # taken for its type only: rclpy has no way from it to a value
+            if not descriptor.dynamic_typing:
+                descriptor.type = value.type
         elif not descriptor.dynamic_typing:
             descriptor.type = int(Parameter.Type.from_parameter_value(value))
         if not descriptor.dynamic_typing and descriptor.type == Parameter.Type.NOT_SET:
@@ -94,6 +130,11 @@ class NodeParameters:
             )
         if not ignore_override:
             value = self._parameter_overrides.get(name, value)
+        if isinstance(value, ParameterValue):
+            raise ValueError(
+                "Cannot declare a Parameter from a ParameterValue without it being included in "
+                "self._parameter_overrides, and ignore_override=False"
+            )
         parameter: Parameter[Any] = Parameter(name, value=value)
         result = self._apply([parameter], {name: descriptor})
         if not result.successful:
@@ -101,19 +142,6 @@ class NodeParameters:
                 raise InvalidParameterTypeException(parameter, Parameter.Type(descriptor.type).name)
             raise InvalidParameterValueException(name, value, result.reason)
         return self._parameters[name]
-
-    def declare_parameters(
-        self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
-    ) -> list[Parameter[Any]]:
-        """Declare several `(name, value, descriptor)` under a prefix."""
-        prefix = f"{namespace}{PARAMETER_SEPARATOR_STRING}" if namespace else ""
-        declared = []
-        for name, *rest in parameters:
-            value, descriptor = (*rest, None, None)[:2]
-            declared.append(
-                self.declare_parameter(prefix + name, value, descriptor, ignore_override)
-            )
-        return declared
 
     def undeclare_parameter(self, name: str) -> None:
         """Forget a parameter. Raises ParameterNotDeclaredException, ParameterImmutableException."""
@@ -155,16 +183,24 @@ class NodeParameters:
         return {name[len(start) :]: p for name, p in found if name.startswith(start)}
 
     def set_parameters(self, parameter_list: list[Parameter[Any]]) -> list[SetParametersResult]:
-        """Set one by one. Raises ParameterNotDeclaredException; refusals are in the results."""
+        """Set one by one; refusals are in the results.
+
+        Raises ParameterNotDeclaredException, TypeError for what is no Parameter.
+        """
+        _check_are_parameters(parameter_list)
         return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
 
     def set_parameters_atomically(
         self, parameter_list: list[Parameter[Any]]
     ) -> SetParametersResult:
-        """Set all or none. Raises ParameterNotDeclaredException; a refusal is in the result."""
-        for callback in self._pre_set:
+        """Set all or none; a refusal is in the result.
+
+        Raises ParameterNotDeclaredException, TypeError for what is no Parameter.
+        """
+        _check_are_parameters(parameter_list)
+        for callback in self._pre_set_parameters_callbacks:
             parameter_list = callback(parameter_list)
-        if self._pre_set and not parameter_list:
+        if self._pre_set_parameters_callbacks and not parameter_list:
             return SetParametersResult(successful=False, reason="parameter list cannot be empty")
         unknown = [p.name for p in parameter_list if p.name not in self._parameters]
         if unknown and not self._allow_undeclared_parameters:
@@ -222,7 +258,12 @@ class NodeParameters:
         return [self.get_parameter_type(name) for name in names]
 
     def list_parameters(self, prefixes: Sequence[str], depth: int) -> ListParametersResult:
-        """Names below the prefixes (all when there is none), `depth` levels deep (0: any)."""
+        """Names below the prefixes (all when there is none), `depth` levels deep (0: any).
+
+        Raises ValueError for a negative depth.
+        """
+        if depth < 0:
+            raise ValueError("The depth must be greater than or equal to zero")
         result = ListParametersResult()
         names, found = [], []
         dot = PARAMETER_SEPARATOR_STRING
@@ -242,27 +283,27 @@ class NodeParameters:
 
     def add_pre_set_parameters_callback(self, callback: PreSet) -> None:
         """May change the list before it is checked."""
-        self._pre_set.insert(0, callback)
+        self._pre_set_parameters_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: OnSet) -> None:
         """May refuse; also asked when a parameter is declared."""
-        self._on_set.insert(0, callback)
+        self._on_set_parameters_callbacks.insert(0, callback)
 
     def add_post_set_parameters_callback(self, callback: PostSet) -> None:
         """Told after the values are set."""
-        self._post_set.insert(0, callback)
+        self._post_set_parameters_callbacks.insert(0, callback)
 
     def remove_pre_set_parameters_callback(self, callback: PreSet) -> None:
         """Raises ValueError when it was not added."""
-        self._pre_set.remove(callback)
+        self._pre_set_parameters_callbacks.remove(callback)
 
     def remove_on_set_parameters_callback(self, callback: OnSet) -> None:
         """Raises ValueError when it was not added."""
-        self._on_set.remove(callback)
+        self._on_set_parameters_callbacks.remove(callback)
 
     def remove_post_set_parameters_callback(self, callback: PostSet) -> None:
         """Raises ValueError when it was not added."""
-        self._post_set.remove(callback)
+        self._post_set_parameters_callbacks.remove(callback)
 
     def _require(self, name: str) -> None:
         if name not in self._parameters:
@@ -280,7 +321,7 @@ class NodeParameters:
                 reason = check(parameter, descriptor, declaring=new is not None)
                 if reason:
                     return SetParametersResult(successful=False, reason=reason)
-        for callback in self._on_set:
+        for callback in self._on_set_parameters_callbacks:
             result = callback(parameters)
             if not isinstance(result, SetParametersResult):
                 return SetParametersResult(
@@ -289,7 +330,7 @@ class NodeParameters:
             if not result.successful:
                 return result
         self._store(parameters, new)
-        for told in self._post_set:
+        for told in self._post_set_parameters_callbacks:
             told(parameters)
         return SetParametersResult(successful=True)
 
@@ -321,3 +362,30 @@ class NodeParameters:
                     **{f"{kind}_parameters": messages for kind, messages in event.items()},
                 )
             )
+
+
+def _checked(
+    place: int, prefix: str, given: tuple[Any, ...]
+) -> tuple[str, Any, ParameterDescriptor | None]:
+    """What one declaration says. Raises TypeError, InvalidParameterException."""
+    where = f"at index {place} in parameters list"
+    if not 1 <= len(given) <= 3:
+        raise TypeError(
+            f"Invalid parameter tuple length {where}: {given}; expecting 1 to 3 elements"
+        )
+    name, value, descriptor = (*given, None, None)[:3]
+    if not isinstance(name, str):
+        raise TypeError(f"First element {name} {where} is not a str.")
+    if not name:
+        raise InvalidParameterException(name)
+    if descriptor is not None and not isinstance(descriptor, ParameterDescriptor):
+        raise TypeError(
+            f"Third element {descriptor} {where} is not a rcl_interfaces.msg.ParameterDescriptor."
+        )
+    return prefix + name, value, descriptor
+
+
+def _check_are_parameters(parameters: Sequence[Any]) -> None:
+    for parameter in parameters:
+        if not isinstance(parameter, Parameter):
+            raise TypeError(f"parameter must be instance of type '{Parameter!r}'")

@@ -27,3 +27,7 @@ class UnsupportedEventTypeError(RCLError):
 
 class NodeNameNonExistentError(RCLError):
     """No node of that name is on the graph."""
+
+
+class TimerCancelledError(RCLError):
+    """A timer that was canceled meanwhile is called."""

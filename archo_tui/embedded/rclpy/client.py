@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy import _time_source
 from rclpy._entity import QueueEntity
-from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
 from rclpy.service import RequestHeader
@@ -30,12 +29,15 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         node: Node,
         srv_type: Any,
         srv_name: str,
+        service_name: str,
         callback_group: CallbackGroup,
         qos_profile: QoSProfile,
     ) -> None:
         super().__init__(node, callback_group, qos_profile.queue_size)
         self.srv_type = srv_type
-        self.service_name = srv_name
+        self.qos_profile = qos_profile
+        self.srv_name = srv_name  # as it was given
+        self.service_name = service_name  # as it is on the graph
         self._lock = threading.Lock()
         self._sequence_number = 0
         self._pending_requests: dict[int, Future[Any]] = {}
@@ -43,12 +45,11 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     def call_async(self, request: SrvRequestT) -> Future[SrvResponseT]:
         """Send a copy of `request`. The future stays pending for ever when nobody answers.
 
-        Raises TypeError for a request of another type.
+        Raises TypeError for a request of another type, InvalidHandle after `destroy()`.
         """
         if not isinstance(request, self.srv_type.Request):
             raise TypeError(f"Expected {self.srv_type.Request}, got {type(request)}")
-        if self._destroyed:
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        self._use()
         message: Any = request
         future: Future[Any] = _Answer(self)
         with self._lock:
@@ -78,16 +79,21 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
                     del self._pending_requests[number]
 
     def service_is_ready(self) -> bool:
-        """True when somebody offers the service."""
+        """True when somebody offers the service. Raises InvalidHandle after `destroy()`."""
+        self._use()
         return bool(self._node._graph.servers(self.service_name, self.srv_type))
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
-        """Block until the service is offered; False when `timeout_sec` (s) passed before."""
+        """Block until the service is offered; False when `timeout_sec` (s) passed before.
+
+        Raises InvalidHandle after `destroy()`, and when the context is shut down meanwhile.
+        """
+        self._use()
         graph = self._node._graph
         with graph.changed:
             _time_source.wait_until(
                 graph.changed,
-                lambda: self.service_is_ready() or not self._node.context.ok(),
+                lambda: self._destroyed or self.service_is_ready(),
                 _time_source.deadline_ns(timeout_sec),
             )
             return self.service_is_ready()

@@ -249,8 +249,9 @@ class ROSClock(Clock):
 
     def _jump(self, change: ClockChange, override_ns: int, active: bool) -> None:
         """Take another time, tell the followers before and after, wake those who sleep."""
-        after = override_ns if active else _time_source.time_ns()
-        jump = TimeJump(change, Duration(nanoseconds=after - self.now().nanoseconds))
+        goes_on = change == ClockChange.ROS_TIME_NO_CHANGE
+        delta = override_ns - self._override_ns if goes_on else 0  # between two times there is none
+        jump = TimeJump(change, Duration(nanoseconds=delta))
         told = [handle for handle in self._followers if handle._threshold._is_passed(jump)]
         for handle in told:
             if handle._pre is not None:

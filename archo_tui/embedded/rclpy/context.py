@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import sys
 import threading
@@ -41,12 +42,16 @@ class Context:
 
         Contexts of one domain talk.
 
-        Raises RuntimeError when begun already, RCLError and its kin for bad arguments.
+        Raises RuntimeError when it was begun before, RCLError and its kin for bad arguments,
+        UnicodeEncodeError for those that are no UTF-8.
         """
         with self._lock:
-            if self._ok:
+            if self._has_begun:
                 raise RuntimeError("Context.init() must only be called once")
-            self._arguments = _arguments.parse(sys.argv if args is None else args)
+            args = sys.argv if args is None else args
+            for argument in args:
+                argument.encode()  # as rcl takes it: UnicodeEncodeError for what is no UTF-8
+            self._arguments = _arguments.parse(args)
             if domain_id is None:
                 domain_id = int(os.environ.get("ROS_DOMAIN_ID") or 0)
             if domain_id < 0:
@@ -63,21 +68,34 @@ class Context:
         return self._ok
 
     def get_domain_id(self) -> int:
-        """The domain whose nodes this context's nodes see."""
+        """The domain whose nodes this context's nodes see. Raises RuntimeError before `init`, and
+        RCLError after `shutdown`."""
+        if not self._has_begun:
+            raise RuntimeError("Context must be initialized before it can have a domain id")
+        if not self._ok:
+            raise RCLError("Failed to get domain id: the context is shut down")
         return self._domain_id
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
-        """Have a bound method called at shutdown, unless its object is gone by then."""
+        """Have a function called at shutdown; a bound method unless its object is gone by then.
+
+        Raises TypeError for what cannot be called.
+        """
+        if not callable(callback):
+            raise TypeError(f"callback should be a callable, got {type(callback)}")
         self._callbacks = [known for known in self._callbacks if known() is not None]
-        self._callbacks.append(weakref.WeakMethod(callback))
+        if inspect.ismethod(callback):
+            self._callbacks.append(weakref.WeakMethod(callback))
+        else:
+            self._callbacks.append(lambda: callback)
 
     def shutdown(self) -> None:
-        """End: nodes leave the graph, executors stop. Raises RCLError when not begun."""
+        """End: nodes leave the graph, executors stop. Raises RuntimeError when not begun."""
         with self._lock:
             if not self._ok:
                 if self._has_begun:
-                    raise RCLError("Context already shutdown.")
-                raise RCLError("Context must be initialized before it can be shutdown")
+                    raise RuntimeError("Context already shutdown.")
+                raise RuntimeError("Context must be initialized before it can be shutdown")
             self._ok = False
         for node in list(self._nodes):
             node._leave_graph()

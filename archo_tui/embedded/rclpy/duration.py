@@ -10,10 +10,13 @@ S_TO_NS = 1_000_000_000
 _INFINITE = 2**63 - 1  # ns
 
 
-def in_int64(nanoseconds: int) -> int:
-    """That many ns. Raises OverflowError beyond 64 bits."""
+_TOO_LARGE = "Total nanoseconds value is too large to store in C duration."
+
+
+def in_int64(nanoseconds: int, said: str = _TOO_LARGE) -> int:
+    """That many ns. Raises OverflowError, which says so, beyond 64 bits."""
     if not -(2**63) <= nanoseconds < 2**63:
-        raise OverflowError("Total nanoseconds value is too large to store in C duration.")
+        raise OverflowError(said)
     return nanoseconds
 
 
@@ -54,8 +57,6 @@ class Duration:
         if not isinstance(factor, (int, float)):
             return NotImplemented
         return Duration(nanoseconds=int(self._nanoseconds * factor))
-
-    __rmul__ = __mul__
 
     def __lt__(self, other: Duration) -> bool:
         if not isinstance(other, Duration):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from rclpy._rclpy_pybind11 import InvalidHandle as InvalidHandle
+from rclpy._rclpy_pybind11 import TimerCancelledError as TimerCancelledError
 
 if TYPE_CHECKING:
     from rclpy.parameter import Parameter
@@ -13,8 +14,9 @@ if TYPE_CHECKING:
 class NotInitializedException(Exception):
     """rclpy was used before `rclpy.init()`."""
 
-    def __init__(self, *args: Any) -> None:
-        super().__init__("rclpy.init() has not been called", *args)
+    def __init__(self, message: str | None = None) -> None:
+        said = "rclpy.init() has not been called."
+        super().__init__(said if message is None else f"{said} msg:{message}")
 
 
 class NameValidationException(Exception):
@@ -92,7 +94,7 @@ class InvalidParameterTypeException(ParameterException):
         Exception.__init__(
             self,
             f"Trying to set parameter '{parameter.name}' to '{parameter.value}' of type "
-            f"'{parameter.type_.name}', expecting type '{type_name}'",
+            f"'{parameter.type_.name}', expecting type '{type_name}': {parameter.name}",
             *args,
         )
         self.param_name = parameter.name
@@ -104,7 +106,7 @@ class InvalidParameterValueException(ParameterException):
     def __init__(self, parameter: str, value: object, reason: str) -> None:
         Exception.__init__(
             self,
-            f"Invalid parameter value ({value}) for parameter '{parameter}'. Reason: {reason}",
+            f"Invalid parameter value ({value}) for parameter. Reason: {reason}: {parameter}",
         )
         self.param_name = parameter
 
@@ -120,7 +122,7 @@ class ParameterUninitializedException(ParameterException):
     """A statically typed parameter was read before it had a value."""
 
     def __init__(self, parameter: Any, *args: Any) -> None:
-        super().__init__("The parameter is not initialized", parameter, *args)
+        super().__init__(f"The parameter '{parameter}' is not initialized", parameter, *args)
 
 
 class ROSInterruptException(Exception):
@@ -132,7 +134,3 @@ class ROSInterruptException(Exception):
 
 class NoTypeSupportImportedException(Exception):
     """An interface without code to carry it; here every interface file has it."""
-
-
-class TimerCancelledError(Exception):
-    """A timer that was canceled meanwhile is called."""

@@ -154,6 +154,23 @@ class Executor:
             return
         self._run(work, entity)
 
+    def can_execute(self, entity: Entity) -> bool:
+        """True when the entity's callback may start now, as its callback group has it."""
+        return entity.callback_group.can_execute(entity)
+
+    def wait_for_ready_callbacks(
+        self, timeout_sec: float | None = None
+    ) -> tuple[Task[Any], Entity | None, Node | None]:
+        """What is to be called next, for an executor of one's own: call the task to do it.
+
+        Raises TimeoutException after `timeout_sec` (s), ShutdownException after `shutdown()`,
+        ExternalShutdownException after that of the context.
+        """
+        work, entity = self._next_work(timeout_sec, lambda: False)
+        if entity is None:
+            return work, None, None  # type: ignore[return-value]  # a task
+        return Task(self._execute, (work, entity), executor=self), entity, entity._node
+
     def spin_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
@@ -284,7 +301,7 @@ class Executor:
             if when > _time_source.monotonic_ns():
                 return when
             heapq.heappop(self._timers)
-            if timer._node.executor is self and timer.is_ready():  # not what is simulated by now
+            if timer._node.executor is self and timer._is_due():  # not what is simulated by now
                 self._make_ready(timer)
         return None
 
@@ -346,7 +363,10 @@ class MultiThreadedExecutor(Executor):
     _is_concurrent = True
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
+        """At least two threads; as many as there are cores if not said. Raises ValueError for 0."""
         super().__init__(context=context)
+        if num_threads is not None and num_threads < 1:
+            raise ValueError("max_workers must be greater than 0")
         self._pool = ThreadPoolExecutor(max(num_threads or os.cpu_count() or 1, 2))
         self._running: list[PoolFuture[None]] = []
 

@@ -24,7 +24,8 @@ class GuardCondition(QueueEntity):
         self.callback = callback
 
     def trigger(self) -> None:
-        """Have the callback run, from any thread."""
+        """Have the callback run, from any thread. Raises InvalidHandle after `destroy()`."""
+        self._use()
         self._deliver(None)
 
     def destroy(self) -> None:

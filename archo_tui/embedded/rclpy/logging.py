@@ -25,8 +25,8 @@ def get_logger(name: str) -> RcutilsLogger:
 
 
 def set_logger_level(name: str, level: LoggingSeverity | int) -> None:
-    """Set a logger's level by name."""
-    _logging.set_level(name, int(level))
+    """Set a logger's level by name. Raises ValueError for what is no severity."""
+    _logging.set_level(name, LoggingSeverity(level))
 
 
 def get_logger_level(name: str) -> LoggingSeverity:
@@ -39,7 +39,7 @@ def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
     try:
         return LoggingSeverity[log_severity.upper()]
     except KeyError:
-        raise RuntimeError(f"Failed to get severity name {log_severity}") from None
+        raise RuntimeError(f"Failed to get severity name: {log_severity}") from None
 
 
 def clear_config() -> None:

@@ -8,10 +8,10 @@ from typing import Any, TypeVar
 
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
 from rclpy import _arguments, _logging, _names, _time_source, qos_overriding_options
-from rclpy._entity import Entity
+from rclpy._entity import Destroyable, Entity, EntityT
 from rclpy._node_parameters import NodeParameters
 from rclpy._parameter_rules import RELATIVE_TOLERANCE
-from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError, RCLError
+from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
 from rclpy._type_checks import check_message, check_service
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
@@ -53,7 +53,7 @@ MsgT = TypeVar("MsgT")
 NamesAndTypes = list[tuple[str, list[str]]]
 
 
-class Node(NodeParameters):
+class Node(NodeParameters, Destroyable):
     """A named participant with publishers, subscriptions, services, clients, timers, parameters."""
 
     PARAM_REL_TOL = RELATIVE_TOLERANCE
@@ -87,22 +87,21 @@ class Node(NodeParameters):
         space = space if space.startswith("/") else f"/{space}"
         _names.validate_namespace(space)
         self._name, self._namespace = name, space
+        self._full_name = f"{'' if space == '/' else space}/{name}"
         self._graph = self._context._graph
         self._clock = ROSClock()
-        self._logger = RcutilsLogger(self.get_fully_qualified_name()[1:].replace("/", "."))
+        self._logger = RcutilsLogger(self._full_name[1:].replace("/", "."))
         self._executor: Executor | None = None
         self._default_callback_group = MutuallyExclusiveCallbackGroup()
         self._publishers: list[Publisher[Any]] = []
         self._rosout: Publisher[Log] | None = None
         self._entity_list: list[Entity] = []
-        self._on_graph = True
         with self._graph.changed:
             self._graph.nodes.append(self)
             self._graph.changed.notify_all()
         self._context._nodes.add(self)
 
-        full = self.get_fully_qualified_name()
-        overrides = everybodys.parameters_of(full) | own.parameters_of(full)
+        overrides = everybodys.parameters_of(self._full_name) | own.parameters_of(self._full_name)
         overrides |= {parameter.name: parameter.value for parameter in parameter_overrides or ()}
         self._init_parameters(
             overrides, allow_undeclared_parameters, automatically_declare_parameters_from_overrides
@@ -148,16 +147,19 @@ class Node(NodeParameters):
             executor.add_node(self)
 
     def get_name(self) -> str:
-        """The name without its namespace."""
+        """The name without its namespace. Raises InvalidHandle once destroyed."""
+        self._use()
         return self._name
 
     def get_namespace(self) -> str:
-        """The namespace, `/` for the root."""
+        """The namespace, `/` for the root. Raises InvalidHandle once destroyed."""
+        self._use()
         return self._namespace
 
     def get_fully_qualified_name(self) -> str:
-        """`/namespace/name`."""
-        return f"{'' if self._namespace == '/' else self._namespace}/{self._name}"
+        """`/namespace/name`. Raises InvalidHandle once destroyed."""
+        self._use()
+        return self._full_name
 
     def get_clock(self) -> Clock:
         """The node's clock."""
@@ -168,16 +170,33 @@ class Node(NodeParameters):
         return self._logger
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """The name on the graph. Raises InvalidTopicNameException."""
-        full = _names.expand(topic, self._name, self._namespace)
+        """The name on the graph. Raises RCLError for what cannot be one."""
+        try:
+            full = self._resolved(topic, only_expand)
+        except ValueError as error:
+            raise RCLError(f"failed to resolve name: {error}") from None
+        problem = _names.full_topic_problem(full)
+        if problem:
+            raise RCLError(f"failed to resolve name: {problem[0]}")
+        return full
+
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """The name on the graph. Raises RCLError for what cannot be one."""
+        return self.resolve_topic_name(service, only_expand=only_expand)
+
+    def _resolved(self, name: str, only_expand: bool = False) -> str:
+        """Expanded and remapped. Raises InvalidHandle, ValueError."""
+        self._use()
+        full = _names.expand(name, self._name, self._namespace)
         rules = () if only_expand else self._remaps
         return _names.remapped(full, self._name, self._namespace, rules)
 
-    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """The name on the graph. Raises InvalidServiceNameException."""
-        full = _names.expand(service, self._name, self._namespace, is_service=True)
-        rules = () if only_expand else self._remaps
-        return _names.remapped(full, self._name, self._namespace, rules)
+    def _validated(self, name: str, *, is_service: bool = False) -> str:
+        """The same. Raises InvalidTopicNameException or InvalidServiceNameException too."""
+        _names.validate_topic_name(name, is_service=is_service)
+        full = self._resolved(name)
+        _names.validate_full_topic_name(full, is_service=is_service)
+        return full
 
     # what the node talks by
 
@@ -189,32 +208,34 @@ class Node(NodeParameters):
     @property
     def publishers(self) -> Iterator[Publisher[Any]]:
         """This node's publishers, but for the one of its log."""
-        return iter([p for p in self._publishers if p is not self._rosout])
+        return iter(
+            [p for p in self._publishers if not p._is_part_of_action and p is not self._rosout]
+        )
 
     @property
     def subscriptions(self) -> Iterator[Subscription[Any]]:
         """This node's subscriptions."""
-        return (e for e in list(self._entity_list) if isinstance(e, Subscription))
+        return self._own(Subscription)
 
     @property
     def services(self) -> Iterator[Service[Any, Any]]:
         """This node's services."""
-        return (e for e in list(self._entity_list) if isinstance(e, Service))
+        return self._own(Service)
 
     @property
     def clients(self) -> Iterator[Client[Any, Any]]:
         """This node's clients."""
-        return (e for e in list(self._entity_list) if isinstance(e, Client))
+        return self._own(Client)
 
     @property
     def guards(self) -> Iterator[GuardCondition]:
         """This node's guard conditions."""
-        return (e for e in list(self._entity_list) if isinstance(e, GuardCondition))
+        return iter(self._all(GuardCondition))
 
     @property
     def timers(self) -> Iterator[Timer]:
         """This node's timers."""
-        return (e for e in list(self._entity_list) if isinstance(e, Timer))
+        return iter(self._all(Timer))
 
     def create_publisher(
         self,
@@ -228,11 +249,11 @@ class Node(NodeParameters):
         publisher_class: type[Publisher[Any]] = Publisher,
     ) -> Publisher[MsgT]:
         """Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError."""
-        self._check_usable()
+        self._use()
         check_message(msg_type)
-        name = self.resolve_topic_name(topic)
+        name = self._validated(topic)
         qos = self._overridden("publisher", name, qos_profile, qos_overriding_options)
-        publisher = publisher_class(self, msg_type, name, qos)
+        publisher = publisher_class(self, msg_type, topic, name, qos)
         self._add_events(publisher, event_callbacks, callback_group)
         self._publishers.append(publisher)
         self._graph.add_publisher(publisher)
@@ -254,12 +275,12 @@ class Node(NodeParameters):
 
         Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError.
         """
-        self._check_usable()
+        self._use()
         check_message(msg_type)
         group = callback_group or self._default_callback_group
-        name = self.resolve_topic_name(topic)
+        name = self._validated(topic)
         qos = self._overridden("subscription", name, qos_profile, qos_overriding_options)
-        subscription = Subscription(self, msg_type, name, callback, group, qos, raw)
+        subscription = Subscription(self, msg_type, topic, name, callback, group, qos, raw)
         self._add_events(subscription, event_callbacks, callback_group)
         self._entity_list.append(subscription)
         self._graph.add_subscription(subscription)
@@ -274,11 +295,11 @@ class Node(NodeParameters):
         callback_group: CallbackGroup | None = None,
     ) -> Client[Any, Any]:
         """Raises InvalidServiceNameException."""
-        self._check_usable()
+        self._use()
         check_service(srv_type)
-        name, group = self.resolve_service_name(srv_name), callback_group
+        name, group = self._validated(srv_name, is_service=True), callback_group
         client: Client[Any, Any] = Client(
-            self, srv_type, name, group or self._default_callback_group, qos_profile
+            self, srv_type, srv_name, name, group or self._default_callback_group, qos_profile
         )
         self._entity_list.append(client)
         self._graph.add_named(self._graph.clients, name, client)
@@ -305,8 +326,7 @@ class Node(NodeParameters):
         autostart: bool = True,
     ) -> Timer:
         """A timer of that period in s. Raises RCLError for a negative one, and after shutdown."""
-        if not self._context.ok():
-            raise RCLError("failed to create timer: the given context is not valid")
+        self._check_context("timer")
         group = callback_group or self._default_callback_group
         period_ns = int(float(timer_period_sec) * 1e9)
         timer = Timer(self, callback, group, period_ns, clock or self._clock)
@@ -316,6 +336,10 @@ class Node(NodeParameters):
         else:
             timer.cancel()
         return timer
+
+    def _check_context(self, what: str) -> None:
+        if not self._context.ok():
+            raise RCLError(f"failed to create {what}: the given context is not valid")
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         """Sleeps at that frequency (Hz) while another thread spins the node."""
@@ -327,7 +351,8 @@ class Node(NodeParameters):
     def create_guard_condition(
         self, callback: Callable[[], Any], callback_group: CallbackGroup | None = None
     ) -> GuardCondition:
-        """Its callback runs on the executor after each `trigger()`."""
+        """Its callback runs on the executor after each `trigger()`. Raises RCLError."""
+        self._check_context("guard_condition")
         guard = GuardCondition(self, callback, callback_group or self._default_callback_group)
         self._entity_list.append(guard)
         return guard
@@ -384,11 +409,11 @@ class Node(NodeParameters):
         group: CallbackGroup | None,
         qos_profile: QoSProfile,
     ) -> Service[Any, Any]:
-        self._check_usable()
+        self._use()
         check_service(srv_type)
-        name = self.resolve_service_name(srv_name)
+        name = self._validated(srv_name, is_service=True)
         group = group or self._default_callback_group
-        service = kind(self, srv_type, name, callback, group, qos_profile)
+        service = kind(self, srv_type, srv_name, name, callback, group, qos_profile)
         self._entity_list.append(service)
         self._graph.add_named(self._graph.services, name, service)
         return service
@@ -424,10 +449,6 @@ class Node(NodeParameters):
         endpoint._incompatible_event = handler(callbacks.incompatible_qos)
         endpoint._warns = callbacks.use_default_callbacks
 
-    def _check_usable(self) -> None:
-        if not (self._on_graph and self._context.ok()):
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
-
     def _destroy(self, entity: Any) -> bool:
         if entity not in self._entity_list:
             return False
@@ -438,6 +459,13 @@ class Node(NodeParameters):
     def _entities(self) -> list[Entity]:
         return list(self._entity_list)
 
+    def _all(self, kind: type[EntityT]) -> list[EntityT]:
+        return [entity for entity in self._entities() if isinstance(entity, kind)]
+
+    def _own(self, kind: type[EntityT]) -> Iterator[EntityT]:
+        """Without those that an action is made of."""
+        return (entity for entity in self._all(kind) if not entity._is_part_of_action)
+
     # what is on the graph
 
     def get_node_names(self) -> list[str]:
@@ -446,16 +474,23 @@ class Node(NodeParameters):
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
         """`(name, namespace)` of every node."""
+        self._use()
         with self._graph.lock:
-            return [(node.get_name(), node.get_namespace()) for node in self._graph.nodes]
+            return [(node._name, node._namespace) for node in self._graph.nodes]
+
+    def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
+        """`(name, namespace, enclave)` of every node; without security all are in `/`."""
+        return [(*names, "/") for names in self.get_node_names_and_namespaces()]
 
     def get_fully_qualified_node_names(self) -> list[str]:
         """`/namespace/name` of every node."""
+        self._use()
         with self._graph.lock:
-            return [node.get_fully_qualified_name() for node in self._graph.nodes]
+            return [node._full_name for node in self._graph.nodes]
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
         """Every topic that has a publisher or a subscription."""
+        self._use()
         with self._graph.lock:
             return _sorted(
                 (name, endpoint.msg_type)
@@ -466,6 +501,7 @@ class Node(NodeParameters):
 
     def get_service_names_and_types(self) -> NamesAndTypes:
         """Every service that somebody offers, or has a client of: `count_services` tells which."""
+        self._use()
         with self._graph.lock:
             return _sorted(
                 (name, endpoint.srv_type)
@@ -487,27 +523,29 @@ class Node(NodeParameters):
     ) -> NamesAndTypes:
         """What one node subscribes. Raises NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
-        return _sorted((s.topic_name, s.msg_type) for node in nodes for s in node.subscriptions)
+        return _sorted(
+            (s.topic_name, s.msg_type) for node in nodes for s in node._all(Subscription)
+        )
 
     def get_service_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
         """What services one node offers. Raises NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
-        return _sorted((s.service_name, s.srv_type) for node in nodes for s in node.services)
+        return _sorted((s.service_name, s.srv_type) for node in nodes for s in node._all(Service))
 
     def get_client_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
         """What services one node is a client of. Raises NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
-        return _sorted((c.service_name, c.srv_type) for node in nodes for c in node.clients)
+        return _sorted((c.service_name, c.srv_type) for node in nodes for c in node._all(Client))
 
     def get_publishers_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
-        """Who publishes a topic, with which type and QoS."""
-        name = self.resolve_topic_name(topic_name)
+        """Who publishes a topic, with which type and QoS. Raises ValueError."""
+        name = self._resolved(topic_name)
         with self._graph.lock:
             topic = self._graph.topics.get(name)
             return [_info(endpoint) for endpoint in topic.publishers] if topic else []
@@ -515,38 +553,39 @@ class Node(NodeParameters):
     def get_subscriptions_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
-        """Who subscribes a topic, with which type and QoS."""
-        name = self.resolve_topic_name(topic_name)
+        """Who subscribes a topic, with which type and QoS. Raises ValueError."""
+        name = self._resolved(topic_name)
         with self._graph.lock:
             topic = self._graph.topics.get(name)
             return [_info(endpoint) for endpoint in topic.subscriptions] if topic else []
 
     def count_publishers(self, topic_name: str) -> int:
-        """How many publish a topic."""
+        """How many publish a topic. Raises ValueError."""
         return len(self.get_publishers_info_by_topic(topic_name))
 
     def count_subscribers(self, topic_name: str) -> int:
-        """How many subscribe a topic."""
+        """How many subscribe a topic. Raises ValueError."""
         return len(self.get_subscriptions_info_by_topic(topic_name))
 
     def count_services(self, service_name: str) -> int:
-        """How many offer a service."""
-        name = self.resolve_service_name(service_name)
+        """How many offer a service. Raises ValueError."""
+        name = self._resolved(service_name)
         with self._graph.lock:
             return len(self._graph.services.get(name, ()))
 
     def count_clients(self, service_name: str) -> int:
-        """How many have a client of a service."""
-        name = self.resolve_service_name(service_name)
+        """How many have a client of a service. Raises ValueError."""
+        name = self._resolved(service_name)
         with self._graph.lock:
             return len(self._graph.clients.get(name, ()))
 
     def _named(self, name: str, namespace: str) -> list[Node]:
+        self._use()
         with self._graph.lock:
             nodes = [
                 node
                 for node in self._graph.nodes
-                if node.get_name() == name and node.get_namespace() == namespace
+                if node._name == name and node._namespace == namespace
             ]
         if not nodes:
             raise NodeNameNonExistentError(
@@ -569,9 +608,9 @@ class Node(NodeParameters):
         self.destroy_node()
 
     def _leave_graph(self) -> None:
-        if not self._on_graph:
+        if self._destroyed:
             return
-        self._on_graph = False
+        self._destroyed = True
         if self._rosout is not None:
             _logging.disconnect(self._logger.name, self._publish_log)
         for thing in itertools.chain(self._publishers, self._entity_list):
@@ -603,9 +642,7 @@ def _info(endpoint: Any) -> TopicEndpointInfo:
     publishes = isinstance(endpoint, Publisher)
     kind = TopicEndpointTypeEnum.PUBLISHER if publishes else TopicEndpointTypeEnum.SUBSCRIPTION
     type_name = endpoint.msg_type.__type_name__
-    return TopicEndpointInfo(
-        node.get_name(), node.get_namespace(), type_name, kind, list(endpoint._gid), qos
-    )
+    return TopicEndpointInfo(node._name, node._namespace, type_name, kind, list(endpoint._gid), qos)
 
 
 def _nothing() -> None:

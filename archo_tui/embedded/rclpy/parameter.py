@@ -8,10 +8,12 @@ from enum import IntEnum
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+import yaml
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterType, ParameterValue
 
-from archo_tui.embedded.parameter_files import read, value_of
+from archo_tui.embedded.bounded_yaml import YamlError
+from archo_tui.embedded.parameter_files import read
 
 PARAMETER_SEPARATOR_STRING = "."
 
@@ -49,6 +51,9 @@ class Parameter(Generic[AllowableParameterValueT]):
                 for kind, element in _ELEMENTS.items():
                     if all(isinstance(item, element) for item in value):
                         return kind
+                raise TypeError(
+                    f"The given value is not a list of one of the allowed types '{value}'."
+                )
             raise TypeError(f"The given value is not one of the allowed types '{value}'.")
 
         def check(self, value: Any) -> bool:
@@ -59,7 +64,8 @@ class Parameter(Generic[AllowableParameterValueT]):
                 return isinstance(value, _SCALARS[self])
             element = _ELEMENTS[self]
             return isinstance(value, _SEQUENCES) and all(
-                isinstance(item, element) for item in value
+                isinstance(item, element) and not (isinstance(item, bytes) and len(item) != 1)
+                for item in value
             )
 
     def __init__(self, name: str, type_: Type | None = None, value: Any = None) -> None:
@@ -104,18 +110,25 @@ class Parameter(Generic[AllowableParameterValueT]):
     def from_parameter_msg(cls, message: ParameterMsg) -> Parameter[Any]:
         """The parameter that a message carries."""
         kind = Parameter.Type(message.value.type)
-        return cls(message.name, kind, parameter_value_to_python(message.value))
+        unset = kind == Parameter.Type.NOT_SET
+        return cls(message.name, kind, None if unset else getattr(message.value, _field(kind)))
 
 
 def get_parameter_value(string_value: str) -> ParameterValue:
-    """The value that a text means on a command line."""
+    """The value that a text means on a command line, read as YAML; a string when it is none.
+
+    Other than rcl's own parser this takes `1e3` for a string, as PyYAML does.
+    """
     try:
-        value = value_of(string_value)
-        if isinstance(value, list) and any(type(item) is not type(value[0]) for item in value):
-            value = string_value
-    except ValueError:
-        value = string_value
-    return Parameter("value", value="" if value is None else value).get_parameter_value()
+        value = yaml.safe_load(string_value)
+        kind = Parameter.Type.from_parameter_value(value)
+    except (yaml.YAMLError, TypeError):
+        kind = Parameter.Type.NOT_SET
+    if kind == Parameter.Type.NOT_SET:
+        return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=string_value)
+    if value == []:
+        kind = Parameter.Type.BOOL_ARRAY
+    return Parameter("value", kind, value).get_parameter_value()
 
 
 def parameter_dict_from_yaml_file(
@@ -124,26 +137,40 @@ def parameter_dict_from_yaml_file(
     target_nodes: Sequence[str] | None = None,
     namespace: str = "",
 ) -> dict[str, ParameterMsg]:
-    """What a parameter file has for some nodes, or for all when none is named.
+    """What a parameter file has for the nodes, behind what it has for all with `use_wildcard`.
 
+    `namespace` is put before each name, as it is.
     Raises RuntimeError when there is nothing for them, FileNotFoundError.
     """
+    patterns = ["/**"] if use_wildcard else []
+    patterns += [f"/{node.lstrip('/')}" for node in target_nodes or ()]
+    try:
+        overrides = read(Path(parameter_file))
+    except YamlError as error:
+        raise RuntimeError(f"Param file does not contain any valid parameters: {error}") from None
     found: dict[str, ParameterMsg] = {}
-    for override in read(Path(parameter_file)):
-        wild = "*" in override.pattern
-        named = target_nodes is None or override.pattern in target_nodes
-        if (wild and use_wildcard) or (not wild and named):
-            name = f"{namespace}.{override.name}" if namespace else override.name
-            found[override.name] = Parameter(name, value=override.value).to_parameter_msg()
+    for pattern in patterns:
+        for override in overrides:
+            if f"/{override.pattern.lstrip('/')}" == pattern:
+                name = namespace + override.name
+                found[name] = Parameter(name, value=override.value).to_parameter_msg()
     if not found:
         raise RuntimeError("Param file does not contain any valid parameters")
     return found
 
 
-def parameter_value_to_python(message: ParameterValue) -> Any:
-    """The Python value of rcl_interfaces/ParameterValue; None when not set."""
-    kind = Parameter.Type(message.type)
-    return None if kind == Parameter.Type.NOT_SET else getattr(message, _field(kind))
+def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
+    """The Python value of rcl_interfaces/ParameterValue; None when not set.
+
+    Raises RuntimeError for a type that is none.
+    """
+    kind = parameter_value.type
+    if kind not in Parameter.Type.__members__.values():
+        raise RuntimeError(f"unexpected parameter type {kind}")
+    if kind == Parameter.Type.NOT_SET:
+        return None
+    value = getattr(parameter_value, _field(Parameter.Type(kind)))
+    return list(value) if isinstance(value, array.array) else value
 
 
 def _field(kind: Parameter.Type) -> str:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces import srv
 from rcl_interfaces.msg import ParameterEvent
 from rclpy import _time_source
 from rclpy.callback_groups import CallbackGroup
-from rclpy.parameter import Parameter
+from rclpy.parameter import Parameter, parameter_dict_from_yaml_file
 from rclpy.qos import (
     QoSProfile,
     qos_profile_parameter_events,
@@ -18,11 +17,11 @@ from rclpy.qos import (
 )
 from rclpy.task import Future
 
-from archo_tui.embedded.bounded_yaml import YamlError
-from archo_tui.embedded.parameter_files import matches, read
-
 if TYPE_CHECKING:
     from rclpy.node import Node
+
+
+DoneCallback = Callable[[Future[Any]], Any] | None  # called with the future when it is done
 
 
 class AsyncParameterClient:
@@ -70,51 +69,65 @@ class AsyncParameterClient:
         return True
 
     def list_parameters(
-        self, prefixes: Sequence[str] | None = None, depth: int | None = None
+        self,
+        prefixes: Sequence[str] | None = None,
+        depth: int | None = None,
+        callback: DoneCallback = None,
     ) -> Future[Any]:
         """Names below the prefixes, `depth` levels deep (default: all, any)."""
+        request = srv.ListParameters.Request(prefixes=list(prefixes or ()), depth=depth or 0)
+        return self._call(self._list, request, callback)
+
+    def get_parameters(self, names: Sequence[str], callback: DoneCallback = None) -> Future[Any]:
+        """Values, in the order of the names."""
+        return self._call(self._get, srv.GetParameters.Request(names=list(names)), callback)
+
+    def get_parameter_types(
+        self, names: Sequence[str], callback: DoneCallback = None
+    ) -> Future[Any]:
+        """Types, in the order of the names."""
+        return self._call(self._types, srv.GetParameterTypes.Request(names=list(names)), callback)
+
+    def describe_parameters(
+        self, names: Sequence[str], callback: DoneCallback = None
+    ) -> Future[Any]:
+        """Descriptors, in the order of the names."""
         return self._call(
-            self._list, srv.ListParameters.Request(prefixes=list(prefixes or ()), depth=depth or 0)
+            self._describe, srv.DescribeParameters.Request(names=list(names)), callback
         )
 
-    def get_parameters(self, names: Sequence[str]) -> Future[Any]:
-        """Values, in the order of the names."""
-        return self._call(self._get, srv.GetParameters.Request(names=list(names)))
-
-    def get_parameter_types(self, names: Sequence[str]) -> Future[Any]:
-        """Types, in the order of the names."""
-        return self._call(self._types, srv.GetParameterTypes.Request(names=list(names)))
-
-    def describe_parameters(self, names: Sequence[str]) -> Future[Any]:
-        """Descriptors, in the order of the names."""
-        return self._call(self._describe, srv.DescribeParameters.Request(names=list(names)))
-
-    def set_parameters(self, parameters: Sequence[Any]) -> Future[Any]:
+    def set_parameters(
+        self, parameters: Sequence[Any], callback: DoneCallback = None
+    ) -> Future[Any]:
         """Set one by one; a result with a reason for each."""
         request = srv.SetParameters.Request(parameters=_messages(parameters))
-        return self._call(self._set, request)
+        return self._call(self._set, request, callback)
 
-    def set_parameters_atomically(self, parameters: Sequence[Any]) -> Future[Any]:
+    def set_parameters_atomically(
+        self, parameters: Sequence[Any], callback: DoneCallback = None
+    ) -> Future[Any]:
         """Set all or none; one result with a reason."""
         request = srv.SetParametersAtomically.Request(parameters=_messages(parameters))
-        return self._call(self._atomically, request)
+        return self._call(self._atomically, request, callback)
 
-    def delete_parameters(self, names: Sequence[str]) -> Future[Any]:
+    def delete_parameters(self, names: Sequence[str], callback: DoneCallback = None) -> Future[Any]:
         """Undeclare; refused for parameters of a static type."""
-        return self.set_parameters([Parameter(name) for name in names])
+        return self.set_parameters([Parameter(name) for name in names], callback)
 
-    def load_parameter_file(self, parameter_file: str, use_wildcard: bool = False) -> Future[Any]:
+    def load_parameter_file(
+        self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
+    ) -> Future[Any]:
         """Set what a file has for the node, one by one; with `use_wildcard` also what is for all.
 
         Raises FileNotFoundError, RuntimeError for a file that is none of parameters.
         """
-        return self.set_parameters(self._read(parameter_file, use_wildcard))
+        return self.set_parameters(self._read(parameter_file, use_wildcard), callback)
 
     def load_parameter_file_atomically(
-        self, parameter_file: str, use_wildcard: bool = False
+        self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
     ) -> Future[Any]:
         """The same, all or none."""
-        return self.set_parameters_atomically(self._read(parameter_file, use_wildcard))
+        return self.set_parameters_atomically(self._read(parameter_file, use_wildcard), callback)
 
     def on_parameter_event(
         self,
@@ -132,21 +145,14 @@ class AsyncParameterClient:
             callback_group=callback_group,
         )
 
-    def _read(self, file: str, use_wildcard: bool) -> list[Parameter[Any]]:
-        try:
-            overrides = read(Path(file))
-        except YamlError as error:
-            raise RuntimeError(str(error)) from None
-        node = f"/{self.remote_node_name.lstrip('/')}"
-        values = {
-            o.name: o.value
-            for o in overrides
-            if matches(o.pattern, node) and (use_wildcard or "*" not in o.pattern)
-        }
-        return [Parameter(name, value=value) for name, value in values.items()]
+    def _read(self, file: str, use_wildcard: bool) -> list[Any]:
+        nodes = [self.remote_node_name]
+        return list(parameter_dict_from_yaml_file(file, use_wildcard, nodes).values())
 
-    def _call(self, client: Any, request: Any) -> Future[Any]:
+    def _call(self, client: Any, request: Any, callback: DoneCallback) -> Future[Any]:
         future: Future[Any] = client.call_async(request)
+        if callback is not None:
+            future.add_done_callback(callback)
         return future
 
 

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from rclpy._rclpy_pybind11 import InvalidHandle
+from rclpy._entity import Destroyable
 from rclpy._time_source import monotonic_ns
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -22,17 +22,22 @@ MsgT = TypeVar("MsgT")
 _FOR_EVER = Duration(seconds=-1)
 
 
-class Publisher(Generic[MsgT]):
+class Publisher(Destroyable, Generic[MsgT]):
     """Sends messages of one type on one topic. Made by `Node.create_publisher`."""
 
     def __init__(
-        self, node: Node, msg_type: type[MsgT], topic_name: str, qos_profile: QoSProfile
+        self,
+        node: Node,
+        msg_type: type[MsgT],
+        topic: str,
+        topic_name: str,
+        qos_profile: QoSProfile,
     ) -> None:
         self._node = node
         self.msg_type = msg_type
-        self.topic_name = topic_name
+        self.topic = topic  # as it was given
+        self.topic_name = topic_name  # as it is on the graph
         self.qos_profile = qos_profile
-        self._destroyed = False
         self._sent = 0
         self._gid = list(uuid.uuid4().bytes)
         self._matched_event: EventHandler | None = None
@@ -56,8 +61,7 @@ class Publisher(Generic[MsgT]):
             msg = deserialize_message(msg, self.msg_type)
         if not isinstance(msg, self.msg_type):
             raise TypeError(f"Expected {self.msg_type}, got {type(msg)}")
-        if self._destroyed:
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        self._use()
         message: Any = msg
         self._sent += 1
         if self._keeps:
@@ -82,8 +86,7 @@ class Publisher(Generic[MsgT]):
 
     def _publish_lazily(self, make: Callable[[], Any], news: Any) -> None:
         """Send what `make()` returns; to subscriptions that follow changes only, `news`."""
-        if self._destroyed:
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        self._use()
         self._has_published = True
         message: Any = None
         for subscription in self._matched:
@@ -95,12 +98,16 @@ class Publisher(Generic[MsgT]):
 
     def assert_liveliness(self) -> None:
         """Say that this publisher is alive. Raises InvalidHandle after `destroy()`."""
-        if self._destroyed:
-            raise InvalidHandle("cannot use Destroyable because destruction was requested")
+        self._use()
 
     def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
-        """True when everybody has what was published: in one process at once."""
-        self.assert_liveliness()
+        """True when everybody has what was published: in one process at once.
+
+        Raises InvalidHandle after `destroy()`, TypeError for what is no Duration.
+        """
+        self._use()
+        if not isinstance(timeout, Duration):
+            raise TypeError(f"timeout is a Duration, not {type(timeout).__name__}")
         return True
 
     @property
@@ -109,7 +116,8 @@ class Publisher(Generic[MsgT]):
         return self._node.get_logger().name
 
     def get_subscription_count(self) -> int:
-        """How many subscriptions match."""
+        """How many subscriptions match. Raises InvalidHandle after `destroy()`."""
+        self._use()
         return len(self._matched)
 
     def __enter__(self) -> Publisher[MsgT]:

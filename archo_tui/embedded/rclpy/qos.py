@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import warnings
 from copy import copy
-from enum import Enum, IntEnum
+from enum import Enum, EnumMeta, IntEnum
 from typing import Any
 
 from rclpy.duration import Duration
@@ -17,7 +17,21 @@ _NO_TIME = Duration()
 _BEST_TIME = Duration(nanoseconds=9223372036854775806)  # rmw's "best available"
 
 
-class QoSPolicyEnum(IntEnum):
+class _OldNames(EnumMeta):
+    """Knows `RMW_QOS_POLICY_HISTORY_KEEP_LAST` and its like, which older programs use."""
+
+    def __getattr__(cls, name: str) -> Any:
+        kind = cls.__name__.removesuffix("Policy")
+        short = name.removeprefix(f"RMW_QOS_POLICY_{kind.upper()}_")
+        if short == name or short not in cls.__members__:
+            raise AttributeError(name)
+        warnings.warn(
+            f"{kind}Policy.{name} is deprecated. Use {kind}Policy.{short} instead.", stacklevel=2
+        )
+        return cls[short]
+
+
+class QoSPolicyEnum(IntEnum, metaclass=_OldNames):
     """Base of the policies; a short key is a member's name in small letters."""
 
     @classmethod
@@ -176,7 +190,7 @@ class QoSProfile:
 
     __hash__ = None  # type: ignore[assignment]  # it can be changed
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         shown = {name: value for name, value in vars(self).items()}
         inside = (
             f"{name}={value.value if isinstance(value, IntEnum) else value}"
@@ -255,7 +269,7 @@ def as_profile(qos: QoSProfile | int) -> QoSProfile:
     if isinstance(qos, bool) or not isinstance(qos, int):
         raise TypeError(f"Expected QoSProfile or int, but received {type(qos)!r}")
     if qos < 0:
-        raise ValueError("depth must be greater than or equal to zero")
+        raise ValueError("history depth must be greater than or equal to zero")
     return QoSProfile(depth=qos)
 
 

@@ -35,13 +35,16 @@ class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         node: Node,
         srv_type: Any,
         srv_name: str,
+        service_name: str,
         callback: Callable[[Any, Any], Any],
         callback_group: CallbackGroup,
         qos_profile: QoSProfile,
     ) -> None:
         super().__init__(node, callback_group, qos_profile.queue_size)
         self.srv_type = srv_type
-        self.service_name = srv_name
+        self.qos_profile = qos_profile
+        self.srv_name = srv_name  # as it was given
+        self.service_name = service_name  # as it is on the graph
         self.callback = callback
 
     def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:

@@ -43,6 +43,7 @@ class Subscription(QueueEntity, Generic[MsgT]):
         self,
         node: Node,
         msg_type: type[MsgT],
+        topic: str,
         topic_name: str,
         callback: Callable[..., Any],
         callback_group: CallbackGroup,
@@ -51,7 +52,8 @@ class Subscription(QueueEntity, Generic[MsgT]):
     ) -> None:
         super().__init__(node, callback_group, qos_profile.queue_size)
         self.msg_type = msg_type
-        self.topic_name = topic_name
+        self.topic = topic  # as it was given
+        self.topic_name = topic_name  # as it is on the graph
         self.callback = callback
         self.qos_profile = qos_profile
         self.raw = raw
@@ -76,7 +78,8 @@ class Subscription(QueueEntity, Generic[MsgT]):
         return self._node.get_logger().name
 
     def get_publisher_count(self) -> int:
-        """How many publishers match."""
+        """How many publishers match. Raises InvalidHandle after `destroy()`."""
+        self._use()
         graph = self._node._graph
         with graph.lock:
             return sum(self in p._matched for p in graph.topics[self.topic_name].publishers)

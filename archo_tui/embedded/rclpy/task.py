@@ -146,8 +146,13 @@ class Task(Future[T]):
         kwargs: dict[str, Any] | None = None,
         executor: Executor | None = None,
     ) -> None:
+        """`handler` may also be a coroutine."""
         super().__init__(executor=executor)
-        self._call: Callable[[], Any] | None = lambda: handler(*args, **(kwargs or {}))
+        self._call: Callable[[], Any] | None = (
+            (lambda: handler)
+            if inspect.iscoroutine(handler)
+            else lambda: handler(*args, **(kwargs or {}))
+        )
         self._coroutine: Any = None
         self._is_executing = False
         self._itself: Task[T] | None = None

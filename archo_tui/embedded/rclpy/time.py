@@ -9,6 +9,8 @@ import builtin_interfaces.msg
 from rclpy.clock_type import ClockType
 from rclpy.duration import S_TO_NS, Duration, in_int64
 
+_TOO_LARGE = "Total nanoseconds value is too large to store in C time point."
+
 
 @total_ordering
 class Time:
@@ -21,9 +23,15 @@ class Time:
         nanoseconds: int = 0,
         clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
-        if seconds < 0 or nanoseconds < 0:
-            raise ValueError("time values must not be negative")
-        self._nanoseconds = in_int64(int(seconds * S_TO_NS) + int(nanoseconds))
+        """Raises TypeError for no ClockType, ValueError for a negative one, OverflowError."""
+        if not isinstance(clock_type, ClockType):
+            raise TypeError("Clock type must be a ClockType enum")
+        if seconds < 0:
+            raise ValueError("Seconds value must not be negative")
+        if nanoseconds < 0:
+            raise ValueError("Nanoseconds value must not be negative")
+        total = int(seconds * S_TO_NS) + int(nanoseconds)
+        self._nanoseconds = in_int64(total, _TOO_LARGE)
         self._clock_type = clock_type
 
     @property
@@ -46,7 +54,12 @@ class Time:
     def __add__(self, other: Duration) -> Time:
         if not isinstance(other, Duration):
             return NotImplemented
-        return Time(nanoseconds=self._nanoseconds + other.nanoseconds, clock_type=self._clock_type)
+        total = in_int64(
+            self._nanoseconds + other.nanoseconds, "Addition leads to overflow in C storage."
+        )
+        if total < 0:
+            raise ValueError("Addition leads to negative time")
+        return Time(nanoseconds=total, clock_type=self._clock_type)
 
     __radd__ = __add__
 
@@ -59,10 +72,12 @@ class Time:
     def __sub__(self, other: Time | Duration) -> Time | Duration:
         if isinstance(other, Duration):
             left = self._nanoseconds - other.nanoseconds
+            if left < 0:
+                raise ValueError("Subtraction leads to negative time.")
             return Time(nanoseconds=left, clock_type=self._clock_type)
         if not isinstance(other, Time):
             return NotImplemented
-        self._check(other)
+        self._check(other, "subtract")
         return Duration(nanoseconds=self._nanoseconds - other._nanoseconds)
 
     def __eq__(self, other: object) -> bool:
@@ -77,9 +92,9 @@ class Time:
         self._check(other)
         return self._nanoseconds < other._nanoseconds
 
-    def _check(self, other: Time) -> None:
+    def _check(self, other: Time, doing: str = "compare") -> None:
         if self._clock_type != other._clock_type:
-            raise TypeError("Can't compare times with different clock types")
+            raise TypeError(f"Can't {doing} times with different clock types")
 
     def to_msg(self) -> builtin_interfaces.msg.Time:
         """As builtin_interfaces/Time."""
@@ -90,5 +105,7 @@ class Time:
     def from_msg(
         cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME
     ) -> Time:
-        """The time that a message carries."""
+        """The time that a message carries. Raises TypeError for another message."""
+        if not isinstance(msg, builtin_interfaces.msg.Time):
+            raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)

@@ -41,6 +41,7 @@ class Timer(Entity):
     """Calls back once a period, first after one period. Late ticks are skipped, never queued.
 
     Made by `Node.create_timer`. Counts monotonic time; simulated time while its clock has that.
+    Destroyed, every method raises InvalidHandle.
     """
 
     def __init__(
@@ -69,41 +70,52 @@ class Timer(Entity):
     @property
     def timer_period_ns(self) -> int:
         """The period in ns; a new one counts from the next call on (or from `reset()`)."""
+        self._use()
         return self._period_ns
 
     @timer_period_ns.setter
     def timer_period_ns(self, value: int) -> None:
+        self._use()
         self._period_ns = int(value)
 
     def is_ready(self) -> bool:
         """True when the callback is due."""
-        return not self._canceled and self._now_ns() >= self._next_ns
+        self._use()
+        return self._is_due()
 
     def is_canceled(self) -> bool:
         """True between `cancel()` and `reset()`."""
+        self._use()
         return self._canceled
 
     def cancel(self) -> None:
         """Stop ticking until `reset()`."""
+        self._use()
         self._canceled = True
 
     def reset(self) -> None:
         """Tick (again), a full period from now."""
+        self._use()
         self._canceled = False
         self._next_ns = self._now_ns() + self._period_ns
         self._schedule()
 
     def time_since_last_call(self) -> int:
         """ns since the callback was last called (or the timer made)."""
+        self._use()
         return self._now_ns() - self._last_ns
 
     def time_until_next_call(self) -> int | None:
         """ns until the callback is due, negative when late, None when canceled."""
+        self._use()
         return None if self._canceled else self._next_ns - self._now_ns()
 
     def destroy(self) -> None:
         """Never tick again."""
         self._destroyed = self._canceled = True
+
+    def _is_due(self) -> bool:
+        return not self._canceled and self._now_ns() >= self._next_ns
 
     def _now_ns(self) -> int:
         clock = self._ros_clock
@@ -114,7 +126,7 @@ class Timer(Entity):
         if executor is None or self._canceled:
             return
         if self._ros_clock is not None and self._ros_clock.ros_time_is_active:
-            if self.is_ready():
+            if self._is_due():
                 self._notify()
         else:
             executor._add_timer(self)
@@ -124,7 +136,7 @@ class Timer(Entity):
         if self._now_ns() < self._last_ns:
             self._last_ns = self._now_ns()
             self._next_ns = self._last_ns + self._period_ns
-        if self.is_ready():
+        if self._is_due():
             self._notify()
 
     def _change_time(self, *, simulated: bool, until_ns: int) -> None:

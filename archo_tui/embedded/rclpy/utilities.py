@@ -13,13 +13,13 @@ _lock = threading.Lock()
 _default: Context | None = None
 
 
-def get_default_context() -> Context:
-    """The context that is meant when none is given."""
+def get_default_context(*, shutting_down: bool = False) -> Context:
+    """The context that is meant when none is given; `shutting_down`, for the last time."""
     global _default
     with _lock:
-        if _default is None:
-            _default = Context()
-        return _default
+        context = _default or Context()
+        _default = None if shutting_down else context
+        return context
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
@@ -33,13 +33,13 @@ def ok(*, context: Context | None = None) -> bool:
 
 
 def shutdown(*, context: Context | None = None) -> None:
-    """End the (default) context. Raises RCLError when not begun."""
-    (context or get_default_context()).shutdown()
+    """End the (default) context. Raises RuntimeError when not begun."""
+    (context or get_default_context(shutting_down=True)).shutdown()
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
     """End the (default) context if begun."""
-    (context or get_default_context()).try_shutdown()
+    (context or get_default_context(shutting_down=True)).try_shutdown()
 
 
 def timeout_sec_to_nsec(timeout_sec: float | None) -> int:

@@ -6,6 +6,6 @@ from rclpy import _names
 
 
 def validate_topic_name(name: str, *, is_service: bool = False) -> bool:
-    """True. Raises InvalidTopicNameException or InvalidServiceNameException, ValueError."""
-    _names.expand(name, "node", "/", is_service=is_service)
+    """True. Raises InvalidTopicNameException or InvalidServiceNameException."""
+    _names.validate_topic_name(name, is_service=is_service)
     return True

@@ -37,7 +37,8 @@ def next_state(state: int, event: str) -> int:
         return _NEXT[state, event]
     except KeyError:
         raise RCLError(
-            f"goal_handle attempted invalid transition from state {state}: {event}"
+            f"Failed to update goal state: goal_handle attempted invalid transition from state "
+            f"{state}: {event}"
         ) from None
 
 

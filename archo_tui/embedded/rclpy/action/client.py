@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy import _time_source
+from rclpy._names import topic_problem
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.action._goal_states import ACTIVE
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import (
@@ -33,6 +35,15 @@ class ClientGoalHandle:
         self.goal_id = goal_id
         self._response = response
         self._status = GoalStatus.STATUS_UNKNOWN
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ClientGoalHandle) and self.goal_id == other.goal_id
+
+    __hash__ = None  # type: ignore[assignment]  # as rclpy's
+
+    def __repr__(self) -> str:
+        about = f"accepted={self.accepted}, status={self.status}"
+        return f"ClientGoalHandle <id={self.goal_id.uuid}, {about}>"
 
     @property
     def accepted(self) -> bool:
@@ -88,6 +99,13 @@ class ActionClient:
         feedback_sub_qos_profile: QoSProfile = QoSProfile(depth=10),  # noqa: B008
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
+        """Raises ValueError for a name that is none."""
+        problem = topic_problem(action_name)
+        if problem:
+            raise ValueError(
+                f"Failed to create action client due to invalid topic name '{action_name}' : "
+                f"{problem[0]}"
+            )
         self._node = node
         self._action_type = action_type
         self._goals: weakref.WeakValueDictionary[bytes, ClientGoalHandle] = (
@@ -116,10 +134,10 @@ class ActionClient:
         ]
 
         for entity in (*self._clients, *self._subscriptions):
-            entity._rank = 0
-        status = self._subscriptions[1]
-        status._follows_changes = True
-        status._queue = deque(status._queue)  # no change may be lost
+            entity._rank, entity._is_part_of_action = 0, True
+        self._status = self._subscriptions[1]
+        self._status._follows_changes = True
+        self._status._queue = deque(self._status._queue)  # no change may be lost
 
     def send_goal_async(
         self,
@@ -129,12 +147,14 @@ class ActionClient:
     ) -> Future[ClientGoalHandle]:
         """Send a goal; the future gets its handle when the server has accepted or refused.
 
-        `feedback_callback` gets messages with `.feedback`. Raises TypeError for another goal type.
+        `feedback_callback` gets messages with `.feedback`. Raises TypeError for another goal type,
+        RCLError after `destroy()`.
         """
         if not isinstance(goal, self._action_type.Goal):
             raise TypeError(
                 f"Expected goal type ({self._action_type.Goal}) but received ({type(goal)})"
             )
+        self._use("send goal request")
         goal_id = goal_uuid or UUID(uuid=list(uuid.uuid4().bytes))
         if feedback_callback is not None:
             self._feedback_callbacks[bytes(goal_id.uuid)] = feedback_callback
@@ -161,18 +181,25 @@ class ActionClient:
         return handle.get_result() if handle.accepted else None
 
     def server_is_ready(self) -> bool:
-        """True when a server offers the action and its feedback and status reach this client."""
+        """True when a server offers the action and its feedback and status reach this client.
+
+        Raises RCLError after `destroy()`.
+        """
+        self._use("check if action server is available")
         return all(client.service_is_ready() for client in self._clients) and all(
             subscription.get_publisher_count() for subscription in self._subscriptions
         )
 
     def wait_for_server(self, timeout_sec: float | None = None) -> bool:
-        """Block until the action is offered; False when `timeout_sec` (s) passed before."""
+        """Block until the action is offered; False when `timeout_sec` (s) passed before.
+
+        Raises RCLError after `destroy()`, and when the context is shut down meanwhile.
+        """
         graph = self._node._graph
         with graph.changed:
             _time_source.wait_until(
                 graph.changed,
-                lambda: self.server_is_ready() or not self._node.context.ok(),
+                lambda: self._goal_client._destroyed or self.server_is_ready(),
                 _time_source.deadline_ns(timeout_sec),
             )
             return self.server_is_ready()
@@ -190,12 +217,23 @@ class ActionClient:
         for subscription in self._subscriptions:
             self._node.destroy_subscription(subscription)
 
+    def _use(self, to_do: str) -> None:
+        if self._goal_client._destroyed:
+            raise RCLError(f"Failed to {to_do}: the action client is destroyed")
+
     def _on_feedback(self, message: Any) -> Any:
         callback = self._feedback_callbacks.get(bytes(message.goal_id.uuid))
         return callback(message) if callback is not None else None
 
     def _on_status(self, news: Any) -> None:
-        """The whole status at first, then what changed in it."""
+        """The whole status at first, then what changed in it: all of it, before a result that
+        came with it."""
+        found: tuple[Any, ...] = (news,)
+        while found:
+            self._take_status(found[0])
+            found = self._status._next()
+
+    def _take_status(self, news: Any) -> None:
         if not isinstance(news, tuple):
             news = [(bytes(s.goal_info.goal_id.uuid), s.status) for s in news.status_list]
         for key, status in news:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from rclpy import _time_source
+from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.action import _goal_states as states
 from rclpy.callback_groups import CallbackGroup
@@ -106,6 +107,10 @@ class ServerGoalHandle:
         """End the goal as CANCELED. Raises RCLError unless a cancel was accepted."""
         self._update(states.CANCELED)
 
+    def destroy(self) -> None:
+        """Forget the goal; who asks for its result hears of no such goal."""
+        self._server._goals.pop(bytes(self.goal_id.uuid), None)
+
     def _update(self, event: str) -> None:
         with self._lock:
             self._status = states.next_state(self._status, event)
@@ -160,10 +165,22 @@ class ActionServer:
         status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 10,
     ) -> None:
-        """`result_timeout` is how long a result is kept after the goal has ended, in s."""
+        """`result_timeout` is how long a result is kept after the goal has ended, in s.
+
+        Raises TypeError for an `execute_callback` that cannot be called, ValueError for a name that
+        is none and a negative timeout.
+        """
+        problem = topic_problem(action_name)
+        if problem:
+            raise ValueError(
+                f"Failed to create action server due to invalid topic name '{action_name}' : "
+                f"{problem[0]}"
+            )
+        if result_timeout < 0:
+            raise ValueError("Failed to create action server: timer period must be non-negative")
         self._node = node
         self.action_type = action_type
-        self._execute_callback = execute_callback
+        self.register_execute_callback(execute_callback)
         self._goal_callback = goal_callback
         self._handle_accepted_callback = handle_accepted_callback
         self._cancel_callback = cancel_callback
@@ -179,7 +196,7 @@ class ActionServer:
         ) -> Service[Any, Any]:
             full = f"{action_name}/_action/{name}"
             service = node._add_service(kind, srv_type, full, callback, callback_group, qos)
-            service._rank = 0
+            service._rank, service._is_part_of_action = 0, True
             return service
 
         self._services = [
@@ -200,10 +217,11 @@ class ActionServer:
             impl.GoalStatusMessage, f"{action_name}/_action/status", status_pub_qos_profile
         )
         self._status._kept_by(self._all_statuses)
+        self._feedback._is_part_of_action = self._status._is_part_of_action = True
 
     def register_execute_callback(self, execute_callback: Callable[..., Any]) -> None:
         """Execute goals with this from now on. Raises TypeError for what cannot be called."""
-        self._execute_callback = _callable(execute_callback)
+        self._execute_callback = _callable(execute_callback, "goal execution callback")
 
     def register_goal_callback(self, goal_callback: Callable[..., Any] | None) -> None:
         """Ask this whether to take a goal; None: the default."""
@@ -341,9 +359,9 @@ class ActionServer:
             self._node.executor.create_task(callback, *args)
 
 
-def _callable(given: Any) -> Any:
+def _callable(given: Any, name: str = "callback") -> Any:
     if not callable(given):
-        raise TypeError("Failed to register callback: it is not callable")
+        raise TypeError(f"Failed to register {name}: not callable")
     return given
 
 

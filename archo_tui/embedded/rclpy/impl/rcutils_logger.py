@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from dataclasses import dataclass
 
 from rcl_interfaces.msg import Log
 from rclpy import _logging, _time_source
-from rclpy.clock import ROSClock
+from rclpy.clock import Clock, ROSClock
 from rclpy.impl.logging_severity import LoggingSeverity
 
 
@@ -19,17 +20,17 @@ class RcutilsLogger:
 
     def __init__(self, name: str = "") -> None:
         self.name = name
-        self._places: dict[tuple[str, int], _Place] = {}
+        self._places: dict[tuple[object, int], _Place] = {}  # by code and instruction
 
     def get_child(self, name: str) -> RcutilsLogger:
         """A logger below this one. Raises ValueError for an empty name."""
         if not name:
-            raise ValueError("Need at least one character for the child name")
+            raise ValueError("Child logger name must not be empty.")
         return RcutilsLogger(f"{self.name}.{name}" if self.name else name)
 
     def set_level(self, level: LoggingSeverity | int) -> None:
-        """Log from this severity on."""
-        _logging.set_level(self.name, int(level))
+        """Log from this severity on. Raises ValueError for what is no severity."""
+        _logging.set_level(self.name, LoggingSeverity(level))
 
     def get_effective_level(self) -> LoggingSeverity:
         """The level in force, own or inherited."""
@@ -57,6 +58,7 @@ class RcutilsLogger:
 
     def warn(self, message: str, **filters: float) -> bool:
         """The old name of `warning`."""
+        warnings.warn("Deprecated in favor of `RcutilsLogger.warning`.", DeprecationWarning, 2)
         return self._log(message, LoggingSeverity.WARN, filters)
 
     def error(self, message: str, **filters: float) -> bool:
@@ -74,7 +76,7 @@ class RcutilsLogger:
             raise TypeError(f"a log line is a str, not {type(message).__name__}")
         frame = sys._getframe(2)
         code = frame.f_code
-        if filters and not self._passes((code.co_filename, frame.f_lineno), filters):
+        if not self._passes((code, frame.f_lasti), severity, filters):
             return False
         stamp = ROSClock().now()
         sec, nanosec = stamp.seconds_nanoseconds()
@@ -94,16 +96,19 @@ class RcutilsLogger:
             )
         return True
 
-    def _passes(self, where: tuple[str, int], filters: dict[str, float]) -> bool:
-        for name in filters:
-            if name not in _FILTERS:
-                known = ", ".join(_FILTERS)
-                raise TypeError(
-                    f'parameter "{name}" is not one of the recognized logging options "{known}"'
-                )
-        place = self._places.setdefault(where, _Place(filters))
+    def _passes(
+        self, where: tuple[object, int], severity: LoggingSeverity, filters: dict[str, float]
+    ) -> bool:
+        place = self._places.get(where)
+        if place is None:
+            self._check(filters)
+            place = self._places[where] = _Place(severity, filters)
+        if place.severity != severity:
+            raise ValueError("Logger severity cannot be changed between calls.")
         if place.filters != filters:
             raise ValueError("Requested logging filters cannot be changed between calls.")
+        if not filters:
+            return True
         now = _time_source.monotonic_ns() / 1e9
         period = filters.get("throttle_duration_sec", 0.0)
         if place.last is not None and now - place.last < period:
@@ -117,14 +122,33 @@ class RcutilsLogger:
         place.logged = True
         return True
 
+    def _check(self, filters: dict[str, float]) -> None:
+        for name in filters:
+            if name not in _FILTERS:
+                known = ", ".join(_FILTERS)
+                raise TypeError(
+                    f'parameter "{name}" is not one of the recognized logging options "{known}"'
+                )
+        clock = filters.get("throttle_time_source_type")
+        if clock is not None and not isinstance(clock, Clock):
+            raise ValueError(
+                f'Received throttle_time_source_type of "{clock}" is not a clock instance'
+            )
+        if clock is not None and "throttle_duration_sec" not in filters:
+            raise TypeError(
+                'required parameter "throttle_duration_sec" not specified but is required for the '
+                'the logging filter "throttle"'
+            )
+
 
 _FILTERS = ("throttle_duration_sec", "throttle_time_source_type", "skip_first", "once")
 
 
 @dataclass
 class _Place:
-    """One place in the source that logs with filters."""
+    """One place in the source that logs."""
 
+    severity: LoggingSeverity
     filters: dict[str, float]
     last: float | None = None  # s, when it last passed the throttle
     skipped: bool = False
