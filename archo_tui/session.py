@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -51,6 +52,9 @@ class Options:
     interfaces: Path | None = None  # interface packages of the user's own
 
 
+_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # as ROS has it
+
+
 class Session:
     """Everything but the screen. Use as a context manager."""
 
@@ -65,6 +69,11 @@ class Session:
         self.options = options
         if not options.namespace.startswith("/"):
             raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
+        if not _NAMESPACE.fullmatch(options.namespace):
+            raise ArchoError(
+                f"--namespace {options.namespace}: only letters, digits and _ between slashes, "
+                "and no digit first"
+            )
         self._clock = clock or Clock()
         self.description = robot_files.load(options.robot or robot_files.default())
         if options.attach:
@@ -106,7 +115,10 @@ class Session:
                 signal_handler_options=SignalHandlerOptions.NO,
             )
         except Exception as error:  # ROS has a dozen of them, all for bad arguments
-            raise ArchoError((str(error).splitlines() or [repr(error)])[0]) from None
+            said = (str(error).splitlines() or [repr(error)])[0]
+            if said.startswith("["):  # rcl lists what it does not know, and says no more
+                said = f"unknown ROS arguments: {said}"
+            raise ArchoError(said) from None
         self.journal = Journal(journal_file())
         try:
             self.robot = Robot(
@@ -124,7 +136,8 @@ class Session:
             raise ArchoError(self._refused(str(error))) from None
         except NameValidationException as error:
             self._give_up()
-            raise ArchoError(f"{error.name_type} {error.name!r}: {error.error_msg}") from None
+            said, name = str(error).splitlines()[:2]  # the third line points at the character
+            raise ArchoError(f"{said} {name.strip()}") from None
         except Exception:
             self._give_up()
             raise
@@ -198,7 +211,7 @@ class Session:
         """The line for a parameter value that a node refused at the start, with file and line."""
         said, _, name = message.rpartition(": ")  # rclpy ends its errors by the parameter's name
         for override in reversed(self._overrides):
-            if override.name == name:
+            if override.name == name and str(override.value) in said:  # not one behind --ros-args
                 return f"{override.where}: {said}"
         return message
 

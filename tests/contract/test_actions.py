@@ -78,6 +78,28 @@ def test_a_goal_is_accepted_gives_feedback_and_a_result(ros: Ros) -> None:
     wait_until(lambda: handle.status == GoalStatus.STATUS_SUCCEEDED)
 
 
+def test_when_the_result_is_there_the_goals_status_is_too(ros: Ros) -> None:
+    node = ros.node()
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+
+    def execute(goal: Any) -> Any:
+        goal.succeed()
+        return MoveToShelf.Result()
+
+    ActionServer(node, MoveToShelf, "move", execute)
+    client = ActionClient(node, MoveToShelf, "move")
+    assert client.wait_for_server(10.0)
+    sent = client.send_goal_async(MoveToShelf.Goal())
+    executor.spin_until_future_complete(sent, 10.0)
+    answer = sent.result().get_result_async()
+    executor.spin_until_future_complete(answer, 10.0)
+    assert answer.result().status == sent.result().status == GoalStatus.STATUS_SUCCEEDED
+    assert repr(sent.result()).endswith("accepted=True, status=4>")
+    assert sent.result() == sent.result()
+    executor.shutdown()
+
+
 def test_a_result_can_be_asked_for_after_the_end_and_twice(ros: Ros) -> None:
     robot = Robot(ros)
     handle = send(ros, robot)

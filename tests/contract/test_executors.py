@@ -9,9 +9,12 @@ from typing import Any
 import pytest
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import (
+    Executor,
     ExternalShutdownException,
     MultiThreadedExecutor,
+    ShutdownException,
     SingleThreadedExecutor,
+    TimeoutException,
 )
 from rclpy.task import Future
 from std_msgs.msg import Int32
@@ -322,3 +325,47 @@ def test_a_task_that_comes_while_messages_wait_is_done_before_the_second_of_them
     executor.spin_once(1.0)
     assert ran == ["message", "task", "message"]
     executor.shutdown(0)
+
+
+class Alternating(Executor):
+    """An executor of one's own: notes for which node it was asked, and does the work."""
+
+    def __init__(self, *, context: Any) -> None:
+        super().__init__(context=context)
+        self.order: list[str] = []
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        task, entity, node = self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
+        self.order.append("a task" if node is None else node.get_name())
+        assert entity is None or self.can_execute(entity) in (True, False)
+        task()
+
+
+def test_an_executor_of_ones_own_is_handed_the_work(ros: Ros) -> None:
+    node = ros.node()
+    executor = Alternating(context=ros.context)
+    executor.add_node(node)
+    heard: list[int] = []
+    node.create_subscription(Int32, "a", lambda m: heard.append(m.data), 10)
+    node.create_publisher(Int32, "a", 10).publish(Int32(data=7))
+    executor.create_task(lambda: None)
+    while heard != [7]:
+        executor.spin_once(10.0)
+    assert set(executor.order) == {"a task", "node"}
+    with pytest.raises(TimeoutException):
+        executor.wait_for_ready_callbacks(timeout_sec=0.01)
+    executor.shutdown()
+    with pytest.raises(ShutdownException):
+        executor.wait_for_ready_callbacks()
+
+
+def test_a_coroutine_is_a_task_too(ros: Ros) -> None:
+    executor = SingleThreadedExecutor(context=ros.context)
+
+    async def answer() -> int:
+        return 42
+
+    task = executor.create_task(answer())  # type: ignore[arg-type]
+    executor.spin_until_future_complete(task, 10.0)
+    assert task.result() == 42
+    executor.shutdown()

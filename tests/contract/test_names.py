@@ -2,20 +2,30 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import rclpy
+from rclpy._rclpy_pybind11 import RCLError
 from rclpy.context import Context
 from rclpy.exceptions import (
     InvalidNamespaceException,
     InvalidNodeNameException,
     InvalidServiceNameException,
     InvalidTopicNameException,
+    NameValidationException,
     NotInitializedException,
 )
+from rclpy.expand_topic_name import expand_topic_name
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from rclpy.utilities import get_default_context
+from rclpy.validate_full_topic_name import validate_full_topic_name
+from rclpy.validate_namespace import validate_namespace
+from rclpy.validate_node_name import validate_node_name
+from rclpy.validate_topic_name import validate_topic_name
 from std_msgs.msg import Float32
 from std_srvs.srv import Trigger
 
@@ -188,3 +198,116 @@ def test_a_bad_parameter_file_is_an_error_of_init(tmp_path: Path, text: str) -> 
 def test_a_bad_argument_is_an_error_of_init(words: list[str]) -> None:
     with pytest.raises(Exception, match=r".+"):
         Ros(words)
+
+
+BAD_NAMES = {  # and what ROS says against it
+    "": "must not be empty string",
+    "with space": "must not contain characters other than",
+    "1st": "token must not start with a number",
+    "end/": "must not end with a forward slash",
+    "a~b": "must not have tilde '~' unless it is the first character",
+    "a{b": "must not have unmatched (unbalanced) curly braces",
+    "a{x}": "unknown substitution: {x}",
+}
+
+
+@pytest.mark.parametrize("name", BAD_NAMES)
+def test_a_name_that_is_none_is_an_error_of_its_kind_wherever_it_is_given(
+    name: str, ros: Ros
+) -> None:
+    node, said = ros.node(), re.escape(BAD_NAMES[name])
+    for count in (node.count_publishers, node.count_subscribers, node.count_services):
+        with pytest.raises(ValueError, match=said):
+            count(name)
+    with pytest.raises(ValueError, match=said):
+        node.get_publishers_info_by_topic(name)
+    with pytest.raises(ValueError, match=said):
+        expand_topic_name(name, "node", "/")
+    with pytest.raises(RCLError, match=said):
+        node.resolve_topic_name(name)
+    with pytest.raises(RCLError, match=said):
+        node.resolve_service_name(name)
+    with pytest.raises(TypeError):
+        node.count_publishers(3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("validate", "name", "index"),
+    [
+        (validate_topic_name, "ab?", 2),
+        (validate_topic_name, "a/9b", 2),
+        (validate_full_topic_name, "/a/9b", 3),
+        (validate_full_topic_name, "/a//b", 3),
+        (validate_full_topic_name, "/a{b}", 2),
+        (validate_full_topic_name, "a", 0),
+        (validate_namespace, "/a/9b", 3),
+        (validate_namespace, "/a//b", 3),
+        (validate_namespace, "/a/", 2),
+        (validate_namespace, "/" + "a" * 300, 244),
+        (validate_node_name, "ab.c", 2),
+        (validate_node_name, "a" * 300, 254),
+        (validate_full_topic_name, "/" + "a" * 300, 246),
+    ],
+)
+def test_the_character_that_is_wrong_is_pointed_at(
+    validate: Callable[[str], bool], name: str, index: int
+) -> None:
+    with pytest.raises(NameValidationException) as caught:
+        validate(name)
+    assert str(caught.value).splitlines()[2] == " " * (3 + index) + "^"
+
+
+@pytest.mark.parametrize("rule", ["a b:=c", "a:=b c", "x?:=y", "/:=/b", "a"])
+def test_a_rule_that_cannot_rename_is_refused_at_init(rule: str) -> None:
+    with pytest.raises(RCLError):
+        rclpy.init(args=["--ros-args", "-r", rule], context=Context())
+
+
+def test_a_context_is_used_once_and_asked_while_it_is() -> None:
+    context = Context()
+    with pytest.raises(RuntimeError):
+        context.get_domain_id()
+    with pytest.raises(UnicodeEncodeError):
+        context.init(["Ragnar\udcc3"])
+    context = Context()
+    told: list[str] = []
+    context.init([])
+    context.on_shutdown(lambda: told.append("a function too"))
+    context.shutdown()
+    assert told == ["a function too"]
+    with pytest.raises(RuntimeError):
+        context.get_domain_id()
+    with pytest.raises(RuntimeError):
+        context.init([])
+
+
+def test_the_default_context_is_another_one_after_shutdown() -> None:
+    for _ in range(2):
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        context = get_default_context()
+        rclpy.shutdown()
+        assert get_default_context() is not context
+    with pytest.raises(RuntimeError):
+        rclpy.shutdown()
+
+
+@pytest.mark.parametrize(
+    ("words", "value"),
+    [
+        ("-p x:=1 --params-file all.yaml", 2),
+        ("--params-file all.yaml -p x:=1", 1),
+        ("-p node:x:=1 --params-file all.yaml", 2),
+        ("--params-file one.yaml -p x:=1", 1),
+        ("-p x:=1 --params-file one.yaml", 3),
+        ("-p x:=1 -p node:x:=2", 2),
+        ("-p node:x:=2 -p x:=1 -p node:x:=4", 1),  # the nodes that were named later win
+    ],
+)
+def test_of_two_values_for_a_parameter_the_order_decides(
+    words: str, value: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ros: Ros
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for file, pattern, number in (("all.yaml", "/**", 2), ("one.yaml", "node", 3)):
+        Path(file).write_text(f"{pattern}:\n  ros__parameters:\n    x: {number}\n")
+    node = ros.node(cli_args=["--ros-args", *words.split()])
+    assert node.declare_parameter("x", 0).value == value

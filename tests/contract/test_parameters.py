@@ -16,6 +16,7 @@ from rcl_interfaces.msg import (
     SetParametersResult,
 )
 from rclpy.exceptions import (
+    InvalidParameterException,
     InvalidParameterTypeException,
     InvalidParameterValueException,
     ParameterAlreadyDeclaredException,
@@ -24,7 +25,12 @@ from rclpy.exceptions import (
     ParameterUninitializedException,
 )
 from rclpy.node import Node
-from rclpy.parameter import Parameter
+from rclpy.parameter import (
+    Parameter,
+    get_parameter_value,
+    parameter_dict_from_yaml_file,
+    parameter_value_to_python,
+)
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.parameter_event_handler import ParameterEventHandler
 
@@ -306,3 +312,139 @@ def test_the_changes_of_other_nodes_parameters_are_followed(ros: Ros) -> None:
     assert old is not None
     assert old.value.integer_value == 2
     assert handler.get_parameter_from_event(event, "old", "/another") is None
+
+
+ANY = ParameterDescriptor(dynamic_typing=True)
+
+
+@pytest.mark.parametrize(
+    ("declarations", "error"),
+    [
+        ([("new", 1), ("known", 2)], ParameterAlreadyDeclaredException),
+        ([("new", 1), ("", 2)], InvalidParameterException),
+        ([("new", 1), (3, 2)], TypeError),
+        ([("new", 1), ("other", 2, "descriptor")], TypeError),
+        ([("new", 1), ("other", 2, ParameterDescriptor(), 4)], TypeError),
+    ],
+)
+def test_of_several_declarations_none_is_made_when_one_cannot_be(
+    declarations: list[Any], error: type[Exception], ros: Ros
+) -> None:
+    node = ros.node()
+    node.declare_parameter("known", 1)
+    with pytest.raises(error):
+        node.declare_parameters("", declarations)
+    assert not node.has_parameter("new")
+
+
+@pytest.mark.parametrize(
+    ("value", "descriptor"),
+    [
+        (ParameterValue(), None),
+        (ParameterValue(type=2, integer_value=5), None),  # no value can be taken from it
+        (Parameter.Type.NOT_SET, None),
+        (Parameter.Type.STRING, ANY),  # a type, and any type
+    ],
+)
+def test_a_declaration_that_says_no_value_is_refused(
+    value: Any, descriptor: ParameterDescriptor | None, ros: Ros
+) -> None:
+    with pytest.raises(ValueError):
+        ros.node().declare_parameter("x", value, descriptor or ParameterDescriptor())
+
+
+def test_what_is_no_parameter_is_not_set(ros: Ros) -> None:
+    node: Any = ros.node(allow_undeclared_parameters=True)
+    with pytest.raises(TypeError):
+        node.set_parameters([42])
+    with pytest.raises(TypeError):
+        node.set_parameters_atomically([42])
+    with pytest.raises(ValueError):
+        node.list_parameters([], -1)
+    with pytest.raises(ValueError):
+        Parameter("x", Parameter.Type.BYTE_ARRAY, [b"two"])
+
+
+def test_an_error_of_a_value_ends_by_the_parameters_name(ros: Ros) -> None:
+    node = ros.node(cli_args=["--ros-args", "-p", "word:=3"])
+    with pytest.raises(InvalidParameterValueException, match=r": fast$"):
+        node.declare_parameter("fast", 9.0, SPEED)
+    with pytest.raises(InvalidParameterTypeException, match=r": word$"):
+        node.declare_parameter("word", "x")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("true", True),
+        ("yes", True),
+        ("1", 1),
+        ("0x10", 16),
+        ("1_000", 1000),
+        ("1.5", 1.5),
+        (".inf", float("inf")),
+        ("1e3", "1e3"),  # as PyYAML has it, other than rcl
+        ("abc", "abc"),
+        ("", ""),
+        ("null", "null"),
+        ("[1, 2]", [1, 2]),
+        ("[1.0, 2]", "[1.0, 2]"),
+        ("[a, b]", ["a", "b"]),
+        ("[]", []),
+        ('"5"', "5"),
+        ("!!str 5", "5"),
+    ],
+)
+def test_a_text_is_a_value_as_on_a_command_line(text: str, value: Any) -> None:
+    assert parameter_value_to_python(get_parameter_value(text)) == value
+
+
+FILE = """\
+/one:
+  ros__parameters:
+    gain: 1
+    sub: {x: 2}
+/**:
+  ros__parameters:
+    gain: 5
+    all: 6
+/space:
+  two:
+    ros__parameters:
+      gain: 7
+"""
+
+
+@pytest.mark.parametrize(
+    ("nodes", "wild", "values"),
+    [
+        (["/one"], False, {"gain": 1, "sub.x": 2}),
+        (["one"], True, {"gain": 1, "sub.x": 2, "all": 6}),
+        (["no"], True, {"gain": 5, "all": 6}),
+        (["/space/two"], False, {"gain": 7}),
+        (["/one", "no"], False, {"gain": 1, "sub.x": 2}),
+        (None, True, {"gain": 5, "all": 6}),
+        (None, False, None),
+        (["no"], False, None),
+    ],
+)
+def test_a_file_holds_parameters_for_nodes_and_for_all(
+    nodes: list[str] | None, wild: bool, values: dict[str, Any] | None, tmp_path: Path
+) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(FILE)
+    if values is None:
+        with pytest.raises(RuntimeError):
+            parameter_dict_from_yaml_file(str(file), wild, nodes)
+        return
+    found = parameter_dict_from_yaml_file(str(file), wild, nodes)
+    assert {name: parameter_value_to_python(p.value) for name, p in found.items()} == values
+
+
+def test_a_call_for_parameters_tells_its_callback(ros: Ros) -> None:
+    ros.spun("holder").declare_parameter("gain", 3)
+    client = AsyncParameterClient(ros.spun("asker"), "holder")
+    assert client.wait_for_services(10.0)
+    told: list[int] = []
+    client.get_parameters(["gain"], lambda f: told.append(f.result().values[0].integer_value))
+    wait_until(lambda: told == [3])

@@ -9,21 +9,37 @@ from typing import Any
 import pytest
 import rclpy
 from archo_interfaces.action import MoveToShelf
+from rcl_interfaces.msg import ParameterType
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
+from rclpy.action import ActionClient, ActionServer
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidTopicNameException
+from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
-from rclpy.qos import HistoryPolicy, InvalidQoSProfileException, QoSProfile
+from rclpy.qos import (
+    HistoryPolicy,
+    InvalidQoSProfileException,
+    QoSProfile,
+    QoSReliabilityPolicy,
+)
 from rclpy.time import Time
-from std_msgs.msg import Int32
+from std_msgs.msg import Int32, Int32MultiArray
 from std_srvs.srv import Trigger
 
 from tests.support.ros import Ros
 
 Profile: Any = QoSProfile  # what is asked of them is wrong on purpose
 Stamp: Any = Time
+Number: Any = Duration
+MultiArray: Any = Int32MultiArray
+NO_CLOCK: Any = {"throttle_time_source_type": "STEADY_TIME"}
 Question = Callable[[Node], Any]
 A_SECOND = Duration(seconds=1)
+
+
+def _say(node: Node, level: str) -> object:
+    """One place in the source that logs."""
+    return getattr(node.get_logger(), level)("x")
 
 
 @pytest.mark.parametrize(
@@ -59,7 +75,30 @@ A_SECOND = Duration(seconds=1)
         (lambda _: Stamp() < 1, TypeError),
         (lambda _: Stamp(nanoseconds=2**63), OverflowError),
         (lambda _: Stamp(seconds=-1), ValueError),
+        (lambda _: Stamp(clock_type="STEADY_TIME"), TypeError),
+        (lambda _: Stamp() - A_SECOND, ValueError),
+        (lambda _: Stamp(nanoseconds=2**63 - 1) + A_SECOND, OverflowError),
+        (lambda _: Stamp.from_msg(A_SECOND.to_msg()), TypeError),
+        (lambda _: 2 * Number(seconds=1), TypeError),  # though a span times two is one
         (lambda _: Duration(nanoseconds=2**63), OverflowError),
+        (lambda n: n.create_publisher(Int32(), "a", 1), AttributeError),
+        (lambda n: n.create_publisher(Int32, "a{b", 1), InvalidTopicNameException),
+        (lambda n: n.create_publisher(Int32, "a//b", 1), InvalidTopicNameException),
+        (lambda n: n.create_service(Trigger, "1a", print), InvalidServiceNameException),
+        (lambda n: n.get_logger().get_child(""), ValueError),
+        (lambda n: n.get_logger().set_level(25), ValueError),
+        (lambda n: n.get_logger().set_level("x"), ValueError),
+        (lambda n: [_say(n, level) for level in ("error", "fatal")], ValueError),
+        (lambda n: n.get_logger().info("x", throttle_duration_sec=1, **NO_CLOCK), ValueError),
+        (lambda n: MultiThreadedExecutor(0, context=n.context), ValueError),
+        (lambda n: n.context.on_shutdown(3), TypeError),
+        (lambda _: Trigger(), NotImplementedError),
+        (lambda _: MoveToShelf(), NotImplementedError),
+        (lambda _: setattr(ParameterType, "PARAMETER_BOOL", 3), AttributeError),
+        (lambda n: ActionServer(n, MoveToShelf, "a?", print), ValueError),
+        (lambda n: ActionClient(n, MoveToShelf, "a?"), ValueError),
+        (lambda n: ActionServer(n, MoveToShelf, "a", NO_CLOCK), TypeError),
+        (lambda n: ActionServer(n, MoveToShelf, "a", print, result_timeout=-1), ValueError),
     ],
 )
 def test_it_is_refused(ask: Question, error: type[Exception], ros: Ros) -> None:
@@ -78,6 +117,12 @@ def test_it_is_refused(ask: Question, error: type[Exception], ros: Ros) -> None:
         (lambda _: Duration(seconds=5) - A_SECOND, Duration(seconds=4)),
         (lambda _: A_SECOND * 2, Duration(seconds=2)),
         (lambda _: Stamp() == 1, False),
+        (lambda n: n.create_publisher(Int32, "a", 1).topic, "a"),
+        (lambda n: n.create_client(Trigger, "~/a").srv_name, "~/a"),
+        (lambda n: n.create_client(Trigger, "~/a").service_name, "/node/a"),
+        (lambda n: n.create_service(Trigger, "a", print).srv_name, "a"),
+        (lambda n: n.get_node_names_and_namespaces_with_enclaves(), [("node", "/", "/")]),
+        (lambda n: repr(MultiArray(data=[1, 2])).rpartition("data=")[2], "[1, 2])"),
     ],
 )
 def test_it_is_granted(ask: Question, value: object, ros: Ros) -> None:
@@ -129,3 +174,11 @@ def test_once_behind_skip_first_logs_the_second_time(ros: Ros) -> None:
 def test_an_action_is_no_service(ros: Ros) -> None:
     with pytest.raises(RuntimeError):
         ros.node().create_service(MoveToShelf, "a", print)
+
+
+def test_the_old_names_of_policies_are_known_and_warned_of() -> None:
+    old: Any = QoSReliabilityPolicy
+    with pytest.warns(UserWarning, match="is deprecated"):
+        assert old.RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT == QoSReliabilityPolicy.BEST_EFFORT
+    with pytest.raises(AttributeError):
+        _ = old.RMW_QOS_POLICY_RELIABILITY_NO_SUCH

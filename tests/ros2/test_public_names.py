@@ -13,12 +13,11 @@ ROOT = Path(__file__).parent.parent.parent
 # of each part of the README's list, by a word of it: the names that it stands for
 NOT_EMULATED = {
     "service introspection": r"service_introspection|ServiceIntrospection|configure_introspection",
-    "handles of C objects": r"\.handle$|get_c_|implementation_singleton|\.(un)?track_node$|g_\w+$"
-    r"|with_enclaves|\.destroy$",
+    "C objects behind handles": r"get_c_|\.(un)?track_node$|g_\w+$",
     "waitables": r"[Ww]aitable|add_to_wait_set|\.is_ready$|\.take_data$|get_num_entities|\.execute$"
     r"|(add|remove)_future|notify_|create_event_handlers|\.(QoS)?EventHandler(\.|$)|EventHandlerData"
-    r"|can_execute|wait_for_ready_callbacks|await_or_execute|ConditionReached|TimeoutObject"
-    r"|WorkTracker|NumberOfEntities|get_pending_request|TimerCancelledError",
+    r"|await_or_execute|ConditionReached|TimeoutObject|WorkTracker|NumberOfEntities"
+    r"|get_pending_request",
     "type support": r"type_support|NoTypeSupport",
     "lifecycle nodes": r"rclpy\.lifecycle",
     "events executor": r"events_executor",

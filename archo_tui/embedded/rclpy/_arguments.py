@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rclpy._names import Remap, topic_problem, validate_namespace, validate_node_name
+from rclpy._names import Remap, namespace_problem, node_name_problem, topic_problem
 from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
-from rclpy.exceptions import NameValidationException
 
 from archo_tui.embedded.bounded_yaml import YamlError
 from archo_tui.embedded.parameter_files import Override, matches, read, value_of
@@ -71,7 +70,7 @@ def parse(args: Sequence[str] | None) -> Arguments:
         elif not _IGNORED_FLAGS.fullmatch(word):
             unknown.append(word)
     if unknown:
-        raise UnknownROSArgsError(f"unknown ROS arguments: {unknown}")
+        raise UnknownROSArgsError(str(unknown))
     return Arguments(tuple(remaps), tuple(overrides), level, stdout_logs, rosout_logs)
 
 
@@ -108,18 +107,14 @@ def _split(text: str, what: str) -> tuple[str | None, str, str]:
 
 def _remap(text: str) -> Remap:
     rule = Remap(*_split(text, "remap rule"))
-    try:
-        if rule.match == "__ns":
-            validate_namespace(rule.replacement)
-        elif rule.match in ("__node", "__name"):
-            validate_node_name(rule.replacement)
-    except NameValidationException as error:
-        raise _invalid(f"not a {error.name_type}: {error.name!r}: {error.error_msg}") from None
-    if not rule.match.startswith("__"):
-        for name in (rule.match, rule.replacement):
-            problem = topic_problem(name)
-            if problem:
-                raise _invalid(f"remap rule {text!r}: {name!r}: {problem[0]}")
+    if rule.match == "__ns":
+        problem = namespace_problem(rule.replacement)
+    elif rule.match in ("__node", "__name"):
+        problem = node_name_problem(rule.replacement)
+    else:
+        problem = topic_problem(rule.match) or topic_problem(rule.replacement)
+    if problem:
+        raise _invalid(f"remap rule {text!r}: {problem[0]}")
     return rule
 
 

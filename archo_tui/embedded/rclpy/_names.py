@@ -71,7 +71,7 @@ def node_name_problem(name: str) -> Problem:
     if name[0].isdigit():
         return "node name must not start with a number", 0
     if len(name) > _NAME_MAX:
-        return f"node name length should not exceed '{_NAME_MAX}'", _NAME_MAX
+        return f"node name length should not exceed '{_NAME_MAX}'", _NAME_MAX - 1
     return None
 
 
@@ -114,7 +114,7 @@ def full_topic_problem(name: str) -> Problem:
         return "topic name must not end with a '/'", len(name) - 1
     problem = _tokens_problem(name, "topic name")
     if problem is None and len(name) > _FULL_MAX:
-        return f"topic length should not exceed '{_FULL_MAX}'", _FULL_MAX
+        return f"topic length should not exceed '{_FULL_MAX}'", _FULL_MAX - 1
     return problem
 
 
@@ -130,7 +130,7 @@ def namespace_problem(name: str) -> Problem:
         return "namespace must not end with a '/', unless only a '/'", len(name) - 1
     problem = _tokens_problem(name, "namespace")
     if problem is None and len(name) > _NAMESPACE_MAX:
-        return f"namespace should not exceed '{_NAMESPACE_MAX}'", _NAMESPACE_MAX
+        return f"namespace should not exceed '{_NAMESPACE_MAX}'", _NAMESPACE_MAX - 1
     return problem
 
 

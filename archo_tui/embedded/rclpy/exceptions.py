@@ -25,10 +25,6 @@ class NameValidationException(Exception):
     def __init__(self, name_type: str, name: str, error_msg: str, invalid_index: int) -> None:
         pointer = f"{' ' * invalid_index}^"
         super().__init__(f"Invalid {name_type}: {error_msg}:\n  '{name}'\n   {pointer}")
-        self.name_type = name_type
-        self.name = name
-        self.error_msg = error_msg
-        self.invalid_index = invalid_index
 
 
 class InvalidNamespaceException(NameValidationException):
@@ -97,7 +93,6 @@ class InvalidParameterTypeException(ParameterException):
             f"'{parameter.type_.name}', expecting type '{type_name}': {parameter.name}",
             *args,
         )
-        self.param_name = parameter.name
 
 
 class InvalidParameterValueException(ParameterException):
@@ -108,7 +103,6 @@ class InvalidParameterValueException(ParameterException):
             self,
             f"Invalid parameter value ({value}) for parameter. Reason: {reason}: {parameter}",
         )
-        self.param_name = parameter
 
 
 class ParameterImmutableException(ParameterException):

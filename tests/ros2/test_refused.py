@@ -1,0 +1,40 @@
+"""What a start on real ROS 2 refuses: one line, from whichever of ROS's layers it came."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FAST = "motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n"
+OUT = "Invalid parameter value (9.0) for parameter. Reason: Parameter max_speed out of range"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--params-file fast.yaml", f"fast.yaml:3: {OUT}"),
+        ("--ros-args -p max_speed:=9.0", OUT),
+        ("--namespace /dash-ed", "--namespace /dash-ed: only letters, digits and _"),
+        ("--ros-args --bogus", "unknown ROS arguments: ['--bogus']"),
+        ("--ros-args -r a", "failed to initialize rcl: Couldn't parse remap rule: '-r a'"),
+        ("--ros-args -r __node:=a-b", "failed to initialize rcl: Couldn't parse remap rule"),
+    ],
+)
+def test_it_is_said_in_one_line(words: str, said: str, tmp_path: Path) -> None:
+    (tmp_path / "fast.yaml").write_text(FAST)
+    done = subprocess.run(
+        [sys.executable, "-m", "archo_tui", "--engine", "ros2", *words.split()],
+        capture_output=True,
+        text=True,
+        check=False,
+        stdin=subprocess.DEVNULL,
+        timeout=60,
+        cwd=tmp_path,
+    )
+    ours = [line for line in done.stderr.splitlines() if "[rcl]" not in line]  # rcl logs it too
+    assert len(ours) == 1, done.stderr
+    assert ours[0].startswith(f"archo-tui: {said}")
+    assert (done.returncode, done.stdout) == (2, "")
