@@ -72,7 +72,10 @@ def value_of(text: str) -> Any:
         node = bounded_yaml.compose(text, Path("-p"))
     except YamlError as error:
         raise ValueError(f"not a value: {text!r}") from error
-    return "" if node is None else _value(Path("-p"), node)
+    quoted = isinstance(node, yaml.ScalarNode) and node.style in ("'", '"')
+    if node is None or (node.value == "" and not quoted):
+        raise ValueError(f"no value: {text!r}")
+    return _value(Path("-p"), node)
 
 
 def matches(pattern: str, node: str) -> bool:

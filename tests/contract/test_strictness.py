@@ -12,6 +12,7 @@ from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import ParameterType
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, ActionServer
+from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 from rclpy.executors import MultiThreadedExecutor
@@ -23,6 +24,8 @@ from rclpy.qos import (
     QoSReliabilityPolicy,
 )
 from rclpy.time import Time
+from rclpy.timer import TimerInfo
+from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 from std_msgs.msg import Int32, Int32MultiArray
 from std_srvs.srv import Trigger
 
@@ -182,3 +185,28 @@ def test_the_old_names_of_policies_are_known_and_warned_of() -> None:
         assert old.RMW_QOS_POLICY_RELIABILITY_BEST_EFFORT == QoSReliabilityPolicy.BEST_EFFORT
     with pytest.raises(AttributeError):
         _ = old.RMW_QOS_POLICY_RELIABILITY_NO_SUCH
+
+
+def test_what_is_told_of_an_endpoint_can_be_made_compared_and_printed() -> None:
+    told: Any = TopicEndpointInfo()
+    assert told == TopicEndpointInfo()
+    told.node_name, told.endpoint_type = "node", TopicEndpointTypeEnum.PUBLISHER
+    publisher = TopicEndpointInfo(node_name="node", endpoint_type=TopicEndpointTypeEnum.PUBLISHER)
+    assert told == publisher != TopicEndpointInfo()
+    lines = str(told).splitlines()
+    assert (lines[0], lines[4]) == ("Node name: node", "Endpoint type: PUBLISHER")
+    assert lines[7:9] == ["  Reliability: UNKNOWN", "  History (Depth): UNKNOWN"]
+    with pytest.raises(AssertionError):
+        told.node_name = 3
+    with pytest.raises(AttributeError):
+        told.nod_name = "node"
+    with pytest.raises(TypeError):
+        hash(told)
+
+
+def test_of_a_call_that_nobody_made_a_timers_info_is_empty() -> None:
+    empty = TimerInfo()
+    assert empty.expected_call_time.nanoseconds == empty.actual_call_time.nanoseconds == 0
+    assert empty.actual_call_time.clock_type == ClockType.SYSTEM_TIME
+    with pytest.raises(ValueError):
+        TimerInfo(expected_call_time=-1)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rclpy._names import Remap, namespace_problem, node_name_problem, topic_problem
-from rclpy._rclpy_pybind11 import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
+from rclpy._rclpy_pybind11 import RCLInvalidROSArgsError, UnknownROSArgsError
 
 from archo_tui.embedded.bounded_yaml import YamlError
 from archo_tui.embedded.parameter_files import Override, matches, read, value_of
@@ -47,7 +47,7 @@ class Arguments(NamedTuple):
 def parse(args: Sequence[str] | None) -> Arguments:
     """Read what stands between `--ros-args` and `--`.
 
-    Raises RCLInvalidROSArgsError, UnknownROSArgsError, and RCLError for a file that cannot be read.
+    Raises RCLInvalidROSArgsError, also for a file that cannot be read, and UnknownROSArgsError.
     """
     remaps: list[Remap] = []
     overrides: list[Override] = []  # of files and single ones, in their order
@@ -106,7 +106,9 @@ def _split(text: str, what: str) -> tuple[str | None, str, str]:
 
 
 def _remap(text: str) -> Remap:
-    rule = Remap(*_split(text, "remap rule"))
+    scheme = re.search("(rostopic|rosservice)://", text)
+    bare = text.replace(scheme[0], "") if scheme else text
+    rule = Remap(*_split(bare, "remap rule"), scheme[1] if scheme else None)
     if rule.match == "__ns":
         problem = namespace_problem(rule.replacement)
     elif rule.match in ("__node", "__name"):
@@ -130,9 +132,9 @@ def _file(text: str) -> list[Override]:
     try:
         return read(Path(text))
     except OSError as error:
-        raise RCLError(f"cannot read {text}: {error.strerror}") from None
+        raise _invalid(f"cannot read {text}: {error.strerror}") from None
     except YamlError as error:
-        raise RCLError(str(error)) from None
+        raise _invalid(str(error)) from None
 
 
 def _level(text: str) -> int:

@@ -23,6 +23,7 @@ class Remap(NamedTuple):
     node: str | None
     match: str
     replacement: str
+    kind: str | None = None  # rostopic or rosservice, when it holds for one of them only
 
 
 Problem = tuple[str, int] | None  # what is wrong with a name, and at which character
@@ -168,10 +169,15 @@ def expand(name: str, node: str, namespace: str) -> str:
     return name if name.startswith("/") else f"{base}/{name}"
 
 
-def remapped(full_name: str, node: str, namespace: str, rules: tuple[Remap, ...]) -> str:
+def remapped(
+    full_name: str, node: str, namespace: str, rules: tuple[Remap, ...], *, is_service: bool
+) -> str:
     """`full_name` after the first rule that names it (both sides expand as the node's names do)."""
+    kind = "rosservice" if is_service else "rostopic"
     for rule in rules:
         if rule.match.startswith("__") or rule.node not in (None, node):
+            continue
+        if rule.kind not in (None, kind):
             continue
         if expand(rule.match, node, namespace) == full_name:
             return expand(rule.replacement, node, namespace)

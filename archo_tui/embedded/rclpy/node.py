@@ -171,8 +171,15 @@ class Node(NodeParameters, Destroyable):
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
         """The name on the graph. Raises RCLError for what cannot be one."""
+        return self._resolve(topic, only_expand)
+
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """The name on the graph. Raises RCLError for what cannot be one."""
+        return self._resolve(service, only_expand, is_service=True)
+
+    def _resolve(self, name: str, only_expand: bool, *, is_service: bool = False) -> str:
         try:
-            full = self._resolved(topic, only_expand)
+            full = self._resolved(name, only_expand, is_service=is_service)
         except ValueError as error:
             raise RCLError(f"failed to resolve name: {error}") from None
         problem = _names.full_topic_problem(full)
@@ -180,21 +187,17 @@ class Node(NodeParameters, Destroyable):
             raise RCLError(f"failed to resolve name: {problem[0]}")
         return full
 
-    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """The name on the graph. Raises RCLError for what cannot be one."""
-        return self.resolve_topic_name(service, only_expand=only_expand)
-
-    def _resolved(self, name: str, only_expand: bool = False) -> str:
+    def _resolved(self, name: str, only_expand: bool = False, *, is_service: bool = False) -> str:
         """Expanded and remapped. Raises InvalidHandle, ValueError."""
         self._use()
         full = _names.expand(name, self._name, self._namespace)
         rules = () if only_expand else self._remaps
-        return _names.remapped(full, self._name, self._namespace, rules)
+        return _names.remapped(full, self._name, self._namespace, rules, is_service=is_service)
 
     def _validated(self, name: str, *, is_service: bool = False) -> str:
         """The same. Raises InvalidTopicNameException or InvalidServiceNameException too."""
         _names.validate_topic_name(name, is_service=is_service)
-        full = self._resolved(name)
+        full = self._resolved(name, is_service=is_service)
         _names.validate_full_topic_name(full, is_service=is_service)
         return full
 
@@ -569,13 +572,13 @@ class Node(NodeParameters, Destroyable):
 
     def count_services(self, service_name: str) -> int:
         """How many offer a service. Raises ValueError."""
-        name = self._resolved(service_name)
+        name = self._resolved(service_name, is_service=True)
         with self._graph.lock:
             return len(self._graph.services.get(name, ()))
 
     def count_clients(self, service_name: str) -> int:
         """How many have a client of a service. Raises ValueError."""
-        name = self._resolved(service_name)
+        name = self._resolved(service_name, is_service=True)
         with self._graph.lock:
             return len(self._graph.clients.get(name, ()))
 

@@ -27,7 +27,9 @@ class ParameterService:
             (srv.SetParameters, "set_parameters", self._set),
             (srv.SetParametersAtomically, "set_parameters_atomically", self._set_atomically),
         ):
-            node.create_service(srv_type, f"~/{name}", callback, qos_profile=qos_profile_parameters)
+            node.create_service(
+                srv_type, f"{node.get_name()}/{name}", callback, qos_profile=qos_profile_parameters
+            )
 
     def _describe(self, request: Any, response: Any) -> Any:
         try:

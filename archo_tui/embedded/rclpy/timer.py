@@ -26,7 +26,11 @@ class TimerInfo:
     """When a timer should have called back, and when it does; for callbacks that ask for it."""
 
     def __init__(
-        self, *, expected_call_time: int, actual_call_time: int, clock_type: ClockType
+        self,
+        *,
+        expected_call_time: int = 0,
+        actual_call_time: int = 0,
+        clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
         """Times in ns of the timer's clock. Raises TypeError and ValueError as rclpy."""
         if not isinstance(clock_type, ClockType):

@@ -106,7 +106,10 @@ class RcutilsLogger:
         if place.severity != severity:
             raise ValueError("Logger severity cannot be changed between calls.")
         if place.filters != filters:
-            raise ValueError("Requested logging filters cannot be changed between calls.")
+            what = "Requested logging filters"
+            if place.filters.keys() == filters.keys():
+                what = "Logging filter parameters"
+            raise ValueError(f"{what} cannot be changed between calls.")
         if not filters:
             return True
         now = _time_source.monotonic_ns() / 1e9
@@ -130,14 +133,14 @@ class RcutilsLogger:
                     f'parameter "{name}" is not one of the recognized logging options "{known}"'
                 )
         clock = filters.get("throttle_time_source_type")
-        if clock is not None and not isinstance(clock, Clock):
-            raise ValueError(
-                f'Received throttle_time_source_type of "{clock}" is not a clock instance'
-            )
         if clock is not None and "throttle_duration_sec" not in filters:
             raise TypeError(
                 'required parameter "throttle_duration_sec" not specified but is required for the '
                 'the logging filter "throttle"'
+            )
+        if clock is not None and not isinstance(clock, Clock):
+            raise ValueError(
+                f'Received throttle_time_source_type of "{clock}" is not a clock instance'
             )
 
 
