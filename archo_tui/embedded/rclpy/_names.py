@@ -46,19 +46,19 @@ def validate_namespace(namespace: str) -> None:
 def validate_topic_name(name: str, *, is_service: bool = False) -> None:
     """A name as it is written. Raises InvalidTopicNameException or InvalidServiceNameException."""
     problem = topic_problem(name)
+    if problem and is_service:
+        raise InvalidServiceNameException(name, *problem)
     if problem:
-        raise (InvalidServiceNameException if is_service else InvalidTopicNameException)(
-            name, *problem
-        )
+        raise InvalidTopicNameException(name, *problem)
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> None:
     """A name on the graph. Raises InvalidTopicNameException or InvalidServiceNameException."""
     problem = full_topic_problem(name)
+    if problem and is_service:
+        raise InvalidServiceNameException(name, *problem)
     if problem:
-        raise (InvalidServiceNameException if is_service else InvalidTopicNameException)(
-            name, *problem
-        )
+        raise InvalidTopicNameException(name, *problem)
 
 
 def node_name_problem(name: str) -> Problem:
@@ -143,11 +143,9 @@ def _tokens_problem(name: str, kind: str) -> Problem:
     if "//" in name:
         return f"{kind} must not contain repeated '/'", name.index("//") + 1
     digit = re.search(r"/(\d)", name)
-    return (
-        (f"{kind} must not have a token that starts with a number", digit.start(1))
-        if digit
-        else None
-    )
+    if digit:
+        return f"{kind} must not have a token that starts with a number", digit.start(1)
+    return None
 
 
 def expand(name: str, node: str, namespace: str) -> str:
