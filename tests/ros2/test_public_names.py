@@ -19,7 +19,6 @@ NOT_EMULATED = {
     r"|await_or_execute|ConditionReached|TimeoutObject|WorkTracker|NumberOfEntities"
     r"|get_pending_request",
     "type support": r"type_support|NoTypeSupport",
-    "lifecycle nodes": r"rclpy\.lifecycle",
     "events executor": r"events_executor",
     "content filters": r"content_filter|ContentFilter|is_cft_enabled",
     "type descriptions": r"type_description|start_type_description",
@@ -32,8 +31,8 @@ NOT_EMULATED = {
 USED = re.compile(
     r"\.(TYPE_CHECKING|annotations|Lock|TOPIC_SEPARATOR_STRING|PARAMETER_SEPARATOR_STRING|S_TO_NS"
     r"|HIDDEN_NODE_PREFIX|qos_profile_\w+|package|ParameterInput|TimeJumpDictionary|SendGoalKWargs"
-    r"|CallbackType(\.\w+)?|FutureState(\.\w+)?|Callbacks|ClockType|InvalidHandle|RCLError|PyCapsule"
-    r"|InvalidParameterTypeException\.Parameter|(name|value|get_parameter_value))$"
+    r"|CallbackType(\.\w+)?|FutureState(\.\w+)?|Unpack|(CreateLifecyclePublisher|LifecycleNode)Args|Callbacks|ClockType|InvalidHandle|RCLError|PyCapsule"
+    r"|InvalidParameterTypeException\.Parameter|(name|value|get_parameter_value|to_label))$"
 )
 
 

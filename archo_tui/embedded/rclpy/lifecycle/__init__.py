@@ -1,0 +1,28 @@
+"""`rclpy.lifecycle`: nodes that are configured, activated and so on by whoever manages them."""
+
+from __future__ import annotations
+
+from rclpy.lifecycle._states import LifecycleState, TransitionCallbackReturn
+from rclpy.lifecycle.managed_entity import ManagedEntity, SimpleManagedEntity
+from rclpy.lifecycle.node import LifecycleNode, LifecycleNodeMixin
+from rclpy.lifecycle.publisher import LifecyclePublisher
+
+# the short names, for those who import nothing else
+Node = LifecycleNode
+NodeMixin = LifecycleNodeMixin
+Publisher = LifecyclePublisher
+State = LifecycleState
+
+__all__ = [
+    "LifecycleNode",
+    "LifecycleNodeMixin",
+    "LifecyclePublisher",
+    "LifecycleState",
+    "ManagedEntity",
+    "Node",
+    "NodeMixin",
+    "Publisher",
+    "SimpleManagedEntity",
+    "State",
+    "TransitionCallbackReturn",
+]

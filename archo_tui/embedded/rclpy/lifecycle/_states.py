@@ -1,0 +1,124 @@
+"""The state machine of a lifecycle node (ROS 2's design): states, transitions, what leads where."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+from lifecycle_msgs.msg import State, Transition
+from rclpy._rclpy_pybind11 import RCLError
+
+
+class TransitionCallbackReturn(Enum):
+    """What a transition's callback says of it."""
+
+    SUCCESS = Transition.TRANSITION_CALLBACK_SUCCESS
+    FAILURE = Transition.TRANSITION_CALLBACK_FAILURE
+    ERROR = Transition.TRANSITION_CALLBACK_ERROR
+
+    def to_label(self) -> str:
+        """The label of the transition that follows."""
+        return f"transition_{self.name.lower()}"
+
+
+class LifecycleState(NamedTuple):
+    """A state by label and id."""
+
+    label: str
+    state_id: int
+
+
+class Step(NamedTuple):
+    """One transition."""
+
+    number: int
+    label: str
+    start: int
+    goal: int
+
+
+LABELS = {
+    State.PRIMARY_STATE_UNKNOWN: "unknown",
+    State.PRIMARY_STATE_UNCONFIGURED: "unconfigured",
+    State.PRIMARY_STATE_INACTIVE: "inactive",
+    State.PRIMARY_STATE_ACTIVE: "active",
+    State.PRIMARY_STATE_FINALIZED: "finalized",
+    State.TRANSITION_STATE_CONFIGURING: "configuring",
+    State.TRANSITION_STATE_CLEANINGUP: "cleaningup",
+    State.TRANSITION_STATE_SHUTTINGDOWN: "shuttingdown",
+    State.TRANSITION_STATE_ACTIVATING: "activating",
+    State.TRANSITION_STATE_DEACTIVATING: "deactivating",
+    State.TRANSITION_STATE_ERRORPROCESSING: "errorprocessing",
+}
+
+
+def _through(
+    state: int, begins: dict[int, int], label: str, ends: int, success: int, failure: int
+) -> list[Step]:
+    """The transitions into a state from others (start: number), and out of it by its callback."""
+    error = State.TRANSITION_STATE_ERRORPROCESSING
+    if state == error:
+        error = State.PRIMARY_STATE_FINALIZED
+    return [
+        *(Step(number, label, start, state) for start, number in begins.items()),
+        Step(ends, "transition_success", state, success),
+        Step(ends + 1, "transition_failure", state, failure),
+        Step(ends + 2, "transition_error", state, error),
+    ]
+
+
+_UNCONFIGURED, _INACTIVE = State.PRIMARY_STATE_UNCONFIGURED, State.PRIMARY_STATE_INACTIVE
+_ACTIVE, _FINALIZED = State.PRIMARY_STATE_ACTIVE, State.PRIMARY_STATE_FINALIZED
+_SHUTDOWNS = {_UNCONFIGURED: 5, _INACTIVE: 6, _ACTIVE: 7}
+STEPS = [
+    *_through(
+        State.TRANSITION_STATE_CONFIGURING,
+        {_UNCONFIGURED: 1}, "configure", 10, _INACTIVE, _UNCONFIGURED,
+    ),
+    *_through(
+        State.TRANSITION_STATE_CLEANINGUP,
+        {_INACTIVE: 2}, "cleanup", 20, _UNCONFIGURED, _INACTIVE,
+    ),
+    *_through(
+        State.TRANSITION_STATE_ACTIVATING,
+        {_INACTIVE: 3}, "activate", 30, _ACTIVE, _INACTIVE,
+    ),
+    *_through(
+        State.TRANSITION_STATE_DEACTIVATING,
+        {_ACTIVE: 4}, "deactivate", 40, _INACTIVE, _ACTIVE,
+    ),
+    *_through(
+        State.TRANSITION_STATE_SHUTTINGDOWN,
+        _SHUTDOWNS, "shutdown", 50, _FINALIZED, _FINALIZED,
+    ),
+    *_through(
+        State.TRANSITION_STATE_ERRORPROCESSING, {}, "", 60, _UNCONFIGURED, _FINALIZED,
+    ),
+]  # fmt: skip
+
+
+class StateMachine:
+    """Where a node stands, and what leads on from there."""
+
+    def __init__(self) -> None:
+        self._state: int = State.PRIMARY_STATE_UNCONFIGURED
+
+    @property
+    def current_state(self) -> tuple[int, str]:
+        """Id and label."""
+        return self._state, LABELS[self._state]
+
+    @property
+    def steps(self) -> list[Step]:
+        """The transitions from here."""
+        return [step for step in STEPS if step.start == self._state]
+
+    def take(self, transition: int | str) -> Step:
+        """Go on by a transition's number or label. Raises RCLError when it does not start here."""
+        for step in self.steps:
+            if transition in (step.number, step.label):
+                self._state = step.goal
+                return step
+        raise RCLError(
+            f"Unable to start transition {transition} from current state {self.current_state}"
+        )

@@ -1,0 +1,222 @@
+"""`rclpy.lifecycle.node`: a node with states, and the services through which they change."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from lifecycle_msgs.msg import State, Transition, TransitionDescription, TransitionEvent
+from lifecycle_msgs.srv import (
+    ChangeState,
+    GetAvailableStates,
+    GetAvailableTransitions,
+    GetState,
+)
+from rclpy._rclpy_pybind11 import RCLError
+from rclpy.lifecycle._states import (
+    LABELS,
+    STEPS,
+    LifecycleState,
+    StateMachine,
+    Step,
+    TransitionCallbackReturn,
+)
+from rclpy.lifecycle.managed_entity import ManagedEntity
+from rclpy.lifecycle.publisher import LifecyclePublisher
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+
+__all__ = ["LifecycleNode", "LifecycleNodeMixin", "LifecycleState", "TransitionCallbackReturn"]
+
+_SUCCESS, _ERROR = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.ERROR
+_CALLBACKS = {  # of the states in which they run
+    State.TRANSITION_STATE_CONFIGURING: "on_configure",
+    State.TRANSITION_STATE_CLEANINGUP: "on_cleanup",
+    State.TRANSITION_STATE_ACTIVATING: "on_activate",
+    State.TRANSITION_STATE_DEACTIVATING: "on_deactivate",
+    State.TRANSITION_STATE_SHUTTINGDOWN: "on_shutdown",
+}
+
+
+class LifecycleNodeMixin(ManagedEntity):
+    """What makes a Node a lifecycle node; it stands before Node among the bases.
+
+    The callbacks of ManagedEntity are the node's to override. As they stand here they pass the
+    transition on to the managed entities: an `on_activate` of one's own calls this one as well.
+    """
+
+    def __init__(self, *, enable_communication_interface: bool = True) -> None:
+        """Raises TypeError for what is no bool; without the interface there are no services."""
+        if not isinstance(enable_communication_interface, bool):
+            raise TypeError("enable_communication_interface must be a bool")
+        self._state_machine = StateMachine()
+        self._managed_entities: set[ManagedEntity] = set()
+        self._transition_events: Publisher[TransitionEvent] | None = None
+        if enable_communication_interface:
+            self._offer()
+
+    def _offer(self) -> None:
+        node: Any = self
+        event = f"{node.get_name()}/transition_event"
+        self._transition_events = node.create_publisher(TransitionEvent, event, 10)
+        for srv_type, name, callback in (
+            (ChangeState, "change_state", self._change),
+            (GetState, "get_state", self._tell_state),
+            (GetAvailableStates, "get_available_states", self._tell_states),
+            (GetAvailableTransitions, "get_available_transitions", self._tell_transitions),
+            (GetAvailableTransitions, "get_transition_graph", self._tell_graph),
+        ):
+            node.create_service(srv_type, f"{node.get_name()}/{name}", callback)
+
+    # what the node's owner calls
+
+    def trigger_configure(self) -> TransitionCallbackReturn:
+        """Configure; what its callback returned, ERROR when that is not possible now."""
+        return self._go("configure")
+
+    def trigger_cleanup(self) -> TransitionCallbackReturn:
+        """Clean up; what its callback returned, ERROR when that is not possible now."""
+        return self._go("cleanup")
+
+    def trigger_activate(self) -> TransitionCallbackReturn:
+        """Activate; what its callback returned, ERROR when that is not possible now."""
+        return self._go("activate")
+
+    def trigger_deactivate(self) -> TransitionCallbackReturn:
+        """Deactivate; what its callback returned, ERROR when that is not possible now."""
+        return self._go("deactivate")
+
+    def trigger_shutdown(self) -> TransitionCallbackReturn:
+        """Shut down; what its callback returned. Raises RCLError in the state `finalized`."""
+        if all(step.label != "shutdown" for step in self._state_machine.steps):
+            raise RCLError("Shutdown transtion not possible")  # rclpy's own spelling
+        return self._go("shutdown")
+
+    def add_managed_entity(self, entity: ManagedEntity) -> None:
+        """Have an entity told of the transitions. Raises TypeError for what is none."""
+        if not isinstance(entity, ManagedEntity):
+            raise TypeError("Expected a rclpy.lifecycle.ManagedEntity instance.")
+        self._managed_entities.add(entity)
+
+    def create_lifecycle_publisher(self, *args: Any, **kwargs: Any) -> LifecyclePublisher[Any]:
+        """A publisher that is silent unless the node is active; arguments as `create_publisher`."""
+        node: Any = self
+        made = node.create_publisher(*args, publisher_class=LifecyclePublisher, **kwargs)
+        publisher: LifecyclePublisher[Any] = made
+        self._managed_entities.add(publisher)
+        return publisher
+
+    def destroy_lifecycle_publisher(self, publisher: LifecyclePublisher[Any]) -> bool:
+        """False when it is not this node's."""
+        self._managed_entities.discard(publisher)
+        node: Any = self
+        destroyed: bool = node.destroy_publisher(publisher)
+        return destroyed
+
+    # the callbacks, unless the node has its own
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._pass_on("on_configure", state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._pass_on("on_cleanup", state)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._pass_on("on_shutdown", state)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._pass_on("on_activate", state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._pass_on("on_deactivate", state)
+
+    def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
+        return self._pass_on("on_error", state)
+
+    def _pass_on(self, callback: str, state: LifecycleState) -> TransitionCallbackReturn:
+        """To every managed entity, until one says something else than SUCCESS."""
+        for entity in list(self._managed_entities):
+            said: TransitionCallbackReturn = getattr(entity, callback)(state)
+            if said != _SUCCESS:
+                return said
+        return _SUCCESS
+
+    # the transitions
+
+    def _go(self, transition: int | str) -> TransitionCallbackReturn:
+        """A transition from here with its callback, and that of errors if it goes wrong."""
+        node: Any = self
+        number, label = self._state_machine.current_state
+        before = LifecycleState(label, number)
+        try:
+            step = self._take(transition)
+        except RCLError as error:
+            node.get_logger().error(str(error))
+            return _ERROR
+        said = self._call(_CALLBACKS[step.goal], before)
+        self._take(said.to_label())
+        if self._state_machine.current_state[0] == State.TRANSITION_STATE_ERRORPROCESSING:
+            self._take(self._call("on_error", before).to_label())
+        return said
+
+    def _call(self, callback: str, before: LifecycleState) -> TransitionCallbackReturn:
+        node: Any = self
+        try:
+            said: TransitionCallbackReturn = getattr(self, callback)(before)
+        except Exception as error:
+            node.get_logger().error(f"{callback}: {type(error).__name__}: {error}")
+            return _ERROR
+        return said
+
+    def _take(self, transition: int | str) -> Step:
+        step = self._state_machine.take(transition)
+        if self._transition_events is not None:
+            # without its time and the transition's name: as rcl publishes it
+            start, goal = _state(step.start), _state(step.goal)
+            self._transition_events.publish(TransitionEvent(start_state=start, goal_state=goal))
+        return step
+
+    # the services
+
+    def _change(self, request: Any, response: Any) -> Any:
+        response.success = self._go(request.transition.label or request.transition.id) == _SUCCESS
+        return response
+
+    def _tell_state(self, request: Any, response: Any) -> Any:
+        response.current_state = _state(self._state_machine.current_state[0])
+        return response
+
+    def _tell_states(self, request: Any, response: Any) -> Any:
+        response.available_states = [_state(number) for number in LABELS]
+        return response
+
+    def _tell_transitions(self, request: Any, response: Any) -> Any:
+        response.available_transitions = [_description(s) for s in self._state_machine.steps]
+        return response
+
+    def _tell_graph(self, request: Any, response: Any) -> Any:
+        response.available_transitions = [_description(step) for step in STEPS]
+        return response
+
+
+class LifecycleNode(LifecycleNodeMixin, Node):
+    """A Node with states; arguments as Node's."""
+
+    def __init__(
+        self, node_name: str, *, enable_communication_interface: bool = True, **kwargs: Any
+    ) -> None:
+        Node.__init__(self, node_name, **kwargs)
+        LifecycleNodeMixin.__init__(
+            self, enable_communication_interface=enable_communication_interface
+        )
+
+
+def _state(number: int) -> State:
+    return State(id=number, label=LABELS[number])
+
+
+def _description(step: Step) -> TransitionDescription:
+    return TransitionDescription(
+        transition=Transition(id=step.number, label=step.label),
+        start_state=_state(step.start),
+        goal_state=_state(step.goal),
+    )

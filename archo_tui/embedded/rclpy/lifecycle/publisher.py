@@ -1,0 +1,23 @@
+"""`rclpy.lifecycle.publisher.LifecyclePublisher`."""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+from rclpy.lifecycle.managed_entity import SimpleManagedEntity
+from rclpy.publisher import Publisher
+
+MsgT = TypeVar("MsgT")
+
+
+class LifecyclePublisher(SimpleManagedEntity, Publisher[MsgT]):
+    """Publishes while its node is active. Made by `LifecycleNode.create_lifecycle_publisher`."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        SimpleManagedEntity.__init__(self)
+        Publisher.__init__(self, *args, **kwargs)
+
+    @SimpleManagedEntity.when_enabled
+    def publish(self, msg: MsgT | bytes) -> None:
+        """Send the message, or do nothing while the node is not active."""
+        Publisher.publish(self, msg)
