@@ -228,7 +228,7 @@ def test_after_kill_9_the_last_completed_command_is_in_the_journal(
     terminal.until("wheel_radius")
     terminal.write("r")
     terminal.until("Encoder reset to zero")
-    wait_until(journal_file().exists)
+    wait_until(lambda: journal_file().exists() and journal_file().stat().st_size > 0)
     terminal.kill(signal.SIGKILL)
     assert terminal.exit_code() == -signal.SIGKILL
     assert journaled()[-1]["text"] == "reset encoder: Encoder reset to zero"
