@@ -58,7 +58,9 @@ ATTRIBUTES = [
     ("tests/support/quiet.py", Screen, "_dirty_widgets"),
     ("tests/support/quiet.py", Screen, "_callbacks"),
     ("screens/main.py", Screen, "_compositor"),
+    ("terminal/compositor.py", Compositor, "_cuts"),
     ("terminal/compositor.py", Compositor, "_dirty_regions"),
+    ("terminal/compositor.py", Compositor, "_full_map_invalidated"),
     ("tests/support/console.py", Screen, "_compositor"),
 ]
 

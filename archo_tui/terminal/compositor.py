@@ -1,4 +1,4 @@
-"""Draws what changed, and asks only the widgets and lines for it that changed."""
+"""Draws what changed, and asks only those widgets and lines for it that are seen there."""
 
 from __future__ import annotations
 
@@ -22,10 +22,14 @@ class DirtyCompositor(Compositor):
 
     def __init__(self) -> None:
         super().__init__()
-        self._dirty: dict[int, list[tuple[int, int]]] | None = None  # spans (x1, x2) by line
+        # spans (x1, x2) by line that nobody has drawn yet; None for all
+        self._dirty: dict[int, list[tuple[int, int]]] | None = None
 
     def render_partial_update(self) -> ChopsUpdate | None:
-        _ = self.full_map  # brought up to date: else what a scroll exposes may first be drawn blank
+        if self._full_map_invalidated:
+            # brought up to date: else what a scroll exposes may first be drawn blank
+            _ = self.full_map
+            self._cuts = None
         self._dirty = {}
         for y, x1, x2 in self._regions_to_spans(self._dirty_regions):
             self._dirty.setdefault(y, []).append((x1, x2))
@@ -37,14 +41,28 @@ class DirtyCompositor(Compositor):
     def _get_renders(
         self, crop: Region | None = None
     ) -> Iterable[tuple[Region, Region, list[Strip]]]:
-        for widget, (region, clip) in self.visible_widgets.items():
+        for widget, (region, clip) in self.visible_widgets.items():  # from front to back
             if isinstance(widget, Bare):
                 continue
             seen = region.intersection(clip)
             lines = [y for y in seen.line_range if self._is_dirty(y, seen)]
             if lines:
                 part = Region(seen.x, lines[0], seen.width, lines[-1] + 1 - lines[0])
-                yield region, part, widget.render_lines(part.translate(-region.offset))
+                strips = widget.render_lines(part.translate(-region.offset))
+                yield region, part, strips
+                for y in lines:
+                    self._cover(y, seen.x, seen.x + strips[y - lines[0]].cell_length)
+
+    def _cover(self, y: int, start: int, end: int) -> None:
+        """Whatever is behind what has been drawn there is not asked for it."""
+        if self._dirty is None:
+            return
+        self._dirty[y] = [
+            (x1, x2)
+            for left, right in self._dirty[y]
+            for x1, x2 in ((left, min(right, start)), (max(left, end), right))
+            if x1 < x2
+        ]
 
     def _is_dirty(self, y: int, seen: Region) -> bool:
         """Whether a line of a widget is to be drawn, or a part of it."""

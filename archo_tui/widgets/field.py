@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from textual import events
+from textual.geometry import Size
 from textual.message import Message
+from textual.reactive import Reactive
 from textual.widgets import Input
 
 INTEGER = "-0123456789 "  # what a whole number, or several, can contain
@@ -32,6 +34,8 @@ class Field(Input):
             super().__init__()
             self.step = step
 
+    # as every widget's, but for laying out the whole screen at each letter: no field grows
+    virtual_size = Reactive(Size(0, 0))
     next_field: Field | None = None  # where enter leads, in a form of several
 
     def __init__(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 from typing import Any
 
 import pytest
@@ -16,6 +17,8 @@ from tests.support.console import send
 from tests.support.quiet import Quiet
 from tests.support.stub import StubRobot, stub_app
 
+# Textual moves the cursor to the end of a span, too, when another widget begins there
+_EMPTY_MOVE = re.compile(r"\x1b\[\d+;\d+H(?=\x1b\[\d+;\d+H|\n|$)")
 _DRAW = Screen._compositor_refresh
 _KEYS = [*"1234567", "down", "up", "end", "slash", "a", "h", "e", "escape", "l", "enter", "?"]
 
@@ -42,8 +45,8 @@ async def test_a_part_of_the_screen_is_drawn_as_textual_draws_it(
             expected = Compositor.render_partial_update(compositor)
         if update is not None and expected is not None:
             console = compositor.root.app.console  # type: ignore[union-attr]
-            drawn.append(update.render_segments(console))
-            assert drawn[-1] == expected.render_segments(console)
+            drawn.append(_EMPTY_MOVE.sub("", update.render_segments(console)))
+            assert drawn[-1] == _EMPTY_MOVE.sub("", expected.render_segments(console))
         return update
 
     monkeypatch.setattr(DirtyCompositor, "render_partial_update", compared)
