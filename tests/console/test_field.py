@@ -5,7 +5,11 @@ from __future__ import annotations
 import random
 import re
 
+import pytest
 from textual import events
+from textual._compositor import Compositor
+from textual.geometry import Size
+from textual.screen import Screen
 
 from archo_tui.widgets.field import Field
 from tests.support.console import FAST, LONG, console
@@ -123,3 +127,35 @@ async def test_only_the_left_button_acts() -> None:
                 op.app.post_message(mouse)
             await op.settle()
         await op.until("✗ STOPPED")
+
+
+async def test_a_text_that_is_wider_than_its_field_is_shown_at_the_cursor() -> None:
+    async with console() as op:
+        await op.press("4", "slash", *"abcdefghij" * 20, "1", "2", "3")
+        field = op.app.focused
+        assert isinstance(field, Field)
+        assert field.region.width < 203
+        assert "hij123" in op.text
+        assert "abcdefghij" * 20 not in op.text
+        await op.press("home")
+        assert "abcdefghij" in op.text
+        assert "123" not in op.text.splitlines()[field.region.y]
+        await op.press("end", "ctrl+u")
+        assert field.max_scroll_x == 0
+
+
+async def test_typing_lays_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    laid_out: list[Screen[object]] = []
+    lay_out = Compositor.reflow
+
+    def counted(compositor: Compositor, screen: Screen[object], size: Size) -> object:
+        laid_out.append(screen)
+        return lay_out(compositor, screen, size)
+
+    async with console() as op:
+        await op.press("g", "1")
+        monkeypatch.setattr(Compositor, "reflow", counted)
+        await op.press("2", "backspace")
+        assert laid_out == []
+        await op.press("h")
+        assert laid_out != []
