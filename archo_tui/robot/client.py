@@ -27,6 +27,7 @@ from archo_tui.robot.others import Others
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import WATCHING, Event, Leaf, Outcome, Snapshot, linked, target
+from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
@@ -76,7 +77,7 @@ class Robot:
         )
         self._graph = Graph(node, description)
         self._offers = Offers(node, description, self._graph)
-        node.create_subscription(Log, "/rosout", self._on_log, 1000)
+        subscribe(node, Log, "/rosout", self._on_log, 1000)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
         self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
         self._flusher.cancel()

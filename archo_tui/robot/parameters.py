@@ -20,6 +20,7 @@ from archo_tui.robot.parameter_values import TYPES, as_python
 from archo_tui.robot.rounds import Rounds
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Outcome, Parameter
+from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 
@@ -53,7 +54,7 @@ class Parameters:
         self._by_node: dict[str, dict[str, Parameter]] = {}
         self._loading: set[str] = set()
         self._rounds = Rounds()
-        node.create_subscription(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
+        subscribe(node, ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
         """By node, then in the order in which the node declared them."""

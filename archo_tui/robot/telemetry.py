@@ -15,6 +15,7 @@ from archo_tui.robot import interfaces, messages
 from archo_tui.robot.period import Period
 from archo_tui.robot.readings import as_received, flag, integer, number, read
 from archo_tui.robot.state import Battery, Motion, Reading
+from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.text import harmless
 from archo_tui.robots import check
 from archo_tui.robots.model import Field, Gauge, Robot
@@ -121,8 +122,8 @@ class Telemetry:
             durability=DurabilityPolicy.VOLATILE,
         )
         fields = types[kind]
-        subscription = self._node.create_subscription(
-            known[kind], topic, lambda message: callback(message, fields), qos
+        subscription = subscribe(
+            self._node, known[kind], topic, lambda message: callback(message, fields), qos
         )
         self._subscriptions[key] = (wanted, subscription)
 
