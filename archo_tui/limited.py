@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import threading
 from collections.abc import Callable
 from typing import TypeVar
@@ -52,6 +51,8 @@ def interrupt(thread: threading.Thread) -> bool:
     (https://docs.python.org/3/c-api/threads.html, PyThreadState_SetAsyncExc).
     """
     if thread.ident is not None and thread.is_alive():
+        import ctypes  # for this alone, which is rarely needed
+
         number = ctypes.c_ulong(thread.ident)
         ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(Interrupted))
         thread.join(_GRACE)

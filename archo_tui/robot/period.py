@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from statistics import median
 from typing import NamedTuple
 
 _MEASURED = 5  # intervals, of which the median is the period
@@ -26,8 +25,10 @@ class Period(NamedTuple):
 
     @property
     def seconds(self) -> float | None:
-        """The period in s; None before two messages."""
-        return median(self.intervals) if self.intervals else None
+        """The period in s, of two in the middle the longer; None before two messages."""
+        if not self.intervals:
+            return None
+        return sorted(self.intervals)[len(self.intervals) // 2]
 
 
 def is_silent(received: float | None, period: float | None, now: float) -> bool:
