@@ -48,10 +48,9 @@ class DirtyCompositor(Compositor):
             lines = [y for y in seen.line_range if self._is_dirty(y, seen)]
             if lines:
                 part = Region(seen.x, lines[0], seen.width, lines[-1] + 1 - lines[0])
-                strips = widget.render_lines(part.translate(-region.offset))
-                yield region, part, strips
+                yield region, part, widget.render_lines(part.translate(-region.offset))
                 for y in lines:
-                    self._cover(y, seen.x, seen.x + strips[y - lines[0]].cell_length)
+                    self._cover(y, seen.x, seen.right)
 
     def _cover(self, y: int, start: int, end: int) -> None:
         """Whatever is behind what has been drawn there is not asked for it."""

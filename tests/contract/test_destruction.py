@@ -28,7 +28,7 @@ USES: dict[str, tuple[Callable[[Node], Any], list[Use]]] = {
         ],
     ),
     "subscription": (
-        lambda n: n.create_subscription(Int32, "a", print, 1),
+        lambda n: n.create_subscription(Int32, "a", lambda _: None, 1),
         [lambda s: s.get_publisher_count()],
     ),
     "client": (
