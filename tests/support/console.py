@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 from weakref import WeakKeyDictionary
 
 from textual import events
@@ -167,8 +168,10 @@ async def console(
         robot=robot,
         watch=watch,
     )
+    width, height = map(str, size)  # a terminal has its size from the start
     with Session(options, clock.current) as session:
-        app = ArchoApp(session.station)
+        with patch.dict("os.environ", COLUMNS=width, LINES=height):
+            app = ArchoApp(session.station)
         app.animation_level = "none"
         app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]  # s: a busy machine may look late
         async with app.run_test(size=size, notifications=True) as pilot:
