@@ -16,6 +16,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 import archo_tui
+from archo_tui.errors import in_one_line
 from archo_tui.limited import Interrupted, interrupt, run_limited
 from archo_tui.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, NodeFileError
 from archo_tui.robot.state import Hosted, Life, Outcome
@@ -70,7 +71,7 @@ class HostedNode:
         except BaseException as error:  # SystemExit, too: it ends the node, not the console
             self._executor.remove_node(self.node)
             self.node.destroy_node()
-            said = f"{type(error).__name__}: {error}".rstrip(": ")
+            said = in_one_line(error)
             report = own_frames(error, rclpy, archo_tui)
             if self.file is not None:
                 said = in_its_file(self.file, self.file.said(error)[0])
@@ -239,7 +240,9 @@ class Host:
             try:
                 found.append(old.again())
             except Exception as error:
-                self._on_event("ERROR", old.name.lstrip("/"), f"cannot be started again: {error}")
+                self._on_event(
+                    "ERROR", old.name.lstrip("/"), f"cannot be started again: {in_one_line(error)}"
+                )
         return found
 
     def _not_run(self, nodes: list[HostedNode], file: NodeFile, error: NodeFileError) -> None:
@@ -262,7 +265,7 @@ class Host:
                 )
                 reason = "" if result.successful else result.reason or "refused"
             except Exception as error:
-                reason = f"{type(error).__name__}: {error}"
+                reason = in_one_line(error)
             if reason:
                 said = f"{name} {text_of(value)} was not set again: {reason}"
                 self._on_event("WARN", hosted.name.lstrip("/"), said)
@@ -279,7 +282,7 @@ class Host:
         try:
             new = make()
         except Exception as error:  # whatever the node's constructor raises
-            return Outcome(False, f"{type(error).__name__}: {error}")
+            return Outcome(False, in_one_line(error))
         kept = [hosted for hosted in self.nodes if hosted is not instead_of]
         self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
         new.start()

@@ -15,6 +15,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from archo_tui.clock import Clock
+from archo_tui.errors import in_one_line
 from archo_tui.robot import interfaces, messages, ros2_command, services
 from archo_tui.robot.consoles import author, own_name
 from archo_tui.robot.events import EventLog
@@ -282,7 +283,7 @@ class Robot:
             try:
                 return log(await work())
             except Exception as error:
-                return log(Outcome(False, f"{type(error).__name__}: {error}"))
+                return log(Outcome(False, in_one_line(error)))
 
         deadline = 2 * services.DEADLINE + 1.0  # more than any verb takes that still can end
         try:
@@ -364,7 +365,7 @@ class Robot:
         self._say("WARN", text)
 
     def _on_error(self, error: Exception) -> None:
-        self._say("ERROR", f"{type(error).__name__}: {error}")
+        self._say("ERROR", in_one_line(error))
 
     def _say(self, level: str, text: str) -> None:
         self._add_event(Event(self._clock.now(), level, "console", text))

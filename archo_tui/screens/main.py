@@ -15,6 +15,7 @@ from textual.reactive import Reactive
 from textual.screen import Screen
 from textual.widget import Widget
 
+from archo_tui.errors import in_one_line
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot.text import harmless
 from archo_tui.station import View
@@ -215,7 +216,7 @@ class MainScreen(Screen[None]):
                 self._cannot_draw(panel, error)
 
     def _cannot_draw(self, panel: Panel, error: Exception) -> None:
-        said = harmless(f"cannot be drawn: {type(error).__name__}: {error}")
+        said = harmless(f"cannot be drawn: {in_one_line(error)}")
         panel.border_title = escape(f"{panel.number} {panel.title_text}   ✗ {said}")
         panel.add_class("-broken")  # what stood there is not so any more; its buttons stay
         if self._broken.get(panel.number) != said:

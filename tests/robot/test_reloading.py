@@ -61,8 +61,8 @@ def _by_hand(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) ->
 
 
 @pytest.mark.real_time
-async def test_a_saved_file_runs_by_itself(tmp_path: Path) -> None:
-    file = tmp_path / "talker.py"
+async def test_a_saved_file_runs_by_itself(here: Path) -> None:
+    file = here / "talker.py"
     file.write_text(says("first words"))
     async with running(file) as op:
         await op.until("first words")
@@ -72,8 +72,8 @@ async def test_a_saved_file_runs_by_itself(tmp_path: Path) -> None:
         await op.until("talker.py was saved: /talker restarted")
 
 
-async def test_a_text_that_cannot_be_imported_leaves_the_node_running(tmp_path: Path) -> None:
-    file = tmp_path / "talker.py"
+async def test_a_text_that_cannot_be_imported_leaves_the_node_running(here: Path) -> None:
+    file = here / "talker.py"
     file.write_text(says("first words"))
     async with running(file) as op:
         await save(op, file, "import nosuchpackage\n" + says("other words"))
@@ -83,7 +83,7 @@ async def test_a_text_that_cannot_be_imported_leaves_the_node_running(tmp_path: 
         event = event_with(op, "does not run")
         assert event is not None
         assert f"{file}:1: ModuleNotFoundError: No module named 'nosuchpackage'" in event.text
-        assert f"looked for it in {tmp_path}" in event.text
+        assert f"looked for it in {Path.cwd()}" in event.text
         before = op.app.view.snapshot.events[-1]
         await op.until(lambda: op.app.view.snapshot.events[-1] != before)  # it still talks
         await save(op, file, says("other words"))
@@ -91,8 +91,8 @@ async def test_a_text_that_cannot_be_imported_leaves_the_node_running(tmp_path: 
         await op.until("● talker")
 
 
-async def test_a_constructor_that_raises_brings_the_old_node_back(tmp_path: Path) -> None:
-    file = tmp_path / "talker.py"
+async def test_a_constructor_that_raises_brings_the_old_node_back(here: Path) -> None:
+    file = here / "talker.py"
     file.write_text(says("first words"))
     async with running(file) as op:
         await op.until("first words")
@@ -123,8 +123,8 @@ def _said(op: Console, text: str) -> int:
     return sum(e.count for e in op.app.view.snapshot.events if e.text == text)
 
 
-async def test_a_crash_names_the_line_and_its_text(tmp_path: Path) -> None:
-    file = tmp_path / "talker.py"
+async def test_a_crash_names_the_line_and_its_text(here: Path) -> None:
+    file = here / "talker.py"
     file.write_text(talker("self.speed = distance / 0"))
     async with running(file) as op:
         await op.until("crashed: line 11:")
@@ -134,8 +134,8 @@ async def test_a_crash_names_the_line_and_its_text(tmp_path: Path) -> None:
         await op.until("well again")
 
 
-async def test_sys_exit_ends_the_node_and_not_the_console(tmp_path: Path) -> None:
-    file = tmp_path / "talker.py"
+async def test_sys_exit_ends_the_node_and_not_the_console(here: Path) -> None:
+    file = here / "talker.py"
     file.write_text(talker("import sys; sys.exit(3)"))
     async with running(file) as op:
         await op.until("crashed: line 11:")
@@ -144,8 +144,8 @@ async def test_sys_exit_ends_the_node_and_not_the_console(tmp_path: Path) -> Non
         await op.until("Keys")
 
 
-async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(tmp_path: Path) -> None:
-    file = tmp_path / "talker.py"
+async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(here: Path) -> None:
+    file = here / "talker.py"
     file.write_text(talker("print('printed words')"))
     async with running(file) as op:
         await op.press("6", "l")
@@ -153,8 +153,8 @@ async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(tmp_path: Pat
         await op.until("talker stdout")
 
 
-async def test_a_goal_ends_with_its_node(tmp_path: Path) -> None:
-    file = tmp_path / "motor.py"
+async def test_a_goal_ends_with_its_node(here: Path) -> None:
+    file = here / "motor.py"
     file.write_text(
         "from archo_bringup.motor_controller import MotorController\n"
         "class Motor(MotorController):\n    pass\n"
@@ -169,8 +169,8 @@ async def test_a_goal_ends_with_its_node(tmp_path: Path) -> None:
         await op.until("MOVING to 8")
 
 
-async def test_parameters_that_were_set_are_set_again_where_they_fit(tmp_path: Path) -> None:
-    file = tmp_path / "talker.py"
+async def test_parameters_that_were_set_are_set_again_where_they_fit(here: Path) -> None:
+    file = here / "talker.py"
     text = talker("self.get_logger().warning(f'gain {self.get_parameter(\"gain\").value}')")
     file.write_text(text)
     async with running(file) as op:
@@ -184,10 +184,10 @@ async def test_parameters_that_were_set_are_set_again_where_they_fit(tmp_path: P
         await op.until("gain 2.5 was not set again")
 
 
-async def test_what_the_file_imports_from_its_folder_counts_as_the_file(tmp_path: Path) -> None:
-    helper = tmp_path / "words_of_mine.py"
+async def test_what_the_file_imports_from_its_folder_counts_as_the_file(here: Path) -> None:
+    helper = here / "words_of_mine.py"
     helper.write_text("WORDS = 'first words'\n")
-    file = tmp_path / "talker.py"
+    file = here / "talker.py"
     file.write_text(
         "from words_of_mine import WORDS\n" + talker("self.get_logger().warning(WORDS)")
     )
@@ -201,18 +201,18 @@ async def test_what_the_file_imports_from_its_folder_counts_as_the_file(tmp_path
         await save(op, file, says("alone"))
         await op.until("alone")
         assert "words_of_mine" not in sys.modules
-    assert not (tmp_path / "__pycache__").exists()  # nothing of the reader's is written to
+    assert not (here / "__pycache__").exists()  # nothing of the reader's is written to
 
 
 @pytest.mark.real_time
 async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     limit = 3.0 if chosen.ENGINE == "embedded" else 8.0
     monkeypatch.setattr("archo_tui.node_files.CONSTRUCTION_TIME", limit)
     # while it is waited for it takes all of a core, from other tests too
     monkeypatch.setattr(HostedNode.stop, "__defaults__", (0.5,))
-    file = tmp_path / "talker.py"
+    file = here / "talker.py"
     file.write_text(says("well"))
     async with running(file) as op:
         endless = 'self.get_logger().warning("from now on")\n        while True: pass'
@@ -237,9 +237,9 @@ def running_threads() -> list[str]:
 
 
 @pytest.mark.real_time
-async def test_many_saves_half_of_them_broken_leave_nothing_behind(tmp_path: Path) -> None:
+async def test_many_saves_half_of_them_broken_leave_nothing_behind(here: Path) -> None:
     choose = random.Random(5)
-    file = tmp_path / "talker.py"
+    file = here / "talker.py"
     file.write_text(says("words 0"))
     async with running(file) as op:
         await save(op, file, says("words 1"))

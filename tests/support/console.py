@@ -7,7 +7,6 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 from weakref import WeakKeyDictionary
 
 from textual import events
@@ -20,6 +19,7 @@ from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet
+from tests.support.stub import sized
 from tests.support.waiting import DEADLINE
 
 # the textbook's move in a tenth of the time
@@ -168,9 +168,8 @@ async def console(
         robot=robot,
         watch=watch,
     )
-    width, height = map(str, size)  # a terminal has its size from the start
     with Session(options, clock.current) as session:
-        with patch.dict("os.environ", COLUMNS=width, LINES=height):
+        with sized(size):
             app = ArchoApp(session.station)
         app.animation_level = "none"
         app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]  # s: a busy machine may look late

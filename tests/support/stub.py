@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from types import SimpleNamespace
 from typing import Any
+from unittest.mock import patch
 
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
@@ -86,10 +88,17 @@ def stub_app(
     clock: Clock | None = None,
     hosted: tuple[Hosted, ...] = (),
     keys: Mapping[str, str] | None = None,
+    size: tuple[int, int] = (120, 36),
     **options: Any,
 ) -> ArchoApp:
-    """The app over a stub."""
+    """The app over a stub, in a terminal of that size."""
     robot: Any = StubRobot(snapshot)
-    app = ArchoApp(stub_station(robot, clock, hosted, **options), keys)
+    with sized(size):
+        app = ArchoApp(stub_station(robot, clock, hosted, **options), keys)
     app.animation_level = "none"
     return app
+
+
+def sized(size: tuple[int, int]) -> AbstractContextManager[object]:
+    """What an app that is made therein takes for its terminal's size, before it has a driver."""
+    return patch.dict("os.environ", COLUMNS=str(size[0]), LINES=str(size[1]))
