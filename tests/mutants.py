@@ -50,7 +50,7 @@ FAULTS = [
     Fault("cli.py", "(FAILED if stuck else 0)", "0", "tests/test_terminal.py"),
     Fault(BRINGUP + "motor_controller.py", "CancelResponse.REJECT if self.outcome.done() else CancelResponse.ACCEPT", "CancelResponse.ACCEPT", "tests/nodes"),
     Fault(E + "executors.py", "                self._round = deque(others)\n", "", CONTRACT),
-    Fault(E + "action/server.py", "        if goal_id not in self._goals:\n", "        if True:\n", CONTRACT),
+    Fault(E + "action/server.py", "        if goal_id not in self._goal_handles:\n", "        if True:\n", CONTRACT),
     Fault("embedded/fields.py", "            return lambda value: value[:]\n", "            return lambda value: value\n", CONTRACT),
     Fault(E + "_parameter_rules.py", "1e-6", "1e-2", CONTRACT),
     Fault("embedded/interfaces.py", 'os.environ.get("AMENT_PREFIX_PATH", "")', '""', "tests/embedded"),

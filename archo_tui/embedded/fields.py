@@ -36,15 +36,16 @@ def round_to_float32(value: float) -> float:
 def scalar_check(name: str, base: str, bound: int | None, message_class: type | None) -> Check:
     """A function that returns its argument when one value of type `base` may be assigned."""
     if message_class is not None:
-        return _instance_check(name, message_class, message_class.__name__)
+        said = f"a sub message of type '{message_class.__name__}'"
+        return _instance_check(name, message_class, said)
     if base in INTEGERS:
         return _integer_check(name, *INTEGERS[base])
     if base == "float32":
         return _float32_check(name)
     if base == "float64":
-        return _instance_check(name, float, "float")
+        return _instance_check(name, float, "of type 'float'")
     if base == "bool":
-        return _instance_check(name, bool, "bool")
+        return _instance_check(name, bool, "of type 'bool'")
     if base == "byte":
         return _byte_check(name)
     return _string_check(name, bound)
@@ -104,7 +105,7 @@ def default_of(kind: FieldType, message_class: Any) -> Any:
 def _instance_check(name: str, wanted: type, said: str) -> Check:
     def check(value: Any) -> Any:
         if not isinstance(value, wanted):
-            raise AssertionError(f"The '{name}' field must be of type '{said}'")
+            raise AssertionError(f"The '{name}' field must be {said}")
         return value
 
     return check

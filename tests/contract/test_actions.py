@@ -22,6 +22,7 @@ from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
+from tests.support.clock import pass_time
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
@@ -360,3 +361,50 @@ def test_a_status_tells_of_every_goal_that_is_kept(ros: Ros) -> None:
         qos_profile_action_status_default,
     )
     wait_until(lambda: late == [2])
+
+
+def test_a_goal_that_is_forgotten_or_destroyed_is_nobodys_any_more(ros: Ros) -> None:
+    robot = Robot(ros, result_timeout=1)
+    handle = send(ros, robot)
+    robot.end("succeed")
+    ros.result(handle.get_result_async())
+    (goal,) = robot.goals
+    pass_time(1.1)
+    wait_until(lambda: goal.status == GoalStatus.STATUS_UNKNOWN)
+    assert not goal.is_active
+    goal.abort()  # nothing, and no error
+    goal.publish_feedback(MoveToShelf.Feedback())
+    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_UNKNOWN
+
+
+def test_two_handles_of_a_goal_are_equal_and_none_is_a_key(ros: Ros) -> None:
+    robot = Robot(ros)
+    handle = send(ros, robot)
+    wait_until(lambda: robot.goals)
+    for one in (handle, robot.goals[0]):
+        assert one == one
+        assert one != 3
+        with pytest.raises(TypeError, match="unhashable"):
+            hash(one)
+        with pytest.raises(AttributeError):
+            one.goal_id = UUID()
+    robot.end("succeed")
+
+
+def test_behind_with_an_action_is_still_there_and_it_is_destroyed_once(ros: Ros) -> None:
+    node = ros.node()
+    server = ActionServer(node, MoveToShelf, "move", lambda goal: None)
+    client = ActionClient(node, MoveToShelf, "move")
+    with server as nothing, client as nothing_either:
+        assert nothing is None
+        assert nothing_either is None
+    assert client.wait_for_server(10.0)
+    for one in (server, client):
+        one.destroy()
+        with pytest.raises(ValueError, match="x not in list"):
+            one.destroy()
+
+
+def test_the_result_of_a_goal_that_was_refused_is_unknown(ros: Ros) -> None:
+    robot = Robot(ros, goal_callback=lambda _: GoalResponse.REJECT)
+    assert robot.client.send_goal(MoveToShelf.Goal()).status == GoalStatus.STATUS_UNKNOWN

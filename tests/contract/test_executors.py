@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import (
+    ConditionReachedException,
     Executor,
     ExternalShutdownException,
     MultiThreadedExecutor,
@@ -369,3 +370,87 @@ def test_a_coroutine_is_a_task_too(ros: Ros) -> None:
     executor.spin_until_future_complete(task, 10.0)
     assert task.result() == 42
     executor.shutdown()
+
+
+def test_as_many_threads_as_cores_unless_said_and_one_is_warned_of(ros: Ros) -> None:
+    with pytest.warns(UserWarning, match="with a single thread"):
+        MultiThreadedExecutor(1, context=ros.context).shutdown()
+    with pytest.raises(ValueError, match="greater than 0"):
+        MultiThreadedExecutor(0, context=ros.context)
+
+
+@pytest.mark.real_time
+def test_of_one_thread_a_callback_that_waits_for_the_next_waits_for_ever(ros: Ros) -> None:
+    node = ros.node()
+    both = threading.Barrier(2)
+    met: list[bool] = []
+
+    def meet() -> None:
+        with contextlib.suppress(threading.BrokenBarrierError):
+            both.wait(0.2)
+            met.append(True)
+
+    for _ in range(2):
+        node.create_timer(0.01, meet, ReentrantCallbackGroup())
+    with pytest.warns(UserWarning, match="with a single thread"):
+        executor = MultiThreadedExecutor(1, context=ros.context)
+    executor.add_node(node)
+    for _ in range(4):
+        executor.spin_once(1.0)
+    executor.shutdown()
+    assert met == []
+
+
+def test_a_shutdown_ends_a_spin_of_several_threads_without_an_exception(ros: Ros) -> None:
+    executor = MultiThreadedExecutor(2, context=ros.context)
+    executor.add_node(ros.node())
+    ended: list[bool] = []
+
+    def spin() -> None:
+        executor.spin()
+        ended.append(True)
+
+    thread = threading.Thread(target=spin, name="spin")
+    thread.start()
+    ros.context.try_shutdown()
+    thread.join(30)
+    assert ended == [True]
+    executor.shutdown()
+
+
+def test_an_executor_of_ones_own_has_no_spin_but_its_own(ros: Ros) -> None:
+    executor = Executor(context=ros.context)
+    with pytest.raises(NotImplementedError):
+        executor.spin_once(0)
+    with pytest.raises(NotImplementedError):
+        executor.spin_once_until_future_complete(Future(), 0)
+    executor.shutdown()
+
+
+def test_what_is_ready_is_asked_for_by_nodes_and_until_a_condition_holds(ros: Ros) -> None:
+    one, other = ros.node("one"), ros.node("other")
+    executor = SingleThreadedExecutor(context=ros.context)
+    for node in (one, other):
+        executor.add_node(node)
+        node.create_subscription(Int32, "a", lambda _: None, 10)
+    one.create_publisher(Int32, "a", 10).publish(Int32())
+    wanted = [other]
+    task, entity, whose = executor.wait_for_ready_callbacks(10.0, wanted)
+    task()
+    assert whose is other
+    assert entity in list(other.subscriptions)
+    with pytest.raises(ConditionReachedException):
+        executor.wait_for_ready_callbacks(condition=lambda: True, nodes=[])
+    executor.shutdown()
+
+
+def test_a_group_knows_its_own(ros: Ros) -> None:
+    node = ros.node()
+    group = MutuallyExclusiveCallbackGroup()
+    mine = node.create_timer(100.0, lambda: None, group)
+    other = node.create_timer(100.0, lambda: None)
+    assert group.has_entity(mine)
+    assert [entity() for entity in group.entities] == [mine]
+    for ask in (group.can_execute, group.beginning_execution, group.ending_execution):
+        with pytest.raises(AssertionError):
+            ask(other)

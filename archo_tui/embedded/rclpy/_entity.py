@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -41,6 +42,11 @@ class Handle:
     def __init__(self, of: Destroyable) -> None:
         self._of = of
 
+    @property
+    def pointer(self) -> int:
+        """A number of its own."""
+        return id(self._of)
+
     def __enter__(self) -> None:
         self._of._use()
 
@@ -53,6 +59,7 @@ class Entity(Destroyable):
 
     # in a round: actions, timers, subscriptions, guard conditions, clients, services
     _rank = 1
+    callback: Any = None
 
     def __init__(self, node: Node, callback_group: CallbackGroup) -> None:
         self._node = node
@@ -72,6 +79,10 @@ class Entity(Destroyable):
     def _take(self) -> Callable[[], Any] | None:
         """The next piece of work as a function (or coroutine function), None when there is none."""
         raise NotImplementedError
+
+    def _is_awaited(self) -> bool:
+        """True when a coroutine that the work returns is to be run: of `async def` callbacks."""
+        return inspect.iscoroutinefunction(self.callback)
 
     def _waiting(self) -> int:
         """How many pieces of work wait."""

@@ -29,6 +29,12 @@ def check_service(kind: Any) -> None:
         raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no service type")
 
 
+def check_action(kind: Any) -> None:
+    """Raises AttributeError for what is no action."""
+    if not hasattr(kind, "Impl"):
+        raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no action type")
+
+
 def takes_info(callback: Any) -> bool:
     """True for a callback of a message and its info. Raises RuntimeError for any other number."""
     with contextlib.suppress(TypeError):

@@ -11,15 +11,15 @@ class CallbackGroup:
     """Entities that share a rule about running at the same time."""
 
     def __init__(self) -> None:
-        self._entities: weakref.WeakSet[Any] = weakref.WeakSet()
+        self.entities: set[weakref.ref[Any]] = set()
 
     def add_entity(self, entity: Any) -> None:
         """Have the entity share the rule."""
-        self._entities.add(entity)
+        self.entities.add(weakref.ref(entity))
 
     def has_entity(self, entity: Any) -> bool:
         """True when it shares the rule."""
-        return entity in self._entities
+        return weakref.ref(entity) in self.entities
 
     def can_execute(self, entity: Any) -> bool:
         """True when the entity's callback may start now."""
@@ -56,9 +56,11 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
         self._lock = threading.Lock()
 
     def can_execute(self, entity: Any) -> bool:
+        assert entity.callback_group is self or self.has_entity(entity)
         return self._active is None
 
     def beginning_execution(self, entity: Any) -> bool:
+        assert entity.callback_group is self or self.has_entity(entity)
         with self._lock:
             if self._active is not None:
                 return False
@@ -67,4 +69,5 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
 
     def ending_execution(self, entity: Any) -> None:
         with self._lock:
+            assert self._active is entity
             self._active = None

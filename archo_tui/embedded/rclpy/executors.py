@@ -9,13 +9,16 @@ Waiting costs nothing: a heap of timers, one condition variable.
 from __future__ import annotations
 
 import heapq
+import inspect
 import itertools
 import os
 import threading
+import warnings
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import Future as PoolFuture
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from types import CoroutineType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -32,6 +35,14 @@ if TYPE_CHECKING:
 
 Work = Callable[[], Any]  # a task, or what an entity has to call
 ExecutorT = TypeVar("ExecutorT", bound="Executor")
+Ready = tuple[Task[Any], "Entity | None", "Node | None"]  # what to call, and whose it is
+
+
+async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
+    """Call it, and await what an `async def` returns: of another function that is the value."""
+    if inspect.iscoroutinefunction(callback):
+        return await callback(*args)
+    return callback(*args)
 
 
 class TimeoutException(Exception):
@@ -46,8 +57,15 @@ class ExternalShutdownException(Exception):
     """The context was shut down while an executor was spun."""
 
 
+class ConditionReachedException(Exception):
+    """What was waited for came about before there was anything to call."""
+
+
 class Executor:
-    """Base of the executors: collects what is ready and hands it out one by one."""
+    """Base of the executors: collects what is ready and hands it out one by one.
+
+    An executor of one's own defines `spin_once`, with `wait_for_ready_callbacks`.
+    """
 
     _is_concurrent = False  # several threads run its callbacks
 
@@ -148,28 +166,40 @@ class Executor:
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         """Run one callback, waiting for it up to `timeout_sec` (s; None or negative: no limit)."""
-        try:
-            work, entity = self._next_work(timeout_sec, lambda: False)
-        except (TimeoutException, ShutdownException):
-            return
-        self._run(work, entity)
+        raise NotImplementedError
 
     def can_execute(self, entity: Entity) -> bool:
         """True when the entity's callback may start now, as its callback group has it."""
         return entity.callback_group.can_execute(entity)
 
     def wait_for_ready_callbacks(
-        self, timeout_sec: float | None = None
-    ) -> tuple[Task[Any], Entity | None, Node | None]:
+        self,
+        timeout_sec: float | None = None,
+        nodes: Collection[Node] | None = None,
+        condition: Callable[[], bool] = lambda: False,
+    ) -> Ready:
         """What is to be called next, for an executor of one's own: call the task to do it.
 
+        `nodes` are those to wait for, None for all; `condition()` is looked at before each wait.
         Raises TimeoutException after `timeout_sec` (s), ShutdownException after `shutdown()`,
-        ExternalShutdownException after that of the context.
+        ExternalShutdownException after that of the context, ConditionReachedException.
         """
-        work, entity = self._next_work(timeout_sec, lambda: False)
-        if entity is None:
-            return work, None, None  # type: ignore[return-value]  # a task
-        return Task(self._execute, (work, entity), executor=self), entity, entity._node
+        return next(self._wait_for_ready_callbacks(timeout_sec, nodes, condition))
+
+    def _wait_for_ready_callbacks(
+        self,
+        timeout_sec: float | None = None,
+        nodes: Collection[Node] | None = None,
+        condition: Callable[[], bool] = lambda: False,
+    ) -> Iterator[Ready]:
+        """One after the other, without an end."""
+        while True:
+            work, entity = self._next_work(timeout_sec, condition, nodes)
+            if entity is None:
+                yield work, None, None  # type: ignore[misc]  # a task
+            else:
+                task: Task[None] = Task(self._execute, (work, entity), executor=self)
+                yield task, entity, entity._node
 
     def spin_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
@@ -181,7 +211,8 @@ class Executor:
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
             if self._is_shutdown:
                 return
-            self._spin_once_until(future, None if left_ns is None else max(left_ns, 0) / 1e9)
+            left = None if left_ns is None else max(left_ns, 0) / 1e9
+            self._spin_once_until_future_complete(future, left)
             if left_ns is not None and left_ns <= 0:
                 return
 
@@ -189,17 +220,11 @@ class Executor:
         self, future: Future[Any], timeout_sec: float | None = None
     ) -> None:
         """Run one callback unless the future is done before there is one."""
-        future._when_done(self.wake)
-        self._spin_once_until(future, timeout_sec)
+        raise NotImplementedError
 
-    def _spin_once_until(self, future: Future[Any], timeout_sec: float | None) -> None:
-        try:
-            work, entity = self._next_work(timeout_sec, future.done)
-        except (TimeoutException, ShutdownException):
-            return
-        self._run(work, entity)
-
-    def _run(self, work: Work, entity: Entity | None) -> None:
+    def _spin_once_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
         raise NotImplementedError
 
     def _execute(self, work: Work, entity: Entity | None) -> None:
@@ -224,10 +249,10 @@ class Executor:
         except BaseException:
             group.ending_execution(entity)
             raise
-        if not isinstance(found, CoroutineType):
+        if not isinstance(found, CoroutineType) or not entity._is_awaited():
             group.ending_execution(entity)
             return
-        task: Task[Any] = Task(lambda: found, executor=self)
+        task: Task[Any] = Task(found, executor=self)
         task._release = lambda: group.ending_execution(entity)
         task()
         error = task.exception()
@@ -260,25 +285,30 @@ class Executor:
                 self._notify()
 
     def _next_work(
-        self, timeout_sec: float | None, stop: Callable[[], bool]
+        self,
+        timeout_sec: float | None,
+        stop: Callable[[], bool] = lambda: False,
+        nodes: Collection[Node] | None = None,
     ) -> tuple[Work, Entity | None]:
         with self._lock:
             self._check_alive()
-            found = self._pop_ready()
+            found = self._pop_ready(nodes)
             if found is not None:
                 return found
         with self._condition:
             deadline = _time_source.deadline_ns(timeout_sec)
             while True:
                 self._check_alive()
-                found = self._pop_ready()
+                found = self._pop_ready(nodes)
                 if found is not None:
                     return found
                 due = self._collect_timers()
-                if self._ready:
+                if self._ready and nodes is None:
                     continue
                 now = _time_source.monotonic_ns()
-                if stop() or (deadline is not None and now >= deadline):
+                if stop():
+                    raise ConditionReachedException
+                if deadline is not None and now >= deadline:
                     raise TimeoutException
                 until = min((ns for ns in (deadline, due) if ns is not None), default=None)
                 self._notified = False
@@ -305,20 +335,25 @@ class Executor:
                 self._make_ready(timer)
         return None
 
-    def _pop_ready(self) -> tuple[Work, Entity | None] | None:
+    def _pop_ready(self, nodes: Collection[Node] | None) -> tuple[Work, Entity | None] | None:
         """The next piece of work of this round, else of the next one; None when there is none."""
         if not self._round:
             self._begin_round()
-        while self._round:
+        others: list[Entity] = []  # of nodes that are not asked for
+        found: tuple[Work, Entity | None] | None = None
+        while self._round and found is None:
             item = self._round.popleft()
             if isinstance(item, Task):
-                return item, None
-            found = self._take(item)
-            if found is not None:
-                return found, item
-            if not self._round:
+                found = item, None
+            elif nodes is not None and item._node not in nodes:
+                others.append(item)
+            else:
+                work = self._take(item)
+                found = None if work is None else (work, item)
+            if found is None and not self._round:
                 self._begin_round()
-        return None
+        self._ready.update(dict.fromkeys(others))
+        return found
 
     def _begin_round(self) -> None:
         """The tasks; what they made ready comes with the entities behind them."""
@@ -353,28 +388,64 @@ class Executor:
 class SingleThreadedExecutor(Executor):
     """Runs every callback in the thread that spins."""
 
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        self._spin_once(timeout_sec)
+
+    def spin_once_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
+        future._when_done(self.wake)
+        self._spin_once(timeout_sec, future.done)
+
+    def _spin_once_until_future_complete(
+        self, future: Future[Any], timeout_sec: float | None = None
+    ) -> None:
+        self._spin_once(timeout_sec, future.done)
+
+    def _spin_once(
+        self, timeout_sec: float | None, stop: Callable[[], bool] = lambda: False
+    ) -> None:
+        try:
+            work, entity = self._next_work(timeout_sec, stop)
+        except (TimeoutException, ShutdownException, ConditionReachedException):
+            return
+        self._run(work, entity)
+
     def _run(self, work: Work, entity: Entity | None) -> None:
         self._execute(work, entity)
 
 
-class MultiThreadedExecutor(Executor):
+class MultiThreadedExecutor(SingleThreadedExecutor):
     """Runs callbacks in a pool of threads; callback groups say what may overlap."""
 
     _is_concurrent = True
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
-        """At least two threads; as many as there are cores if not said. Raises ValueError for 0."""
+        """As many threads as there are cores if not said; warns of one. ValueError for less."""
         super().__init__(context=context)
-        if num_threads is not None and num_threads < 1:
-            raise ValueError("max_workers must be greater than 0")
-        self._pool = ThreadPoolExecutor(max(num_threads or os.cpu_count() or 1, 2))
+        if num_threads is None:
+            cores = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 2))
+            num_threads = len(cores(0))
+        if num_threads == 1:
+            warnings.warn(
+                "MultiThreadedExecutor is used with a single thread.\n"
+                "Use the SingleThreadedExecutor instead.",
+                stacklevel=2,
+            )
+        self._executor = ThreadPoolExecutor(num_threads)
         self._running: list[PoolFuture[None]] = []
 
     def _is_idle(self) -> bool:
         return super()._is_idle() and all(future.done() for future in self._running)
 
+    def _spin_once(
+        self, timeout_sec: float | None, stop: Callable[[], bool] = lambda: False
+    ) -> None:
+        with suppress(ExternalShutdownException):  # this one ends without a word
+            super()._spin_once(timeout_sec, stop)
+
     def _run(self, work: Work, entity: Entity | None) -> None:
-        self._running.append(self._pool.submit(self._execute_and_wake, work, entity))
+        self._running.append(self._executor.submit(self._execute_and_wake, work, entity))
         for future in [future for future in self._running if future.done()]:
             self._running.remove(future)
             future.result()
@@ -388,5 +459,5 @@ class MultiThreadedExecutor(Executor):
     def shutdown(self, timeout_sec: float | None = None, *, wait_for_threads: bool = True) -> bool:
         """As the base's; without `wait_for_threads` callbacks may still be running."""
         result = super().shutdown(timeout_sec)
-        self._pool.shutdown(wait=wait_for_threads)
+        self._executor.shutdown(wait=wait_for_threads)
         return result

@@ -68,7 +68,7 @@ class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     def _handle(self, item: tuple[RequestHeader, Any]) -> Any:
         header, request = item
         response = self.callback(request, self.srv_type.Response())
-        if inspect.iscoroutine(response):
+        if inspect.iscoroutine(response) and self._is_awaited():
             return self._answer_later(response, header)
         return self.send_response(response, header)
 

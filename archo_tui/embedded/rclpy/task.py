@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import inspect
+import sys
 import threading
 import warnings
 import weakref
 from collections.abc import Callable, Generator
+from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy import _time_source
@@ -30,11 +32,17 @@ class Future(Generic[T]):
         self._state = _PENDING
         self._result: Any = None
         self._exception: BaseException | None = None
+        self._is_retrieved = False
         self._callbacks: list[Callable[[Any], Any]] = []
         self._waiting: list[Task[Any]] = []
         self._hooks: list[Callable[[], None]] = []
         self._lock = threading.Lock()
         self._set_executor(executor)
+
+    def __del__(self) -> None:
+        if self._exception is not None and not self._is_retrieved:
+            said = f"The following exception was never retrieved: {self._exception}"
+            print(said, file=sys.stderr)
 
     def __await__(self) -> Generator[Any, None, T]:
         while self._state == _PENDING:
@@ -56,12 +64,14 @@ class Future(Generic[T]):
 
     def result(self) -> Any:
         """The value, None when there is none yet; raises the exception if one was set."""
+        self._is_retrieved = True
         if self._exception is not None:
             raise self._exception
         return self._result
 
     def exception(self) -> BaseException | None:
         """The exception, or None."""
+        self._is_retrieved = True
         return self._exception
 
     def set_result(self, result: T) -> None:
@@ -71,7 +81,7 @@ class Future(Generic[T]):
 
     def set_exception(self, exception: BaseException) -> None:
         """Set an exception and schedule the callbacks."""
-        self._exception = exception
+        self._exception, self._is_retrieved = exception, False
         self._finish(_FINISHED, force=True)
 
     def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
@@ -141,31 +151,33 @@ class Task(Future[T]):
 
     def __init__(
         self,
-        handler: Callable[..., Any],
+        handler: Any,
         args: tuple[Any, ...] = (),
         kwargs: dict[str, Any] | None = None,
         executor: Executor | None = None,
     ) -> None:
-        """`handler` may also be a coroutine."""
+        """`handler` is a function, a coroutine function, or a coroutine.
+
+        What a plain function returns is the value, a coroutine too: nobody awaits that.
+        """
         super().__init__(executor=executor)
-        self._call: Callable[[], Any] | None = (
-            (lambda: handler)
-            if inspect.iscoroutine(handler)
-            else lambda: handler(*args, **(kwargs or {}))
-        )
-        self._coroutine: Any = None
+        kwargs = kwargs or {}
+        if inspect.iscoroutinefunction(handler):
+            handler = handler(*args, **kwargs)
+        is_begun = inspect.iscoroutine(handler)
+        self._coroutine: Any = handler if is_begun else None
+        self._call: Any = None if is_begun else partial(handler, *args, **kwargs)
         self._is_executing = False
         self._itself: Task[T] | None = None
         self._release: Callable[[], None] | None = None  # gives the callback group back
 
     def _finish(self, state: str, *, force: bool = False) -> None:
-        self._is_executing = False
         if self._release is not None:
             self._release()
         super()._finish(state, force=force)
 
     def executing(self) -> bool:
-        """True while it runs, or waits in the middle."""
+        """True while it runs; not while it waits in the middle."""
         return self._is_executing
 
     def __call__(self) -> None:
@@ -175,15 +187,18 @@ class Task(Future[T]):
         self._is_executing = True
         try:
             if self._coroutine is None:
-                call, self._call = self._call, None
-                value: Any = call() if call else None
-                if not inspect.iscoroutine(value):
-                    self.set_result(value)
-                    return
-                self._coroutine = value
-            self._step()
+                self.set_result(self._call())
+            else:
+                self._step()
         except Exception as error:
             self.set_exception(error)
+        self._is_executing = False
+
+    def cancel(self) -> None:
+        """Say that nobody wants the value: a coroutine is closed."""
+        if self._state == _PENDING and self._coroutine is not None:
+            self._coroutine.close()
+        super().cancel()
 
     def _step(self) -> None:
         while True:

@@ -37,8 +37,18 @@ class TimerInfo:
             raise TypeError("Clock type must be a ClockType enum")
         if expected_call_time < 0 or actual_call_time < 0:
             raise ValueError("call time values must not be negative")
-        self.expected_call_time = Time(nanoseconds=expected_call_time, clock_type=clock_type)
-        self.actual_call_time = Time(nanoseconds=actual_call_time, clock_type=clock_type)
+        self._expected = Time(nanoseconds=expected_call_time, clock_type=clock_type)
+        self._actual = Time(nanoseconds=actual_call_time, clock_type=clock_type)
+
+    @property
+    def expected_call_time(self) -> Time:
+        """When it should have been."""
+        return self._expected
+
+    @property
+    def actual_call_time(self) -> Time:
+        """When it was."""
+        return self._actual
 
 
 class Timer(Entity):
@@ -59,7 +69,7 @@ class Timer(Entity):
         super().__init__(node, callback_group)
         if period_ns < 0:
             raise RCLError("failed to create timer: timer period must be non-negative")
-        self.callback = callback
+        self.callback: Callable[..., Any] = callback
         self._asked_of: object = None  # the callback that was looked at for such an argument
         self._wanted = ""
         self.clock = clock

@@ -13,14 +13,17 @@ from action_msgs.srv import CancelGoal
 from rclpy import _time_source
 from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
+from rclpy._type_checks import check_action
 from rclpy.action._goal_states import ACTIVE
 from rclpy.callback_groups import CallbackGroup
+from rclpy.executors import await_or_execute
 from rclpy.qos import (
     QoSProfile,
     qos_profile_action_status_default,
     qos_profile_services_default,
 )
 from rclpy.task import Future, wait_for
+from rclpy.waitable import NumberOfEntities
 from unique_identifier_msgs.msg import UUID
 
 if TYPE_CHECKING:
@@ -32,7 +35,7 @@ class ClientGoalHandle:
 
     def __init__(self, client: ActionClient, goal_id: UUID, response: Any) -> None:
         self._client = client
-        self.goal_id = goal_id
+        self._goal_id = goal_id
         self._response = response
         self._status = GoalStatus.STATUS_UNKNOWN
 
@@ -44,6 +47,11 @@ class ClientGoalHandle:
     def __repr__(self) -> str:
         about = f"accepted={self.accepted}, status={self.status}"
         return f"ClientGoalHandle <id={self.goal_id.uuid}, {about}>"
+
+    @property
+    def goal_id(self) -> UUID:
+        """The goal's UUID."""
+        return self._goal_id
 
     @property
     def accepted(self) -> bool:
@@ -100,6 +108,7 @@ class ActionClient:
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
         """Raises ValueError for a name that is none."""
+        check_action(action_type)
         problem = topic_problem(action_name)
         if problem:
             raise ValueError(
@@ -107,8 +116,9 @@ class ActionClient:
                 f"{problem[0]}"
             )
         self._node = node
+        self._was_destroyed = False  # and not only with its node
         self._action_type = action_type
-        self._goals: weakref.WeakValueDictionary[bytes, ClientGoalHandle] = (
+        self._goal_handles: weakref.WeakValueDictionary[bytes, ClientGoalHandle] = (
             weakref.WeakValueDictionary()
         )
         self._feedback_callbacks: dict[bytes, Callable[[Any], Any]] = {}
@@ -164,7 +174,7 @@ class ActionClient:
         def on_response(future: Future[Any]) -> None:
             handle = ClientGoalHandle(self, goal_id, future.result())
             if handle.accepted:
-                self._goals[bytes(goal_id.uuid)] = handle
+                self._goal_handles[bytes(goal_id.uuid)] = handle
             else:
                 self._feedback_callbacks.pop(bytes(goal_id.uuid), None)
             accepted.set_result(handle)
@@ -176,9 +186,11 @@ class ActionClient:
         return accepted
 
     def send_goal(self, goal: Any, **options: Any) -> Any:
-        """Like `send_goal_async` and its result, blocking; another thread must spin the node."""
-        handle = _wait(self.send_goal_async(goal, **options))
-        return handle.get_result() if handle.accepted else None
+        """Like `send_goal_async` and its result, blocking; another thread must spin the node.
+
+        The result of a goal that was refused has STATUS_UNKNOWN.
+        """
+        return _wait(self.send_goal_async(goal, **options)).get_result()
 
     def server_is_ready(self) -> bool:
         """True when a server offers the action and its feedback and status reach this client.
@@ -204,14 +216,23 @@ class ActionClient:
             )
             return self.server_is_ready()
 
-    def __enter__(self) -> ActionClient:
-        return self
+    def get_num_entities(self) -> NumberOfEntities:
+        """What a wait set would hold of it."""
+        return NumberOfEntities(
+            num_subscriptions=len(self._subscriptions), num_clients=len(self._clients)
+        )
+
+    def __enter__(self) -> None:
+        """As rclpy's: it gives nothing, and nothing is destroyed behind it."""
 
     def __exit__(self, *_: object) -> None:
-        self.destroy()
+        """Nothing ends here."""
 
     def destroy(self) -> None:
-        """Leave the graph."""
+        """Leave the graph. Raises ValueError the second time, as rclpy does."""
+        if self._was_destroyed:
+            raise ValueError("list.remove(x): x not in list")
+        self._was_destroyed = True
         for client in self._clients:
             self._node.destroy_client(client)
         for subscription in self._subscriptions:
@@ -221,9 +242,10 @@ class ActionClient:
         if self._goal_client._destroyed:
             raise RCLError(f"Failed to {to_do}: the action client is destroyed")
 
-    def _on_feedback(self, message: Any) -> Any:
+    async def _on_feedback(self, message: Any) -> None:
         callback = self._feedback_callbacks.get(bytes(message.goal_id.uuid))
-        return callback(message) if callback is not None else None
+        if callback is not None:
+            await await_or_execute(callback, message)
 
     def _on_status(self, news: Any) -> None:
         """The whole status at first, then what changed in it: all of it, before a result that
@@ -237,11 +259,11 @@ class ActionClient:
         if not isinstance(news, tuple):
             news = [(bytes(s.goal_info.goal_id.uuid), s.status) for s in news.status_list]
         for key, status in news:
-            handle = self._goals.get(key)
+            handle = self._goal_handles.get(key)
             if handle is not None:
                 handle._status = status
             if status not in ACTIVE:
-                self._goals.pop(key, None)
+                self._goal_handles.pop(key, None)
 
 
 def _wait(future: Future[Any]) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import threading
 import traceback
 from collections import deque
@@ -15,8 +14,10 @@ from action_msgs.srv import CancelGoal
 from rclpy import _time_source
 from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
+from rclpy._type_checks import check_action
 from rclpy.action import _goal_states as states
 from rclpy.callback_groups import CallbackGroup
+from rclpy.executors import await_or_execute
 from rclpy.qos import (
     QoSProfile,
     qos_profile_action_status_default,
@@ -24,6 +25,7 @@ from rclpy.qos import (
 )
 from rclpy.service import DeferredService, RequestHeader, Service
 from rclpy.task import Future
+from rclpy.waitable import NumberOfEntities
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -54,6 +56,12 @@ class ServerGoalHandle:
         self._lock = threading.Lock()
         self._result: Future[Any] = Future()
         self._expires: int | None = None  # monotonic ns
+        self._destroyed = False
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ServerGoalHandle) and self.goal_id == other.goal_id
+
+    __hash__ = None  # type: ignore[assignment]  # as rclpy's
 
     @property
     def request(self) -> Any:
@@ -67,29 +75,32 @@ class ServerGoalHandle:
 
     @property
     def status(self) -> int:
-        """One of GoalStatus's constants."""
-        return self._status
+        """One of GoalStatus's constants; unknown once it is forgotten."""
+        self._server._forget_expired()
+        return GoalStatus.STATUS_UNKNOWN if self._destroyed else int(self._status)
 
     @property
     def is_active(self) -> bool:
         """True until the goal has succeeded, was aborted or canceled."""
-        return self._status in states.ACTIVE
+        return self.status in states.ACTIVE
 
     @property
     def is_cancel_requested(self) -> bool:
         """True once a cancel was accepted, until the goal has ended."""
-        return self._status == GoalStatus.STATUS_CANCELING
+        return self.status == GoalStatus.STATUS_CANCELING
 
     def execute(self, execute_callback: Callable[[ServerGoalHandle], Any] | None = None) -> None:
         """Have the goal executed, in a later turn of the executor."""
         if not self.is_cancel_requested:
             self._update(states.EXECUTE)
-        self._server._start(self, execute_callback)
+        self._server.notify_execute(self, execute_callback)
 
     def publish_feedback(self, feedback: Any) -> None:
         """Send feedback to the clients. Raises TypeError for another type."""
         if not isinstance(feedback, self._server.action_type.Feedback):
             raise TypeError
+        if self._destroyed:
+            return
         message = self._server.action_type.Impl.FeedbackMessage(
             goal_id=self.goal_id, feedback=feedback
         )
@@ -108,11 +119,13 @@ class ServerGoalHandle:
         self._update(states.CANCELED)
 
     def destroy(self) -> None:
-        """Forget the goal; who asks for its result hears of no such goal."""
-        self._server._goals.pop(bytes(self.goal_id.uuid), None)
+        """Have nothing more done to the goal: it cannot be cancelled, its end is not told."""
+        self._destroyed = True
 
     def _update(self, event: str) -> None:
         with self._lock:
+            if self._destroyed:
+                return
             self._status = states.next_state(self._status, event)
         self._server._publish_status(self)
 
@@ -170,6 +183,7 @@ class ActionServer:
         Raises TypeError for an `execute_callback` that cannot be called, ValueError for a name that
         is none and a negative timeout.
         """
+        check_action(action_type)
         problem = topic_problem(action_name)
         if problem:
             raise ValueError(
@@ -179,13 +193,14 @@ class ActionServer:
         if result_timeout < 0:
             raise ValueError("Failed to create action server: timer period must be non-negative")
         self._node = node
-        self.action_type = action_type
+        self._was_destroyed = False  # and not only with its node
+        self._action_type = action_type
         self.register_execute_callback(execute_callback)
-        self._goal_callback = goal_callback
-        self._handle_accepted_callback = handle_accepted_callback
-        self._cancel_callback = cancel_callback
+        self.register_goal_callback(goal_callback)
+        self.register_handle_accepted_callback(handle_accepted_callback)
+        self.register_cancel_callback(cancel_callback)
         self._result_timeout = result_timeout
-        self._goals: dict[bytes, ServerGoalHandle] = {}
+        self._kept: dict[bytes, ServerGoalHandle] = {}
         self._ended: deque[ServerGoalHandle] = deque()  # the first to expire first
         self._logger = node.get_logger().get_child("action_server")
         impl = action_type.Impl
@@ -219,45 +234,67 @@ class ActionServer:
         self._status._kept_by(self._all_statuses)
         self._feedback._is_part_of_action = self._status._is_part_of_action = True
 
+    @property
+    def _goal_handles(self) -> dict[bytes, ServerGoalHandle]:
+        """Those whose results are not forgotten yet, by their id."""
+        self._forget_expired()
+        return self._kept
+
     def register_execute_callback(self, execute_callback: Callable[..., Any]) -> None:
         """Execute goals with this from now on. Raises TypeError for what cannot be called."""
-        self._execute_callback = _callable(execute_callback, "goal execution callback")
+        if not callable(execute_callback):
+            raise TypeError("Failed to register goal execution callback: not callable")
+        self._execute_callback = execute_callback
 
     def register_goal_callback(self, goal_callback: Callable[..., Any] | None) -> None:
         """Ask this whether to take a goal; None: the default."""
-        self._goal_callback = _callable(goal_callback or default_goal_callback)
+        self._goal_callback = goal_callback or default_goal_callback
 
     def register_cancel_callback(self, cancel_callback: Callable[..., Any] | None) -> None:
         """Ask this whether to cancel a goal; None: the default."""
-        self._cancel_callback = _callable(cancel_callback or default_cancel_callback)
+        self._cancel_callback = cancel_callback or default_cancel_callback
 
     def register_handle_accepted_callback(
         self, handle_accepted_callback: Callable[..., Any] | None
     ) -> None:
         """Hand accepted goals to this; None: the default."""
-        chosen = handle_accepted_callback or default_handle_accepted_callback
-        self._handle_accepted_callback = _callable(chosen)
+        self._handle_accepted_callback = (
+            handle_accepted_callback or default_handle_accepted_callback
+        )
 
-    def __enter__(self) -> ActionServer:
-        return self
+    @property
+    def action_type(self) -> Any:
+        """The action's type."""
+        return self._action_type
+
+    def get_num_entities(self) -> NumberOfEntities:
+        """What a wait set would hold of it."""
+        return NumberOfEntities(num_timers=1, num_services=len(self._services))
+
+    def __enter__(self) -> None:
+        """As rclpy's: it gives nothing, and nothing is destroyed behind it."""
 
     def __exit__(self, *_: object) -> None:
-        self.destroy()
+        """Nothing ends here."""
 
     def destroy(self) -> None:
-        """Stop offering the action."""
+        """Stop offering the action. Raises ValueError the second time, as rclpy does."""
+        if self._was_destroyed:
+            raise ValueError("list.remove(x): x not in list")
+        self._was_destroyed = True
+        for goal in self._goal_handles.values():
+            goal.destroy()
         for service in self._services:
             self._node.destroy_service(service)
         self._node.destroy_publisher(self._feedback)
         self._node.destroy_publisher(self._status)
 
     async def _on_goal(self, request: Any, header: RequestHeader) -> None:
-        self._forget_expired()
-        response = self.action_type.Impl.SendGoalService.Response()
+        response = self._action_type.Impl.SendGoalService.Response()
         goal_id = bytes(request.goal_id.uuid)
         answer = GoalResponse.REJECT
-        if goal_id not in self._goals:
-            answer = await _value(self._goal_callback(request.goal))
+        if goal_id not in self._goal_handles:
+            answer = await await_or_execute(self._goal_callback, request.goal)
             if not isinstance(answer, GoalResponse):
                 self._logger.warning(
                     "Goal request callback did not return a GoalResponse type. Rejecting goal."
@@ -269,19 +306,24 @@ class ActionServer:
         response.stamp = self._node.get_clock().now().to_msg()
         info = GoalInfo(goal_id=request.goal_id, stamp=response.stamp)
         goal = ServerGoalHandle(self, info, request.goal)
-        self._goals[goal_id] = goal
+        self._goal_handles[goal_id] = goal
         self._services[0].send_response(response, header)
         self._publish_status(goal)
-        await _value(self._handle_accepted_callback(goal))
+        await await_or_execute(self._handle_accepted_callback, goal)
 
-    def _start(self, goal: ServerGoalHandle, callback: Any) -> None:
-        self._create_task(self._execute, goal, callback or self._execute_callback)
+    def notify_execute(
+        self, goal_handle: ServerGoalHandle, execute_callback: Callable[..., Any] | None
+    ) -> None:
+        """Have a goal executed, in a later turn of the executor; None: by the server's callback."""
+        if self._node.executor is not None:
+            callback = execute_callback or self._execute_callback
+            self._node.executor.create_task(self._execute, goal_handle, callback)
 
     async def _execute(self, goal: ServerGoalHandle, callback: Any) -> None:
         try:
-            result = await _value(callback(goal))
+            result = await await_or_execute(callback, goal)
         except Exception as error:
-            result = self.action_type.Result()
+            result = self._action_type.Result()
             self._logger.error(f"Error raised in execute callback: {error}")
             traceback.print_exc()
         if goal.is_active:
@@ -292,15 +334,15 @@ class ActionServer:
         goal._expires = _time_source.deadline_ns(self._result_timeout)
         self._ended.append(goal)
         goal._result.set_result(
-            self.action_type.Impl.GetResultService.Response(status=goal.status, result=result)
+            self._action_type.Impl.GetResultService.Response(status=goal.status, result=result)
         )
 
     async def _on_cancel(self, request: CancelGoal.Request, response: Any) -> Any:
-        self._forget_expired()
         response.return_code, goals = self._asked_to_cancel(request.goal_info)
         accepted = []
         for goal in goals:
-            if await _value(self._cancel_callback(goal)) == CancelResponse.ACCEPT:
+            answer = await await_or_execute(self._cancel_callback, goal)
+            if answer == CancelResponse.ACCEPT:
                 try:
                     goal._update(states.CANCEL_GOAL)
                     accepted.append(goal._info)
@@ -313,26 +355,25 @@ class ActionServer:
         """The goals that a cancel request names: all, those until a time, or one of them too."""
         goal_id, until = bytes(info.goal_id.uuid), _ns(info.stamp)
         if any(goal_id) and not until:
-            goal = self._goals.get(goal_id)
-            if goal is None:
+            goal = self._goal_handles.get(goal_id)
+            if goal is None or goal._destroyed:
                 return CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID, []
             if not states.is_cancelable(goal.status):
                 return CancelGoal.Response.ERROR_GOAL_TERMINATED, []
             return CancelGoal.Response.ERROR_NONE, [goal]
         named = [
             goal
-            for key, goal in self._goals.items()
+            for key, goal in self._goal_handles.items()
             if states.is_cancelable(goal.status)
             and (key == goal_id or not until or _ns(goal._info.stamp) <= until)
         ]
         return CancelGoal.Response.ERROR_NONE, named
 
     def _on_result(self, request: Any, header: RequestHeader) -> None:
-        self._forget_expired()
-        goal = self._goals.get(bytes(request.goal_id.uuid))
+        goal = self._goal_handles.get(bytes(request.goal_id.uuid))
         service = self._services[2]
         if goal is None:
-            unknown = self.action_type.Impl.GetResultService.Response()
+            unknown = self._action_type.Impl.GetResultService.Response()
             service.send_response(unknown, header)
             return
         goal._result.add_done_callback(
@@ -345,29 +386,16 @@ class ActionServer:
         self._status._publish_lazily(self._all_statuses, ((key, status),))
 
     def _all_statuses(self) -> GoalStatusArray:
-        goals = list(self._goals.values())
+        goals = [goal for goal in self._goal_handles.values() if not goal._destroyed]
         statuses = [GoalStatus(goal_info=goal._info, status=goal.status) for goal in goals]
         return GoalStatusArray(status_list=statuses)
 
     def _forget_expired(self) -> None:
         now = _time_source.monotonic_ns()
         while self._ended and (self._ended[0]._expires or 0) <= now:
-            self._goals.pop(bytes(self._ended.popleft().goal_id.uuid), None)
-
-    def _create_task(self, callback: Any, *args: Any) -> None:
-        if self._node.executor is not None:
-            self._node.executor.create_task(callback, *args)
-
-
-def _callable(given: Any, name: str = "callback") -> Any:
-    if not callable(given):
-        raise TypeError(f"Failed to register {name}: not callable")
-    return given
-
-
-async def _value(result: Any) -> Any:
-    """What a callback returned, awaited when it was a coroutine."""
-    return await result if inspect.iscoroutine(result) else result
+            expired = self._ended.popleft()
+            expired.destroy()
+            self._kept.pop(bytes(expired.goal_id.uuid), None)
 
 
 def _ns(stamp: Any) -> int:

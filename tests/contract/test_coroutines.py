@@ -1,0 +1,140 @@
+"""Which coroutines are awaited, and what becomes of tasks and futures that nobody wants."""
+
+from __future__ import annotations
+
+import functools
+import gc
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+from rclpy.action import ActionClient, ActionServer
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.task import Future
+from std_msgs.msg import Int32
+from std_srvs.srv import Trigger
+
+from tests.support.ros import Ros
+
+pytestmark = pytest.mark.filterwarnings("ignore:coroutine .* was never awaited:RuntimeWarning")
+
+
+@pytest.fixture
+def executor(ros: Ros) -> Iterator[SingleThreadedExecutor]:
+    made = SingleThreadedExecutor(context=ros.context)
+    yield made
+    made.shutdown()
+
+
+def test_an_async_callback_is_awaited_and_a_coroutine_that_another_returns_is_not(
+    ros: Ros, executor: SingleThreadedExecutor
+) -> None:
+    node = ros.node()
+    heard: list[str] = []
+
+    async def hear(how: str, _: Any = None) -> None:
+        heard.append(how)
+
+    class Heard:
+        async def __call__(self, message: Any) -> None:
+            heard.append("object")
+
+    node.create_subscription(Int32, "a", functools.partial(hear, "partial"), 10)
+    node.create_subscription(Int32, "a", lambda message: hear("lambda"), 10)
+    node.create_subscription(Int32, "a", Heard(), 10)
+    node.create_timer(0.01, functools.partial(hear, "timer"))
+    node.create_timer(0.01, lambda: hear("lambda of a timer"))
+    node.create_publisher(Int32, "a", 10).publish(Int32())
+    executor.add_node(node)
+    while not {"partial", "timer"} <= set(heard):
+        executor.spin_once(10.0)
+    for _ in range(8):
+        executor.spin_once(0.01)
+    assert set(heard) == {"partial", "timer"}
+
+
+def test_a_service_that_returns_a_coroutine_without_async_answers_with_an_error(
+    ros: Ros, executor: SingleThreadedExecutor
+) -> None:
+    async def answer(request: Any, response: Any) -> Any:
+        return response
+
+    node = ros.node()
+    node.create_service(Trigger, "t", lambda request, response: answer(request, response))
+    future = node.create_client(Trigger, "t").call_async(Trigger.Request())
+    executor.add_node(node)
+    with pytest.raises(TypeError):
+        executor.spin_until_future_complete(future, 10.0)
+
+
+def test_feedback_is_awaited_by_an_async_callback(
+    ros: Ros, executor: SingleThreadedExecutor
+) -> None:
+    heard: list[float] = []
+
+    async def hear(message: Any) -> None:
+        heard.append(message.feedback.distance_remaining)
+
+    def execute(goal: Any) -> Any:
+        goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=3.0))
+        goal.succeed()
+        return MoveToShelf.Result()
+
+    node = ros.node()
+    executor.add_node(node)
+    server = ActionServer(node, MoveToShelf, "move", execute)
+    client = ActionClient(node, MoveToShelf, "move")
+    goal = client.send_goal_async(MoveToShelf.Goal(), feedback_callback=hear)
+    executor.spin_until_future_complete(goal, 10.0)
+    while not heard:
+        executor.spin_once(10.0)
+    assert heard == [3.0]
+    client.destroy()
+    server.destroy()
+
+
+def test_what_a_plain_function_returns_is_the_tasks_value(
+    executor: SingleThreadedExecutor,
+) -> None:
+    async def answer() -> int:
+        return 42
+
+    task = executor.create_task(lambda: answer())
+    executor.spin_once(0)
+    assert task.result().__name__ == "answer"
+    with pytest.raises(TypeError):
+        executor.create_task(answer, 1)  # at once: the coroutine is made here
+
+
+def test_a_task_that_waits_does_not_execute_and_is_closed_when_it_is_cancelled(
+    executor: SingleThreadedExecutor,
+) -> None:
+    never: Future[None] = Future()
+    closed: list[bool] = []
+
+    async def wait() -> None:
+        try:
+            await never
+        finally:
+            closed.append(True)
+
+    task = executor.create_task(wait)
+    executor.spin_once(0)
+    assert not task.executing()
+    task.cancel()
+    assert closed == [True]
+    assert task.cancelled()
+    assert not task.done()
+
+
+def test_an_exception_that_nobody_looked_at_is_said(capfd: pytest.CaptureFixture[str]) -> None:
+    for looked_at in (False, True):
+        future: Future[None] = Future()
+        future.set_exception(ValueError(f"looked at: {looked_at}"))
+        if looked_at:
+            future.exception()
+        del future
+        gc.collect()
+    said = capfd.readouterr().err
+    assert said == "The following exception was never retrieved: looked at: False\n"
