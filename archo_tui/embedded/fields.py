@@ -54,16 +54,20 @@ def scalar_check(name: str, base: str, bound: int | None, message_class: type | 
 def array_check(name: str, kind: FieldType, element: Check) -> Check:
     """Like `scalar_check` for arrays; returns what the message keeps (array.array or list)."""
     code = TYPE_CODES.get(kind.base)
+    said = f"a set or sequence and each value of type '{_python_type(kind.base)}'"
 
     def check(value: Any) -> Any:
         if (isinstance(value, (str, bytes)) and kind.base != "uint8") or not isinstance(
             value, Iterable
         ):
-            raise AssertionError(f"The '{name}' field must be a sequence")
+            raise AssertionError(f"The '{name}' field must be {said}")
         if isinstance(value, array.array) and value.typecode == code:
             kept: Any = value
         else:
-            items = [element(item) for item in value]
+            try:
+                items = [element(item) for item in value]
+            except AssertionError:
+                raise AssertionError(f"The '{name}' field must be {said}") from None
             kept = array.array(code, items) if code else items
         if kind.fixed_size is not None and len(kept) != kind.fixed_size:
             raise AssertionError(f"The '{name}' field must have {kind.fixed_size} elements")
@@ -72,6 +76,14 @@ def array_check(name: str, kind: FieldType, element: Check) -> Check:
         return kept
 
     return check
+
+
+def _python_type(base: str) -> str:
+    if base in INTEGERS:
+        return "int"
+    if base in FLOATS:
+        return "float"
+    return {"string": "str", "wstring": "str", "byte": "bytes"}.get(base, base.rpartition("/")[2])
 
 
 def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
@@ -116,7 +128,8 @@ def _integer_check(name: str, low: int, high: int) -> Check:
         if not isinstance(value, int):
             raise AssertionError(f"The '{name}' field must be of type 'int'")
         if not low <= value <= high:
-            raise AssertionError(f"The '{name}' field must be an integer in [{low}, {high}]")
+            sign = "an" if low < 0 else "an unsigned"
+            raise AssertionError(f"The '{name}' field must be {sign} integer in [{low}, {high}]")
         return value
 
     return check
@@ -127,7 +140,8 @@ def _float32_check(name: str) -> Check:
         if not isinstance(value, float):
             raise AssertionError(f"The '{name}' field must be of type 'float'")
         if abs(value) > FLOAT32_MAX and not math.isinf(value):
-            raise AssertionError(f"The '{name}' field must be a float in the range of float32")
+            limits = f"[-{FLOAT32_MAX}, {FLOAT32_MAX}]"
+            raise AssertionError(f"The '{name}' field must be a float in {limits}")
         return value
 
     return check
@@ -136,7 +150,8 @@ def _float32_check(name: str) -> Check:
 def _byte_check(name: str) -> Check:
     def check(value: Any) -> Any:
         if not isinstance(value, bytes) or len(value) != 1:
-            raise AssertionError(f"The '{name}' field must be of type 'bytes' of length 1")
+            said = "of type 'bytes' or 'ByteString' with length 1"
+            raise AssertionError(f"The '{name}' field must be {said}")
         return value
 
     return check

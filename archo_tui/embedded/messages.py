@@ -36,12 +36,16 @@ class Message(metaclass=_MessageType):
     __type_name__: ClassVar[str]
     __field_types__: ClassVar[dict[str, str]]
     __defaults__: ClassVar[dict[str, Callable[[], Any]]]
+    __number_arrays__: ClassVar[dict[str, str]]  # those of any length, with array's type code
     __copiers__: ClassVar[tuple[tuple[str, Callable[[Any], Any] | None], ...]]
     __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # slot, type, nested class
 
     def __init__(self, **values: Any) -> None:
         """Fields by name. Their values are always checked: `check_fields` is taken, and no more."""
         values.pop("check_fields", None)
+        for name, code in self.__number_arrays__.items():
+            if name in values:  # converted, other than in an assignment: [1, 2] are two floats
+                values[name] = array(code, values[name])
         for name, default in self.__defaults__.items():
             setattr(self, name, values.pop(name) if name in values else default())
         if values:
@@ -102,6 +106,13 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
         layout.append((slot, field.type, nested))
         copiers.append((slot, rules.copier(field.type, check, nested)))
     body["__defaults__"] = defaults
+    body["__number_arrays__"] = {
+        field.name: rules.TYPE_CODES[field.type.base]
+        for field in section.fields
+        if field.type.is_array
+        and field.type.fixed_size is None
+        and field.type.base in rules.TYPE_CODES
+    }
     body["__copiers__"] = tuple(copiers)
     body["__layout__"] = tuple(layout)
     made: Any = _MessageType(name, (Message,), body)

@@ -20,6 +20,13 @@ from tests.support.ros import Ros
 pytestmark = pytest.mark.filterwarnings("ignore:coroutine .* was never awaited:RuntimeWarning")
 
 
+@pytest.fixture(autouse=True)
+def _collected() -> Iterator[None]:
+    """What is never awaited says so here, and not in the test that is run next."""
+    yield
+    gc.collect()
+
+
 @pytest.fixture
 def executor(ros: Ros) -> Iterator[SingleThreadedExecutor]:
     made = SingleThreadedExecutor(context=ros.context)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from rcl_interfaces.msg import (
     FloatingPointRange,
     IntegerRange,
@@ -448,3 +449,64 @@ def test_a_call_for_parameters_tells_its_callback(ros: Ros) -> None:
     told: list[int] = []
     client.get_parameters(["gain"], lambda f: told.append(f.result().values[0].integer_value))
     wait_until(lambda: told == [3])
+
+
+def test_what_every_callback_before_a_change_returns_is_set(ros: Ros) -> None:
+    node = ros.node()
+    node.declare_parameter("a", 1)
+    node.declare_parameter("b", 1)
+    seen: list[list[str]] = []
+
+    def also_b(parameters: Any) -> Any:
+        seen.append([parameter.name for parameter in parameters])
+        return [Parameter("b", value=5)]
+
+    node.add_pre_set_parameters_callback(also_b)
+    node.add_pre_set_parameters_callback(lambda parameters: parameters)
+    assert node.set_parameters([Parameter("a", value=2)])[0].successful
+    assert seen == [["a"]]
+    assert (node.get_parameter("a").value, node.get_parameter("b").value) == (2, 5)
+    other = ros.node("other")
+    other.declare_parameter("a", 1)
+    other.add_pre_set_parameters_callback(lambda parameters: [])
+    assert "cannot be empty" in other.set_parameters([Parameter("a", value=2)])[0].reason
+
+
+def test_a_callback_that_cannot_be_called_is_refused(ros: Ros) -> None:
+    node = ros.node()
+    for add in (
+        node.add_on_set_parameters_callback,
+        node.add_post_set_parameters_callback,
+    ):
+        with pytest.raises(TypeError, match="callable"):
+            add(None)  # type: ignore[arg-type]
+
+
+def test_parameters_are_listed_by_prefix_and_depth(ros: Ros) -> None:
+    node = ros.node(start_parameter_services=False)
+    for name in ("x", "a.b", "a.b.c", "a.b.c.d"):
+        node.declare_parameter(name, 1)
+    assert node.list_parameters(["a"], 1).names == ["a.b"]
+    assert node.list_parameters(["a", "a.b"], 1).names == ["a.b", "a.b.c"]
+    assert "x" in node.list_parameters([], 1).names
+    assert "a.b" not in node.list_parameters([], 1).names
+    for prefixes, depth in ((None, 0), (("a",), 0), ([3], 0), (["a"], "x")):
+        with pytest.raises(TypeError):
+            node.list_parameters(prefixes, depth)  # type: ignore[arg-type]
+    assert node.get_parameter_type("x") == 2
+
+
+def test_names_are_given_as_a_list_to_another_nodes_client(ros: Ros) -> None:
+    client = AsyncParameterClient(ros.node(), "nobody")
+    asks: list[Any] = [client.get_parameters, client.list_parameters, client.describe_parameters]
+    for ask in asks:
+        with pytest.raises(AssertionError, match="each value of type 'str'"):
+            ask("ab")
+
+
+@pytest.mark.parametrize(
+    ("text", "error"), [("a: b: c", yaml.YAMLError), ("{a: 1}", AssertionError)]
+)
+def test_a_text_that_is_no_value_is_refused(text: str, error: type[Exception]) -> None:
+    with pytest.raises(error):
+        get_parameter_value(text)

@@ -50,15 +50,20 @@ def init(
     What is returned ends it again at the end of a `with`.
     """
     context = context or get_default_context()
+    if signal_handler_options is None:
+        is_default = context is get_default_context()
+        signal_handler_options = SignalHandlerOptions.ALL if is_default else SignalHandlerOptions.NO
     context.init(args, domain_id=domain_id)
-    return InitContextManager(context)
+    return InitContextManager(context, signal_handler_options)
 
 
 class InitContextManager:
     """What `init` returns: the context, to be shut down at the end of a `with`."""
 
-    def __init__(self, context: Context) -> None:
+    def __init__(self, context: Context, options: SignalHandlerOptions) -> None:
         self.context = context
+        # as rclpy would have it; this engine installs none
+        self.installed_signal_handlers = options != SignalHandlerOptions.NO
 
     def __enter__(self) -> InitContextManager:
         return self

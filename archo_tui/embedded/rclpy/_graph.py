@@ -43,7 +43,7 @@ class Graph:
     def add_publisher(self, publisher: Publisher[Any]) -> None:
         """Connect a new publisher with the subscriptions that match."""
         with self.changed:
-            topic = self.topics[publisher.topic_name]
+            topic = self.topics[publisher._topic_name]
             topic.publishers.append(publisher)
             warnings = self._match(publisher, topic.subscriptions)
             self.changed.notify_all()
@@ -53,7 +53,7 @@ class Graph:
         """Connect a new subscription; matching publishers hand over what they keep for it."""
         warnings: list[Callable[[], None]] = []
         with self.changed:
-            topic = self.topics[subscription.topic_name]
+            topic = self.topics[subscription._topic_name]
             topic.subscriptions.append(subscription)
             for publisher in topic.publishers:
                 warnings += self._match(publisher, topic.subscriptions, only=subscription)
@@ -65,26 +65,26 @@ class Graph:
     def remove_publisher(self, publisher: Publisher[Any]) -> None:
         """Take a publisher off the graph."""
         with self.changed:
-            topic = self.topics[publisher.topic_name]
+            topic = self.topics[publisher._topic_name]
             if publisher in topic.publishers:
                 topic.publishers.remove(publisher)
             for subscription in publisher._matched:
                 _tell(subscription, -1)
             publisher._matched = ()
-            self._forget_if_empty(publisher.topic_name)
+            self._forget_if_empty(publisher._topic_name)
             self.changed.notify_all()
 
     def remove_subscription(self, subscription: Subscription[Any]) -> None:
         """Take a subscription off the graph; nothing is delivered to it any more."""
         with self.changed:
-            topic = self.topics[subscription.topic_name]
+            topic = self.topics[subscription._topic_name]
             if subscription in topic.subscriptions:
                 topic.subscriptions.remove(subscription)
             for publisher in topic.publishers:
                 if subscription in publisher._matched:
                     _tell(publisher, -1)
                 publisher._matched = tuple(s for s in publisher._matched if s is not subscription)
-            self._forget_if_empty(subscription.topic_name)
+            self._forget_if_empty(subscription._topic_name)
             self.changed.notify_all()
 
     def add_named(self, table: dict[str, list[Any]], name: str, item: Any) -> None:
@@ -159,7 +159,7 @@ def _incompatible(
             subscription._incompatible_event._refused(policy)
         elif subscription._warns:
             subscription._node.get_logger().warning(
-                f"New publisher discovered on topic '{subscription.topic_name}', offering "
+                f"New publisher discovered on topic '{subscription._topic_name}', offering "
                 f"incompatible QoS. No messages will be received from it. "
                 f"Last incompatible policy: {policy.name}"
             )
@@ -167,7 +167,7 @@ def _incompatible(
             publisher._incompatible_event._refused(policy)
         elif publisher._warns:
             publisher._node.get_logger().warning(
-                f"New subscription discovered on topic '{publisher.topic_name}', requesting "
+                f"New subscription discovered on topic '{publisher._topic_name}', requesting "
                 f"incompatible QoS. No messages will be sent to it. "
                 f"Last incompatible policy: {policy.name}"
             )

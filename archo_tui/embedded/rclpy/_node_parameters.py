@@ -35,6 +35,12 @@ OnSet = Callable[[list[Parameter[Any]]], SetParametersResult]
 PostSet = Callable[[list[Parameter[Any]]], None]
 
 
+_EMPTY = (
+    "parameter list cannot be empty, this might be due to pre_set_parameters_callback modifying "
+    "the original parameters list."
+)
+
+
 class NodeParameters:
     """Declares, checks, sets and lists parameters; says on /parameter_events what changed."""
 
@@ -198,10 +204,11 @@ class NodeParameters:
         Raises ParameterNotDeclaredException, TypeError for what is no Parameter.
         """
         _check_are_parameters(parameter_list)
-        for callback in self._pre_set_parameters_callbacks:
-            parameter_list = callback(parameter_list)
-        if self._pre_set_parameters_callbacks and not parameter_list:
-            return SetParametersResult(successful=False, reason="parameter list cannot be empty")
+        before = self._pre_set_parameters_callbacks
+        if before:  # each is given what was asked for, and all that they return is set
+            parameter_list = [one for callback in before for one in callback(parameter_list)]
+            if not parameter_list:
+                return SetParametersResult(successful=False, reason=_EMPTY)
         unknown = [p.name for p in parameter_list if p.name not in self._parameters]
         if unknown and not self._allow_undeclared_parameters:
             raise ParameterNotDeclaredException(unknown)
@@ -248,31 +255,45 @@ class NodeParameters:
         """`describe_parameter` for each name."""
         return [self.describe_parameter(name) for name in names]
 
-    def get_parameter_type(self, name: str) -> Parameter.Type:
-        """Raises ParameterNotDeclaredException."""
+    def get_parameter_type(self, name: str) -> int:
+        """One of ParameterType's constants. Raises ParameterNotDeclaredException."""
         self._require(name)
-        return self._parameters[name].type_
+        return self._parameters[name].type_.value
 
-    def get_parameter_types(self, names: Sequence[str]) -> list[Parameter.Type]:
+    def get_parameter_types(self, names: Sequence[str]) -> list[int]:
         """`get_parameter_type` for each name."""
         return [self.get_parameter_type(name) for name in names]
 
-    def list_parameters(self, prefixes: Sequence[str], depth: int) -> ListParametersResult:
+    def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
         """Names below the prefixes (all when there is none), `depth` levels deep (0: any).
 
-        Raises ValueError for a negative depth.
+        Raises TypeError for what is no list of prefixes or no number, ValueError for a negative
+        depth.
         """
+        if not isinstance(prefixes, list):
+            raise TypeError("The prefixes argument must be a list")
+        if not all(isinstance(prefix, str) for prefix in prefixes):
+            raise TypeError("All prefixes must be instances of type str")
+        if not isinstance(depth, int):
+            raise TypeError("The depth must be instance of type int")
         if depth < 0:
             raise ValueError("The depth must be greater than or equal to zero")
         result = ListParametersResult()
         names, found = [], []
         dot = PARAMETER_SEPARATOR_STRING
+
+        def is_near(rest: str) -> bool:
+            return not depth or rest.count(dot) < depth
+
         for name in self._parameters:
-            inside = [p for p in prefixes if name == p or name.startswith(p + dot)]
-            if prefixes and not inside:
-                continue
-            base = len(inside[0]) + 1 if inside else 0
-            if depth and name[base:].count(dot) >= depth:
+            if prefixes:
+                listed = any(
+                    name == p or (name.startswith(p + dot) and is_near(name[len(p) + 1 :]))
+                    for p in prefixes
+                )
+            else:
+                listed = is_near(name)
+            if not listed:
                 continue
             names.append(name)
             prefix = name.rpartition(dot)[0]
@@ -286,11 +307,16 @@ class NodeParameters:
         self._pre_set_parameters_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: OnSet) -> None:
-        """May refuse; also asked when a parameter is declared."""
+        """May refuse; also asked when a parameter is declared.
+
+        Raises TypeError for what cannot be called.
+        """
+        _check_is_callable(callback)
         self._on_set_parameters_callbacks.insert(0, callback)
 
     def add_post_set_parameters_callback(self, callback: PostSet) -> None:
-        """Told after the values are set."""
+        """Told after the values are set. Raises TypeError for what cannot be called."""
+        _check_is_callable(callback)
         self._post_set_parameters_callbacks.insert(0, callback)
 
     def remove_pre_set_parameters_callback(self, callback: PreSet) -> None:
@@ -383,6 +409,11 @@ def _checked(
             f"Third element {descriptor} {where} is not a rcl_interfaces.msg.ParameterDescriptor."
         )
     return prefix + name, value, descriptor
+
+
+def _check_is_callable(callback: Any) -> None:
+    if not callable(callback):
+        raise TypeError(f"Callback must be callable, got {type(callback)}")
 
 
 def _check_are_parameters(parameters: Sequence[Any]) -> None:

@@ -72,6 +72,11 @@ def time_ns() -> int:
     return _source.time_ns()
 
 
+def patience_ns(timeout_sec: float | None) -> int | None:
+    """The same for those who wait for others: a negative timeout has passed already."""
+    return deadline_ns(None if timeout_sec is None else max(timeout_sec, 0.0))
+
+
 def deadline_ns(timeout_sec: float | None) -> int | None:
     """When a timeout (s) that begins now is over; None for None and for a negative one."""
     if timeout_sec is None or timeout_sec < 0:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from rclpy import _time_source
 from rclpy._entity import QueueEntity
 from rclpy.callback_groups import CallbackGroup
+from rclpy.context import Context
 from rclpy.qos import QoSProfile
 from rclpy.service import RequestHeader
 from rclpy.task import Future, wait_for
@@ -37,7 +38,7 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         self.srv_type = srv_type
         self.qos_profile = qos_profile
         self.srv_name = srv_name  # as it was given
-        self.service_name = service_name  # as it is on the graph
+        self._service_name = service_name  # as it is on the graph
         self._lock = threading.Lock()
         self._sequence_number = 0
         self._pending_requests: dict[int, Future[Any]] = {}
@@ -56,7 +57,7 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
             self._sequence_number += 1
             number = self._sequence_number
             self._pending_requests[number] = future
-        for server in self._node._graph.servers(self.service_name, self.srv_type):
+        for server in self._node._graph.servers(self._service_name, self.srv_type):
             server._deliver((RequestHeader(self, number), message.__received__()))
         return future
 
@@ -78,10 +79,20 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
                 if pending is future:
                     del self._pending_requests[number]
 
+    @property
+    def context(self) -> Context:
+        """Its node's context."""
+        return self._node.context
+
+    def get_pending_request(self, sequence_number: int) -> Future[SrvResponseT]:
+        """The future of a request that is not answered yet. Raises KeyError for any other."""
+        with self._lock:
+            return self._pending_requests[sequence_number]
+
     def service_is_ready(self) -> bool:
         """True when somebody offers the service. Raises InvalidHandle after `destroy()`."""
         self._use()
-        return bool(self._node._graph.servers(self.service_name, self.srv_type))
+        return bool(self._node._graph.servers(self._service_name, self.srv_type))
 
     def wait_for_service(self, timeout_sec: float | None = None) -> bool:
         """Block until the service is offered; False when `timeout_sec` (s) passed before.
@@ -94,9 +105,15 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
             _time_source.wait_until(
                 graph.changed,
                 lambda: self._destroyed or self.service_is_ready(),
-                _time_source.deadline_ns(timeout_sec),
+                _time_source.patience_ns(timeout_sec),
             )
             return self.service_is_ready()
+
+    @property
+    def service_name(self) -> str:
+        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        self._use()
+        return self._service_name
 
     @property
     def logger_name(self) -> str:
@@ -107,7 +124,7 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         """Leave the graph; pending futures stay pending."""
         self._destroyed = True
         graph = self._node._graph
-        graph.remove_named(graph.clients, self.service_name, self)
+        graph.remove_named(graph.clients, self._service_name, self)
 
     def _handle(self, item: tuple[int, Any]) -> None:
         number, response = item

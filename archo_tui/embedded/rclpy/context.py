@@ -61,6 +61,11 @@ class Context:
         if initialize_logging:
             _logging.configure(self._arguments.stdout_logs, self._arguments.log_level)
 
+    @property
+    def handle(self) -> object:
+        """What stands for the context that rcl has, None before `init`."""
+        return self._arguments if self._has_begun else None
+
     def ok(self) -> bool:
         """True between `init` and `shutdown`. Raises InvalidHandle after `destroy()`."""
         if self._is_destroyed:
@@ -77,12 +82,16 @@ class Context:
         return self._domain_id
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
-        """Have a function called at shutdown; a bound method unless its object is gone by then.
+        """Have a function called at shutdown, at once if that was; a bound method unless its
+        object is gone by then.
 
         Raises TypeError for what cannot be called.
         """
         if not callable(callback):
             raise TypeError(f"callback should be a callable, got {type(callback)}")
+        if self._has_begun and not self._ok:
+            callback()
+            return
         self._callbacks = [known for known in self._callbacks if known() is not None]
         if inspect.ismethod(callback):
             self._callbacks.append(weakref.WeakMethod(callback))

@@ -519,7 +519,7 @@ class Node(NodeParameters, Destroyable):
         """What one node publishes. Raises NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
         publishers = [publisher for node in nodes for publisher in node._publishers]
-        return _sorted((p.topic_name, p.msg_type) for p in publishers)
+        return _sorted((p._topic_name, p.msg_type) for p in publishers)
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
@@ -527,7 +527,7 @@ class Node(NodeParameters, Destroyable):
         """What one node subscribes. Raises NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
         return _sorted(
-            (s.topic_name, s.msg_type) for node in nodes for s in node._all(Subscription)
+            (s._topic_name, s.msg_type) for node in nodes for s in node._all(Subscription)
         )
 
     def get_service_names_and_types_by_node(
@@ -535,14 +535,14 @@ class Node(NodeParameters, Destroyable):
     ) -> NamesAndTypes:
         """What services one node offers. Raises NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
-        return _sorted((s.service_name, s.srv_type) for node in nodes for s in node._all(Service))
+        return _sorted((s._service_name, s.srv_type) for node in nodes for s in node._all(Service))
 
     def get_client_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
         """What services one node is a client of. Raises NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
-        return _sorted((c.service_name, c.srv_type) for node in nodes for c in node._all(Client))
+        return _sorted((c._service_name, c.srv_type) for node in nodes for c in node._all(Client))
 
     def get_publishers_info_by_topic(
         self, topic_name: str, no_mangle: bool = False

@@ -63,7 +63,8 @@ class Parameter(Generic[AllowableParameterValueT]):
             if self in _SCALARS:
                 return isinstance(value, _SCALARS[self])
             element = _ELEMENTS[self]
-            return isinstance(value, _SEQUENCES) and all(
+            numbers = self in (Parameter.Type.INTEGER_ARRAY, Parameter.Type.DOUBLE_ARRAY)
+            return isinstance(value, _SEQUENCES if numbers else (list, tuple)) and all(
                 isinstance(item, element) and not (isinstance(item, bytes) and len(item) != 1)
                 for item in value
             )
@@ -115,19 +116,25 @@ class Parameter(Generic[AllowableParameterValueT]):
 
 
 def get_parameter_value(string_value: str) -> ParameterValue:
-    """The value that a text means on a command line, read as YAML; a string when it is none.
+    """The value that a text means on a command line, read as YAML; a string when it cannot be.
 
-    Other than rcl's own parser this takes `1e3` for a string, as PyYAML does.
+    Other than rcl's own parser this takes `1e3` for a string, as PyYAML does. Raises what PyYAML
+    raises for characters that begin nothing, AssertionError for a map or a date, as rclpy does.
     """
     try:
         value = yaml.safe_load(string_value)
-        kind = Parameter.Type.from_parameter_value(value)
-    except (yaml.YAMLError, TypeError):
-        kind = Parameter.Type.NOT_SET
-    if kind == Parameter.Type.NOT_SET:
-        return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=string_value)
-    if value == []:
-        kind = Parameter.Type.BOOL_ARRAY
+    except yaml.parser.ParserError:
+        value = string_value
+    kind = Parameter.Type.BOOL_ARRAY
+    if value != []:
+        try:
+            kind = Parameter.Type.from_parameter_value(value)
+        except TypeError:
+            value = string_value if isinstance(value, list) else value
+            kind = Parameter.Type.STRING
+    if kind in (Parameter.Type.NOT_SET, Parameter.Type.STRING):
+        text = string_value if value is None else value
+        return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=text)
     return Parameter("value", kind, value).get_parameter_value()
 
 
@@ -143,7 +150,9 @@ def parameter_dict_from_yaml_file(
     Raises RuntimeError when there is nothing for them, FileNotFoundError.
     """
     patterns = ["/**"] if use_wildcard else []
-    patterns += [f"/{node.lstrip('/')}" for node in target_nodes or ()]
+    for node in filter(None, target_nodes or ()):
+        full = node if node.startswith("/") else f"/{node}"
+        patterns += [full] if "/" in full[1:] else [full, full[1:]]
     try:
         overrides = read(Path(parameter_file))
     except YamlError as error:
@@ -151,7 +160,7 @@ def parameter_dict_from_yaml_file(
     found: dict[str, ParameterMsg] = {}
     for pattern in patterns:
         for override in overrides:
-            if f"/{override.pattern.lstrip('/')}" == pattern:
+            if override.pattern == pattern:
                 name = namespace + override.name
                 found[name] = Parameter(name, value=override.value).to_parameter_msg()
     if not found:

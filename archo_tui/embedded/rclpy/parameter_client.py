@@ -35,7 +35,7 @@ class AsyncParameterClient:
         callback_group: CallbackGroup | None = None,
     ) -> None:
         self.remote_node_name = remote_node_name
-        self._node = node
+        self.node = node
 
         def client(srv_type: Any, name: str) -> Any:
             return node.create_client(
@@ -61,7 +61,7 @@ class AsyncParameterClient:
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
         """Block until it does; False when `timeout_sec` (s) passed before."""
-        deadline = _time_source.deadline_ns(timeout_sec)
+        deadline = _time_source.patience_ns(timeout_sec)
         for client in self._clients:
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
             if not client.wait_for_service(None if left_ns is None else max(left_ns, 0) / 1e9):
@@ -70,31 +70,25 @@ class AsyncParameterClient:
 
     def list_parameters(
         self,
-        prefixes: Sequence[str] | None = None,
+        prefixes: list[str] | None = None,
         depth: int | None = None,
         callback: DoneCallback = None,
     ) -> Future[Any]:
         """Names below the prefixes, `depth` levels deep (default: all, any)."""
-        request = srv.ListParameters.Request(prefixes=list(prefixes or ()), depth=depth or 0)
+        request = srv.ListParameters.Request(prefixes=prefixes or [], depth=depth or 0)
         return self._call(self._list, request, callback)
 
-    def get_parameters(self, names: Sequence[str], callback: DoneCallback = None) -> Future[Any]:
+    def get_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
         """Values, in the order of the names."""
-        return self._call(self._get, srv.GetParameters.Request(names=list(names)), callback)
+        return self._call(self._get, srv.GetParameters.Request(names=names), callback)
 
-    def get_parameter_types(
-        self, names: Sequence[str], callback: DoneCallback = None
-    ) -> Future[Any]:
+    def get_parameter_types(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
         """Types, in the order of the names."""
-        return self._call(self._types, srv.GetParameterTypes.Request(names=list(names)), callback)
+        return self._call(self._types, srv.GetParameterTypes.Request(names=names), callback)
 
-    def describe_parameters(
-        self, names: Sequence[str], callback: DoneCallback = None
-    ) -> Future[Any]:
+    def describe_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
         """Descriptors, in the order of the names."""
-        return self._call(
-            self._describe, srv.DescribeParameters.Request(names=list(names)), callback
-        )
+        return self._call(self._describe, srv.DescribeParameters.Request(names=names), callback)
 
     def set_parameters(
         self, parameters: Sequence[Any], callback: DoneCallback = None
@@ -133,16 +127,11 @@ class AsyncParameterClient:
         self,
         callback: Callable[[Any], None],
         qos_profile: QoSProfile = qos_profile_parameter_events,
-        *,
-        callback_group: CallbackGroup | None = None,
+        **options: Any,
     ) -> Any:
-        """Follow the changes of all nodes; returns the subscription."""
-        return self._node.create_subscription(
-            ParameterEvent,
-            "/parameter_events",
-            callback,
-            qos_profile,
-            callback_group=callback_group,
+        """Follow the changes of all nodes; returns the subscription, made with the options."""
+        return self.node.create_subscription(
+            ParameterEvent, "/parameter_events", callback, qos_profile, **options
         )
 
     def _read(self, file: str, use_wildcard: bool) -> list[Any]:

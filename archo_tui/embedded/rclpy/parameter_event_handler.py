@@ -31,50 +31,71 @@ class ParameterEventCallbackHandle(NamedTuple):
 class ParameterEventHandler:
     """Hands the events of /parameter_events to those who follow them; the newest follower first."""
 
+    class Callbacks:
+        """Those who follow."""
+
+        def __init__(self) -> None:
+            self.parameters: list[ParameterCallbackHandle] = []
+            self.events: list[ParameterEventCallbackHandle] = []
+
+        def event_callback(self, event: ParameterEvent) -> None:
+            """Tell them."""
+            for handle in list(self.parameters):
+                told = ParameterEventHandler.get_parameter_from_event(
+                    event, handle.parameter_name, handle.node_name
+                )
+                if told is not None:
+                    handle.callback(told)
+            for follower in list(self.events):
+                follower.callback(event)
+
     def __init__(
         self,
         node: Node,
         qos_profile: QoSProfile = qos_profile_parameter_events,
         callback_group: CallbackGroup | None = None,
+        **options: Any,
     ) -> None:
+        """`options` are those of `create_subscription`."""
         self.node = node
-        self._parameters: list[ParameterCallbackHandle] = []
-        self._events: list[ParameterEventCallbackHandle] = []
-        self._subscription = node.create_subscription(
+        self.qos_profile = qos_profile
+        self._callbacks = self.Callbacks()
+        self.parameter_event_subscription = node.create_subscription(
             ParameterEvent,
             "/parameter_events",
-            self._on_event,
+            self._callbacks.event_callback,
             qos_profile,
             callback_group=callback_group,
+            **options,
         )
 
     def destroy(self) -> None:
         """Follow nothing any more."""
-        self.node.destroy_subscription(self._subscription)
+        self.node.destroy_subscription(self.parameter_event_subscription)
 
     def add_parameter_callback(
         self, parameter_name: str, node_name: str, callback: Callable[[Any], None]
     ) -> ParameterCallbackHandle:
         """Call with the parameter's message when it is new or changes. Keep what is returned."""
-        handle = ParameterCallbackHandle(parameter_name, self._path(node_name), callback)
-        self._parameters.insert(0, handle)
+        handle = ParameterCallbackHandle(parameter_name, self._resolve_path(node_name), callback)
+        self._callbacks.parameters.insert(0, handle)
         return handle
 
     def remove_parameter_callback(self, handle: ParameterCallbackHandle) -> None:
         """Raises RuntimeError when it was not added."""
-        _remove(self._parameters, handle)
+        _remove(self._callbacks.parameters, handle)
 
     def add_parameter_event_callback(
         self, callback: Callable[[ParameterEvent], None]
     ) -> ParameterEventCallbackHandle:
         """Call with every event. Keep what is returned."""
         handle = ParameterEventCallbackHandle(callback)
-        self._events.insert(0, handle)
+        self._callbacks.events.insert(0, handle)
         return handle
 
     def remove_parameter_event_callback(self, handle: ParameterEventCallbackHandle) -> None:
         """Raises RuntimeError when it was not added."""
-        _remove(self._events, handle)
+        _remove(self._callbacks.events, handle)
 
     @staticmethod
     def get_parameter_from_event(
@@ -91,15 +112,7 @@ class ParameterEventHandler:
         """The parameters that are new, then those that changed."""
         return [*event.new_parameters, *event.changed_parameters]
 
-    def _on_event(self, event: ParameterEvent) -> None:
-        for handle in list(self._parameters):
-            told = self.get_parameter_from_event(event, handle.parameter_name, handle.node_name)
-            if told is not None:
-                handle.callback(told)
-        for follower in list(self._events):
-            follower.callback(event)
-
-    def _path(self, node_name: str) -> str:
+    def _resolve_path(self, node_name: str = "") -> str:
         if not node_name:
             return self.node.get_fully_qualified_name()
         if node_name.startswith("/"):

@@ -48,7 +48,7 @@ class ParameterService:
 
     def _get_types(self, request: Any, response: Any) -> Any:
         try:
-            response.types = [int(t) for t in self._node.get_parameter_types(request.names)]
+            response.types = self._node.get_parameter_types(request.names)
         except ParameterNotDeclaredException:
             response.types = []
         return response

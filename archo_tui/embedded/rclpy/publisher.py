@@ -36,7 +36,7 @@ class Publisher(Destroyable, Generic[MsgT]):
         self._node = node
         self.msg_type = msg_type
         self.topic = topic  # as it was given
-        self.topic_name = topic_name  # as it is on the graph
+        self._topic_name = topic_name  # as it is on the graph
         self.qos_profile = qos_profile
         self._sent = 0
         self._gid = list(uuid.uuid4().bytes)
@@ -109,6 +109,12 @@ class Publisher(Destroyable, Generic[MsgT]):
         if not isinstance(timeout, Duration):
             raise TypeError(f"timeout is a Duration, not {type(timeout).__name__}")
         return True
+
+    @property
+    def topic_name(self) -> str:
+        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        self._use()
+        return self._topic_name
 
     @property
     def logger_name(self) -> str:

@@ -44,15 +44,23 @@ class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         self.srv_type = srv_type
         self.qos_profile = qos_profile
         self.srv_name = srv_name  # as it was given
-        self.service_name = service_name  # as it is on the graph
+        self._service_name = service_name  # as it is on the graph
         self.callback = callback
 
     def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:
         """Send a copy of `response` to the client that asked. Raises TypeError for another type."""
         if not isinstance(response, self.srv_type.Response):
             raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
+        if not isinstance(header, RequestHeader):
+            raise TypeError(f"Expected the header of a request, got {type(header)}")
         message: Any = response
         header.client._deliver((header.sequence_number, message.__received__()))
+
+    @property
+    def service_name(self) -> str:
+        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        self._use()
+        return self._service_name
 
     @property
     def logger_name(self) -> str:
@@ -63,7 +71,7 @@ class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         """Leave the graph; requests still queued are never answered."""
         self._destroyed = True
         graph = self._node._graph
-        graph.remove_named(graph.services, self.service_name, self)
+        graph.remove_named(graph.services, self._service_name, self)
 
     def _handle(self, item: tuple[RequestHeader, Any]) -> Any:
         header, request = item

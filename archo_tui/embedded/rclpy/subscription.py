@@ -53,7 +53,7 @@ class Subscription(QueueEntity, Generic[MsgT]):
         super().__init__(node, callback_group, qos_profile.queue_size)
         self.msg_type = msg_type
         self.topic = topic  # as it was given
-        self.topic_name = topic_name  # as it is on the graph
+        self._topic_name = topic_name  # as it is on the graph
         self.callback = callback
         self.qos_profile = qos_profile
         self.raw = raw
@@ -73,6 +73,12 @@ class Subscription(QueueEntity, Generic[MsgT]):
         self._callback = callback
 
     @property
+    def topic_name(self) -> str:
+        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        self._use()
+        return self._topic_name
+
+    @property
     def logger_name(self) -> str:
         """The name of its node's logger."""
         return self._node.get_logger().name
@@ -82,7 +88,7 @@ class Subscription(QueueEntity, Generic[MsgT]):
         self._use()
         graph = self._node._graph
         with graph.lock:
-            return sum(self in p._matched for p in graph.topics[self.topic_name].publishers)
+            return sum(self in p._matched for p in graph.topics[self._topic_name].publishers)
 
     def destroy(self) -> None:
         """Leave the topic; what is still queued is dropped."""

@@ -236,5 +236,5 @@ def wait_for(future: Future[Any], timeout_sec: float | None) -> bool:
 
     future.add_done_callback(wake)
     with answered:
-        until = _time_source.deadline_ns(timeout_sec)
+        until = _time_source.patience_ns(timeout_sec)
         return _time_source.wait_until(answered, lambda: future.done() or future.cancelled(), until)

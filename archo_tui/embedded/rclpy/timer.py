@@ -72,7 +72,7 @@ class Timer(Entity):
         self.callback: Callable[..., Any] = callback
         self._asked_of: object = None  # the callback that was looked at for such an argument
         self._wanted = ""
-        self.clock = clock
+        self._clock = clock
         self._ros_clock = clock if isinstance(clock, ROSClock) else None
         if self._ros_clock is not None:
             self._ros_clock._timers.add(self)
@@ -80,6 +80,11 @@ class Timer(Entity):
         self._canceled = False
         self._last_ns = self._now_ns()
         self._next_ns = self._last_ns + period_ns
+
+    @property
+    def clock(self) -> Clock:
+        """The clock whose time it counts."""
+        return self._clock
 
     @property
     def timer_period_ns(self) -> int:
@@ -189,11 +194,11 @@ class Timer(Entity):
             self._asked_of, self._wanted = self.callback, _info_argument(self.callback)
         if not self._wanted:
             return self.callback
-        to_clock = self.clock.now().nanoseconds - self._now_ns()
+        to_clock = self._clock.now().nanoseconds - self._now_ns()
         info = TimerInfo(
             expected_call_time=expected + to_clock,
             actual_call_time=actual + to_clock,
-            clock_type=self.clock.clock_type,
+            clock_type=self._clock.clock_type,
         )
         return partial(self.callback, **{self._wanted: info})
 

@@ -23,8 +23,13 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
-    """The arguments (of the program, if not given) that are not ROS's."""
-    return _arguments.split(sys.argv if args is None else args)[0]
+    """The arguments (of the program, if not given) that are not ROS's.
+
+    Raises RCLInvalidROSArgsError and UnknownROSArgsError for those of ROS that cannot be.
+    """
+    given = sys.argv if args is None else args
+    _arguments.parse(given)
+    return _arguments.split(given)[0]
 
 
 def ok(*, context: Context | None = None) -> bool:

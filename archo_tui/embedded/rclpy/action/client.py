@@ -212,7 +212,7 @@ class ActionClient:
             _time_source.wait_until(
                 graph.changed,
                 lambda: self._goal_client._destroyed or self.server_is_ready(),
-                _time_source.deadline_ns(timeout_sec),
+                _time_source.patience_ns(timeout_sec),
             )
             return self.server_is_ready()
 
