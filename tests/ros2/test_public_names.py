@@ -14,12 +14,10 @@ ROOT = Path(__file__).parent.parent.parent
 NOT_EMULATED = {
     "service introspection": r"service_introspection|ServiceIntrospection|configure_introspection",
     "C objects behind handles": r"get_c_|\.(un)?track_node$|g_\w+$",
-    "waitables": r"[Ww]aitable|add_to_wait_set|\.is_ready$|\.take_data$|get_num_entities|\.execute$"
+    "waitables": r"[Ww]aitable|add_to_wait_set|\.is_ready$|\.take_data$|\.execute$"
     r"|(add|remove)_future|notify_|create_event_handlers|\.(QoS)?EventHandler(\.|$)|EventHandlerData"
-    r"|await_or_execute|ConditionReached|TimeoutObject|WorkTracker|NumberOfEntities"
-    r"|get_pending_request",
+    r"|TimeoutObject|WorkTracker",
     "type support": r"type_support|NoTypeSupport",
-    "events executor": r"events_executor",
     "content filters": r"content_filter|ContentFilter|is_cft_enabled",
     "type descriptions": r"type_description|start_type_description",
     "type hashes": r"type_hash|TypeHash",

@@ -1,0 +1,17 @@
+"""`rclpy.experimental.EventsExecutor`."""
+
+from __future__ import annotations
+
+from rclpy._entity import Entity
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+
+
+class EventsExecutor(SingleThreadedExecutor):
+    """Runs callbacks one by one in the order in which they became ready, whatever calls them."""
+
+    def __init__(self, *, context: Context | None = None) -> None:
+        super().__init__(context=context)
+
+    def _place(self, entity: Entity) -> tuple[int, int]:
+        return 0, 0
