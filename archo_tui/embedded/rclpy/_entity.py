@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import threading
 from collections import deque
 from collections.abc import Callable
 from functools import partial
@@ -103,26 +102,19 @@ class QueueEntity(Entity):
 
     def __init__(self, node: Node, callback_group: CallbackGroup, size: int | None) -> None:
         super().__init__(node, callback_group)
-        self._queue: deque[Any] = deque(maxlen=size)
-        self._queue_lock = threading.Lock()
+        self._queue: deque[Any] = deque(maxlen=size)  # both its ends are safe among threads
 
     def _deliver(self, item: Any) -> None:
-        if self._destroyed:
-            return
-        with self._queue_lock:
-            waited = bool(self._queue)
+        if not self._destroyed:
             self._queue.append(item)
-        if not waited:
             self._notify()
 
     def _take(self) -> Callable[[], Any] | None:
-        found = self._next()
-        return self._work(*found) if found else None
-
-    def _next(self) -> tuple[Any] | tuple[()]:
-        """The oldest item, or none, taken out of the queue."""
-        with self._queue_lock:
-            return (self._queue.popleft(),) if self._queue and not self._destroyed else ()
+        try:
+            item = self._queue.popleft()
+        except IndexError:
+            return None
+        return None if self._destroyed else self._work(item)
 
     def _work(self, item: Any) -> Callable[[], Any]:
         """What is called for one item."""

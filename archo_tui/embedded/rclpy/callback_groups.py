@@ -68,6 +68,5 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
             return True
 
     def ending_execution(self, entity: Any) -> None:
-        with self._lock:
-            assert self._active is entity
-            self._active = None
+        assert self._active is entity
+        self._active = None

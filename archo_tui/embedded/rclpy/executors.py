@@ -15,10 +15,11 @@ import os
 import threading
 import warnings
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import Future as PoolFuture
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from operator import attrgetter
 from types import CoroutineType
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
 Work = Callable[[], Any]  # a task, or what an entity has to call
 ExecutorT = TypeVar("ExecutorT", bound="Executor")
+_KIND = attrgetter("_rank")
 Ready = tuple[Task[Any], "Entity | None", "Node | None"]  # what to call, and whose it is
 
 
@@ -228,32 +230,28 @@ class Executor:
         raise NotImplementedError
 
     def _execute(self, work: Work, entity: Entity | None) -> None:
-        """Run one piece of work; raises what it raised."""
+        """Run one piece of work; raises what it raised. Only what awaits needs a task."""
         if entity is None:
-            work()
-            error = work.exception()  # type: ignore[attr-defined]  # a task
-            if error is not None:
-                raise error
+            self._run_task(work)  # type: ignore[arg-type]
         else:
-            self._execute_callback(work, entity)
+            group = entity.callback_group
+            try:
+                found = work()
+            except BaseException:
+                group.ending_execution(entity)
+                raise
+            if isinstance(found, CoroutineType) and entity._is_awaited():
+                task: Task[Any] = Task(found, executor=self)
+                task._release = lambda: group.ending_execution(entity)
+                self._run_task(task)
+            else:
+                group.ending_execution(entity)
         if self._blocked or self._is_concurrent:
             with self._condition:
                 self._ready.update(dict.fromkeys(self._blocked))
                 self._blocked.clear()
 
-    def _execute_callback(self, work: Work, entity: Entity) -> None:
-        """Call back; only what awaits needs a task."""
-        group = entity.callback_group
-        try:
-            found = work()
-        except BaseException:
-            group.ending_execution(entity)
-            raise
-        if not isinstance(found, CoroutineType) or not entity._is_awaited():
-            group.ending_execution(entity)
-            return
-        task: Task[Any] = Task(found, executor=self)
-        task._release = lambda: group.ending_execution(entity)
+    def _run_task(self, task: Task[Any]) -> None:
         task()
         error = task.exception()
         if error is not None:
@@ -290,12 +288,11 @@ class Executor:
         stop: Callable[[], bool] = lambda: False,
         nodes: Collection[Node] | None = None,
     ) -> tuple[Work, Entity | None]:
-        with self._lock:
+        with self._condition:
             self._check_alive()
             found = self._pop_ready(nodes)
             if found is not None:
                 return found
-        with self._condition:
             deadline = _time_source.deadline_ns(timeout_sec)
             while True:
                 self._check_alive()
@@ -317,7 +314,7 @@ class Executor:
     def _check_alive(self) -> None:
         if self._is_shutdown:
             raise ShutdownException
-        if not self._context.ok():
+        if not self._context._ok:
             raise ExternalShutdownException
 
     def _is_idle(self) -> bool:
@@ -337,11 +334,13 @@ class Executor:
 
     def _pop_ready(self, nodes: Collection[Node] | None) -> tuple[Work, Entity | None] | None:
         """The next piece of work of this round, else of the next one; None when there is none."""
-        if not self._round:
-            self._begin_round()
         others: list[Entity] = []  # of nodes that are not asked for
         found: tuple[Work, Entity | None] | None = None
-        while self._round and found is None:
+        while found is None:
+            if not self._round:
+                self._begin_round()
+                if not self._round:
+                    break
             item = self._round.popleft()
             if isinstance(item, Task):
                 found = item, None
@@ -349,10 +348,10 @@ class Executor:
                 others.append(item)
             else:
                 work = self._take(item)
-                found = None if work is None else (work, item)
-            if found is None and not self._round:
-                self._begin_round()
-        self._ready.update(dict.fromkeys(others))
+                if work is not None:
+                    found = work, item
+        if others:
+            self._ready.update(dict.fromkeys(others))
         return found
 
     def _begin_round(self) -> None:
@@ -364,13 +363,14 @@ class Executor:
             return
         self._had_tasks = False
         self._collect_timers()
-        entities = sorted(self._ready, key=self._place) if len(self._ready) > 1 else self._ready
-        self._round.extend(entities)
+        self._round.extend(self._sorted(self._ready) if len(self._ready) > 1 else self._ready)
         self._ready = {}
 
-    def _place(self, entity: Entity) -> tuple[int, int]:
+    def _sorted(self, entities: Iterable[Entity]) -> Iterable[Entity]:
         """By node, then by kind; among those alike the one that was ready first."""
-        return self._nodes[entity._node], entity._rank
+        if len(self._nodes) == 1:
+            return sorted(entities, key=_KIND)
+        return sorted(entities, key=lambda entity: (self._nodes[entity._node], entity._rank))
 
     def _take(self, entity: Entity) -> Work | None:
         """One piece of work of an entity, None when its callback group is taken or it has none."""
@@ -389,7 +389,11 @@ class SingleThreadedExecutor(Executor):
     """Runs every callback in the thread that spins."""
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        self._spin_once(timeout_sec)
+        try:
+            work, entity = self._next_work(timeout_sec)
+        except (TimeoutException, ShutdownException):
+            return
+        self._run(work, entity)
 
     def spin_once_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
@@ -402,17 +406,14 @@ class SingleThreadedExecutor(Executor):
     ) -> None:
         self._spin_once(timeout_sec, future.done)
 
-    def _spin_once(
-        self, timeout_sec: float | None, stop: Callable[[], bool] = lambda: False
-    ) -> None:
+    def _spin_once(self, timeout_sec: float | None, stop: Callable[[], bool]) -> None:
         try:
             work, entity = self._next_work(timeout_sec, stop)
         except (TimeoutException, ShutdownException, ConditionReachedException):
             return
         self._run(work, entity)
 
-    def _run(self, work: Work, entity: Entity | None) -> None:
-        self._execute(work, entity)
+    _run = Executor._execute
 
 
 class MultiThreadedExecutor(SingleThreadedExecutor):
@@ -438,10 +439,12 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
     def _is_idle(self) -> bool:
         return super()._is_idle() and all(future.done() for future in self._running)
 
-    def _spin_once(
-        self, timeout_sec: float | None, stop: Callable[[], bool] = lambda: False
-    ) -> None:
+    def spin_once(self, timeout_sec: float | None = None) -> None:
         with suppress(ExternalShutdownException):  # this one ends without a word
+            super().spin_once(timeout_sec)
+
+    def _spin_once(self, timeout_sec: float | None, stop: Callable[[], bool]) -> None:
+        with suppress(ExternalShutdownException):
             super()._spin_once(timeout_sec, stop)
 
     def _run(self, work: Work, entity: Entity | None) -> None:

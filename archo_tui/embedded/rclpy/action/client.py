@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import uuid
 import weakref
 from collections import deque
@@ -250,10 +251,10 @@ class ActionClient:
     def _on_status(self, news: Any) -> None:
         """The whole status at first, then what changed in it: all of it, before a result that
         came with it."""
-        found: tuple[Any, ...] = (news,)
-        while found:
-            self._take_status(found[0])
-            found = self._status._next()
+        self._take_status(news)
+        with contextlib.suppress(IndexError):  # until there is no more
+            while True:
+                self._take_status(self._status._queue.popleft())
 
     def _take_status(self, news: Any) -> None:
         if not isinstance(news, tuple):

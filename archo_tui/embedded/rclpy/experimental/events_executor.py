@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rclpy._entity import Entity
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -13,5 +15,5 @@ class EventsExecutor(SingleThreadedExecutor):
     def __init__(self, *, context: Context | None = None) -> None:
         super().__init__(context=context)
 
-    def _place(self, entity: Entity) -> tuple[int, int]:
-        return 0, 0
+    def _sorted(self, entities: Iterable[Entity]) -> Iterable[Entity]:
+        return entities
