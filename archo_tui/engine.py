@@ -116,10 +116,8 @@ def _distribution() -> str:
     sourced = os.environ.get("ROS_DISTRO")
     if sourced:
         return sourced
-    from importlib.metadata import distributions  # 25 modules, for this line of the header only
-
-    for distribution in distributions():
-        name = (distribution.metadata["Name"] or "").replace("_", "-")
-        if name.startswith("ros-") and name.endswith("-rclpy"):
-            return name.removeprefix("ros-").removesuffix("-rclpy")
+    # by the name of its folder: importlib.metadata is 25 modules, for this line of the header only
+    installed = Path(importlib.import_module("rclpy").__file__ or "").parent.parent
+    for found in installed.glob("ros_*_rclpy-*.dist-info"):
+        return found.name.split("_")[1]
     return ""
