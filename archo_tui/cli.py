@@ -23,10 +23,23 @@ _RADIUS = 0.07  # m, of --check's parameter file: not what the chapter's listing
 _MOST_FAILURES = 3  # of the screen, after which it is given up
 
 
+def _columns() -> int:
+    """The terminal's, unless COLUMNS says otherwise; 80 where there is none."""
+    said = os.environ.get("COLUMNS", "")
+    if said.isdecimal() and int(said):
+        return int(said)
+    try:
+        return os.get_terminal_size(1).columns or 80
+    except OSError:
+        return 80
+
+
 def parser() -> argparse.ArgumentParser:
     """The options; what follows --ros-args is ROS's and is taken off before."""
+    width = _columns() - 2  # as argparse has it by itself, for which it loads all of shutil
     made = argparse.ArgumentParser(
         prog="archo-tui",
+        formatter_class=lambda prog: argparse.HelpFormatter(prog, width=width),
         description="Operate the warehouse robot ARCHO from a terminal.",
         epilog="A stop from here is a software stop: it does not replace the hardware one. "
         "What libraries print while the screen is shown goes to stderr.log, beside the journal.",

@@ -67,6 +67,15 @@ def test_version_and_help() -> None:
         assert option in said
 
 
+@pytest.mark.parametrize(("columns", "width"), [("", 80), ("wide", 80), ("0", 80), ("60", 60)])
+def test_help_is_as_wide_as_columns_say(
+    columns: str, width: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    longest = max(map(len, archo("--help").stdout.splitlines()))
+    assert width - 12 < longest <= width - 2
+
+
 def test_the_keymap_is_printed_in_the_form_of_its_file(tmp_path: Path, refused: Refused) -> None:
     said = archo("--keys").stdout
     assert "stop: ctrl+x           # everywhere: STOP: software stop" in said
