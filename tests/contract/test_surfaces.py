@@ -10,9 +10,12 @@ from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
+from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 from rclpy.timer import TimerInfo
+from rclpy.type_description_service import START_TYPE_DESCRIPTION_SERVICE_PARAM
 from rclpy.utilities import remove_ros_args
 from std_msgs.msg import Float32MultiArray, Header, Int32
 from std_srvs.srv import Trigger
@@ -124,3 +127,23 @@ def test_numbers_of_an_array_are_converted_when_it_is_made_and_not_when_it_is_as
 def test_a_message_within_a_message_is_asked_for_by_its_name() -> None:
     with pytest.raises(AssertionError, match="must be a sub message of type 'Time'"):
         Header(stamp=3)  # type: ignore[arg-type]
+
+
+def test_a_node_has_two_parameters_from_the_start(ros: Ros) -> None:
+    node = ros.node()
+    assert node.list_parameters([], 0).names == [
+        "use_sim_time",
+        START_TYPE_DESCRIPTION_SERVICE_PARAM,
+    ]
+    assert node.get_parameter_type(START_TYPE_DESCRIPTION_SERVICE_PARAM) == 1
+    assert node.describe_parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM).read_only
+    said: Parameter[bool] = Parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM, value=False)
+    assert "read-only" in node.set_parameters([said])[0].reason
+
+
+def test_a_subscription_says_what_its_callback_is_given(ros: Ros) -> None:
+    node = ros.node()
+    kinds = Subscription.CallbackType
+    one = node.create_subscription(Int32, "a", lambda message: None, 10)
+    both = node.create_subscription(Int32, "a", lambda message, info: None, 10)
+    assert (one._callback_type, both._callback_type) == (kinds.MessageOnly, kinds.WithMessageInfo)

@@ -7,7 +7,14 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
 from rcl_interfaces.msg import Log, ParameterDescriptor, ParameterEvent
-from rclpy import _arguments, _logging, _names, _time_source, qos_overriding_options
+from rclpy import (
+    _arguments,
+    _logging,
+    _names,
+    _time_source,
+    qos_overriding_options,
+    type_description_service,
+)
 from rclpy._entity import Destroyable, Entity, EntityT
 from rclpy._node_parameters import NodeParameters
 from rclpy._parameter_rules import RELATIVE_TOLERANCE
@@ -115,6 +122,7 @@ class Node(NodeParameters, Destroyable):
         )
         self._time_source = TimeSource(node=self)
         self._time_source.attach_clock(self._clock)
+        type_description_service.declare_parameter(self)
         if self._declare_on_start:
             for parameter, value in overrides.items():
                 if not self.has_parameter(parameter):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Callable
+from enum import Enum
 from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
 
@@ -62,6 +63,12 @@ class Subscription(QueueEntity, Generic[MsgT]):
         self._incompatible_event: EventHandler | None = None
         self._warns = True  # of endpoints that do not match, without a callback for them
 
+    class CallbackType(Enum):
+        """What a callback is given."""
+
+        MessageOnly = 0
+        WithMessageInfo = 1
+
     @property
     def callback(self) -> Callable[..., Any]:
         """What a message is given to: a function of the message, or of the message and its info."""
@@ -70,6 +77,8 @@ class Subscription(QueueEntity, Generic[MsgT]):
     @callback.setter
     def callback(self, callback: Callable[..., Any]) -> None:
         self._with_info = takes_info(callback)
+        kinds = self.CallbackType
+        self._callback_type = kinds.WithMessageInfo if self._with_info else kinds.MessageOnly
         self._callback = callback
 
     @property
