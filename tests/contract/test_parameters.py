@@ -510,3 +510,12 @@ def test_names_are_given_as_a_list_to_another_nodes_client(ros: Ros) -> None:
 def test_a_text_that_is_no_value_is_refused(text: str, error: type[Exception]) -> None:
     with pytest.raises(error):
         get_parameter_value(text)
+
+
+def test_a_callback_that_answers_with_something_else_is_warned_of(ros: Ros) -> None:
+    node = ros.node()
+    node.declare_parameter("a", 1)
+    node.add_on_set_parameters_callback(lambda parameters: None)  # type: ignore[arg-type,return-value]
+    with pytest.warns(UserWarning, match="invalid type"):
+        (result,) = node.set_parameters([Parameter("a", value=2)])
+    assert (result.successful, result.reason) == (False, "Callback returned an invalid type")

@@ -350,6 +350,10 @@ class NodeParameters:
         for callback in self._on_set_parameters_callbacks:
             result = callback(parameters)
             if not isinstance(result, SetParametersResult):
+                warnings.warn(
+                    "Callback returned an invalid type, it should return SetParameterResult.",
+                    stacklevel=2,
+                )
                 return SetParametersResult(
                     successful=False, reason="Callback returned an invalid type"
                 )

@@ -117,7 +117,7 @@ class Subscription(QueueEntity, Generic[MsgT]):
             "received_timestamp": now,
             "publication_sequence_number": sender._sent,
             "reception_sequence_number": None,
-            "publisher_gid": {"implementation_identifier": "embedded", "data": sender._gid},
+            "publisher_gid": {"implementation_identifier": "embedded", "data": bytes(sender._gid)},
         }
         self._deliver((copied, info))
 
