@@ -11,6 +11,8 @@ from rclpy import _logging, _time_source
 from rclpy.clock import Clock, ROSClock
 from rclpy.impl.logging_severity import LoggingSeverity
 
+_Where = tuple[str, str, int, int]  # of a call: function, file, line, instruction
+
 
 class RcutilsLogger:
     """A named logger. Each line goes to standard error and, for a node's logger, to /rosout.
@@ -20,13 +22,13 @@ class RcutilsLogger:
 
     def __init__(self, name: str = "") -> None:
         self.name = name
-        self._places: dict[tuple[object, int], _Place] = {}  # by code and instruction
+        self._places: dict[_Where, _Place] = {}
 
     def get_child(self, name: str) -> RcutilsLogger:
-        """A logger below this one. Raises ValueError for an empty name."""
+        """A logger below this one. Raises ValueError for an empty name, TypeError for none."""
         if not name:
             raise ValueError("Child logger name must not be empty.")
-        return RcutilsLogger(f"{self.name}.{name}" if self.name else name)
+        return RcutilsLogger(self.name + "." + name if self.name else name)
 
     def set_level(self, level: LoggingSeverity | int) -> None:
         """Log from this severity on. Raises ValueError for what is no severity."""
@@ -76,7 +78,8 @@ class RcutilsLogger:
             raise TypeError(f"a log line is a str, not {type(message).__name__}")
         frame = sys._getframe(2)
         code = frame.f_code
-        if not self._passes((code, frame.f_lasti), severity, filters):
+        where = code.co_name, code.co_filename, frame.f_lineno, frame.f_lasti
+        if not self._passes(where, severity, filters):
             return False
         stamp = ROSClock().now()
         sec, nanosec = stamp.seconds_nanoseconds()
@@ -96,9 +99,7 @@ class RcutilsLogger:
             )
         return True
 
-    def _passes(
-        self, where: tuple[object, int], severity: LoggingSeverity, filters: dict[str, float]
-    ) -> bool:
+    def _passes(self, where: _Where, severity: LoggingSeverity, filters: dict[str, float]) -> bool:
         place = self._places.get(where)
         if place is None:
             self._check(filters)
@@ -107,7 +108,7 @@ class RcutilsLogger:
             raise ValueError("Logger severity cannot be changed between calls.")
         if place.filters != filters:
             what = "Requested logging filters"
-            if place.filters.keys() == filters.keys():
+            if _asked(place.filters) == _asked(filters):
                 what = "Logging filter parameters"
             raise ValueError(f"{what} cannot be changed between calls.")
         if not filters:
@@ -156,3 +157,8 @@ class _Place:
     last: float | None = None  # s, when it last passed the throttle
     skipped: bool = False
     logged: bool = False
+
+
+def _asked(filters: dict[str, float]) -> set[str]:
+    """Those that are switched on."""
+    return {name for name, value in filters.items() if value}
