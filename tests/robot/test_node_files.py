@@ -76,7 +76,7 @@ async def test_it_is_stopped_started_and_not_copied_under_its_own_name(here: Pat
         await op.press("s")
         await op.until("start /greeter: /greeter started")
         await op.press("plus")
-        await op.until("Greeter takes no cli_args, so a copy wo")  # as far as the line goes
+        await op.until("copy /greeter: my_node.py: Greeter takes no cli_args, so a copy")
 
 
 @pytest.mark.parametrize(
