@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import functools
 import gc
 from collections.abc import Callable, Iterator
@@ -145,3 +146,48 @@ def test_an_exception_that_nobody_looked_at_is_said(capfd: pytest.CaptureFixture
         gc.collect()
     said = capfd.readouterr().err
     assert said == "The following exception was never retrieved: looked at: False\n"
+
+
+def test_a_future_can_be_awaited_in_asyncio_while_its_loop_spins_the_node(
+    ros: Ros, executor: SingleThreadedExecutor
+) -> None:
+    node = ros.node()
+    node.create_service(Trigger, "t", lambda request, response: response)
+    client = node.create_client(Trigger, "t")
+    executor.add_node(node)
+
+    async def ask() -> Any:
+        return await client.call_async(Trigger.Request())
+
+    async def both() -> Any:
+        asking = asyncio.ensure_future(ask())
+        while not asking.done():
+            executor.spin_once(timeout_sec=0.01)
+            await asyncio.sleep(0)
+        return await asking
+
+    assert isinstance(asyncio.run(both()), Trigger.Response)
+
+
+def test_of_what_an_action_client_hears_one_of_each_comes_in_one_go(
+    ros: Ros, executor: SingleThreadedExecutor
+) -> None:
+    heard: list[float] = []
+
+    def execute(goal: Any) -> Any:
+        for number in range(5):
+            goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=float(number)))
+        goal.succeed()
+        return MoveToShelf.Result()
+
+    node = ros.node()
+    executor.add_node(node)
+    server = ActionServer(node, MoveToShelf, "move", execute)
+    client = ActionClient(node, MoveToShelf, "move")
+    goal = client.send_goal_async(
+        MoveToShelf.Goal(), lambda message: heard.append(message.feedback.distance_remaining)
+    )
+    executor.spin_until_future_complete(goal, 10.0)
+    assert heard == [0.0]  # with the acceptance
+    client.destroy()
+    server.destroy()

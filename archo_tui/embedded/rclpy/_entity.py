@@ -59,6 +59,7 @@ class Entity(Destroyable):
     # in a round: actions, timers, subscriptions, guard conditions, clients, services
     _rank = 1
     callback: Any = None
+    _taken_by: Entity | None = None  # who takes its work together with that of others
 
     def __init__(self, node: Node, callback_group: CallbackGroup) -> None:
         self._node = node
@@ -91,7 +92,7 @@ class Entity(Destroyable):
         """Tell the executor that there is work. Without one it stays until the node gets one."""
         executor = self._node._executor
         if executor is not None:
-            executor._make_ready(self)
+            executor._make_ready(self._taken_by or self)
 
 
 class QueueEntity(Entity):
@@ -124,4 +125,4 @@ class QueueEntity(Entity):
         raise NotImplementedError
 
     def _waiting(self) -> int:
-        return 0 if self._destroyed else len(self._queue)
+        return 0 if self._destroyed or self._taken_by else len(self._queue)

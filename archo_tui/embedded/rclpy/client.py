@@ -131,6 +131,7 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         with self._lock:
             future = self._pending_requests.pop(number, None)
         if future is not None:
+            future._set_executor(self._node.executor)
             future.set_result(response)
 
 

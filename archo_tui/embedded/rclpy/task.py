@@ -18,6 +18,14 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+
+class _Awaiting(threading.local):
+    """What the coroutine awaits that ran last in this thread."""
+
+    future: Future[Any] | None = None
+
+
+_awaiting = _Awaiting()
 _PENDING, _CANCELLED, _FINISHED = "pending", "cancelled", "finished"
 
 
@@ -46,7 +54,9 @@ class Future(Generic[T]):
 
     def __await__(self) -> Generator[Any, None, T]:
         while self._state == _PENDING:
-            yield self
+            _awaiting.future = self  # and nothing is yielded: asyncio takes that for a pause
+            yield
+            _awaiting.future = None
         value: T = self.result()
         return value
 
@@ -202,12 +212,14 @@ class Task(Future[T]):
 
     def _step(self) -> None:
         while True:
+            _awaiting.future = None
             try:
-                awaited = self._coroutine.send(None)
+                self._coroutine.send(None)
             except StopIteration as stop:
                 self.set_result(stop.value)
                 return
-            if not isinstance(awaited, Future):
+            awaited = _awaiting.future
+            if awaited is None:
                 self._resume()
                 return
             # kept by itself alone: were it freed while the collector closes an inner coroutine of

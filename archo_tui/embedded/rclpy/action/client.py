@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import uuid
 import weakref
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy import _time_source
+from rclpy._entity import Entity, QueueEntity
 from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy._type_checks import check_action
 from rclpy.action._goal_states import ACTIVE
 from rclpy.callback_groups import CallbackGroup
-from rclpy.executors import await_or_execute
 from rclpy.qos import (
     QoSProfile,
     qos_profile_action_status_default,
@@ -146,7 +148,14 @@ class ActionClient:
 
         for entity in (*self._clients, *self._subscriptions):
             entity._rank, entity._is_part_of_action = 0, True
-        self._status = self._subscriptions[1]
+        feedback, self._status = self._subscriptions
+        # in rclpy's order, but for the status: a goal's is there when its result is
+        self._together = _Together(
+            node,
+            callback_group or node.default_callback_group,
+            (self._goal_client, self._cancel_client, self._status, self._result_client, feedback),
+        )
+        node._entity_list.append(self._together)
         self._status._follows_changes = True
         self._status._queue = deque(self._status._queue)  # no change may be lost
 
@@ -172,17 +181,19 @@ class ActionClient:
         request = self._action_type.Impl.SendGoalService.Request(goal_id=goal_id, goal=goal)
         accepted: Future[ClientGoalHandle] = Future(executor=self._node.executor)
 
-        def on_response(future: Future[Any]) -> None:
-            handle = ClientGoalHandle(self, goal_id, future.result())
+        answer = self._goal_client.call_async(request)
+
+        def on_response() -> None:
+            if answer.cancelled():
+                return
+            handle = ClientGoalHandle(self, goal_id, answer.result())
             if handle.accepted:
                 self._goal_handles[bytes(goal_id.uuid)] = handle
             else:
                 self._feedback_callbacks.pop(bytes(goal_id.uuid), None)
             accepted.set_result(handle)
 
-        answer = self._goal_client.call_async(request)
-        answer._set_executor(None)  # at once: the goal's status may be next in the queue
-        answer.add_done_callback(on_response)
+        answer._when_done(on_response)  # at once: the goal's status may be next in the queue
         accepted.add_done_callback(lambda future: answer.cancel() if future.cancelled() else None)
         return accepted
 
@@ -238,15 +249,16 @@ class ActionClient:
             self._node.destroy_client(client)
         for subscription in self._subscriptions:
             self._node.destroy_subscription(subscription)
+        self._node._destroy(self._together)
 
     def _use(self, to_do: str) -> None:
         if self._goal_client._destroyed:
             raise RCLError(f"Failed to {to_do}: the action client is destroyed")
 
-    async def _on_feedback(self, message: Any) -> None:
+    def _on_feedback(self, message: Any) -> Any:
         callback = self._feedback_callbacks.get(bytes(message.goal_id.uuid))
-        if callback is not None:
-            await await_or_execute(callback, message)
+        found = None if callback is None else callback(message)
+        return found if inspect.iscoroutinefunction(callback) else None
 
     def _on_status(self, news: Any) -> None:
         """The whole status at first, then what changed in it: all of it, before a result that
@@ -265,6 +277,35 @@ class ActionClient:
                 handle._status = status
             if status not in ACTIVE:
                 self._goal_handles.pop(key, None)
+
+
+class _Together(Entity):
+    """What an action client hears, taken one of each in one go, as rclpy's waitable does it."""
+
+    _rank, _is_part_of_action = 0, True
+
+    def __init__(
+        self, node: Node, callback_group: CallbackGroup, parts: Sequence[QueueEntity]
+    ) -> None:
+        super().__init__(node, callback_group)
+        self._parts = parts
+        for part in parts:
+            part._taken_by = self
+
+    def _waiting(self) -> int:
+        return sum(len(part._queue) for part in self._parts)
+
+    def _take(self) -> Callable[[], Any] | None:
+        taken = [work for part in self._parts if (work := part._take()) is not None]
+        return partial(_all, taken) if taken else None
+
+    def _is_awaited(self) -> bool:
+        return True
+
+
+def _all(taken: Sequence[Callable[[], Any]]) -> Any:
+    """Do all of it; returns the coroutine of an async feedback callback, if there is one."""
+    return next(filter(None, [work() for work in taken]), None)
 
 
 def _wait(future: Future[Any]) -> Any:
