@@ -235,10 +235,12 @@ def test_loggers_levels_are_seen_and_set_through_services(ros: Ros) -> None:
     assert ros.result(put.call_async(SetLoggerLevels.Request(levels=levels))).results[0].successful
     answer = ros.result(get.call_async(GetLoggerLevels.Request(names=["some.logger"])))
     assert answer.levels[0].level == LoggerLevel.LOG_LEVEL_ERROR
+    child = ros.result(get.call_async(GetLoggerLevels.Request(names=["some.logger.child"])))
+    assert child.levels[0].level == LoggerLevel.LOG_LEVEL_UNKNOWN  # what it inherits is not its own
     levels[0].level = 33
     refused = ros.result(put.call_async(SetLoggerLevels.Request(levels=levels))).results[0]
     assert not refused.successful
-    assert refused.reason
+    assert refused.reason == "Failed reason: Invalid logger level."
 
 
 def test_what_a_node_makes_ends_with_its_with(ros: Ros) -> None:

@@ -22,7 +22,7 @@ class LoggingService:
 
     def _get(self, request: Any, response: Any) -> Any:
         response.levels = [
-            LoggerLevel(name=name, level=int(logging.get_logger_effective_level(name)))
+            LoggerLevel(name=name, level=int(logging.get_logger_level(name)))
             for name in request.names
         ]
         return response
@@ -33,8 +33,9 @@ class LoggingService:
             result = SetLoggerLevelsResult(successful=True)
             try:
                 logging.set_logger_level(wanted.name, LoggingSeverity(wanted.level))
-            except ValueError as error:
-                result = SetLoggerLevelsResult(successful=False, reason=str(error))
+            except ValueError:
+                reason = "Failed reason: Invalid logger level."
+                result = SetLoggerLevelsResult(successful=False, reason=reason)
             results.append(result)
         response.results = results
         return response
