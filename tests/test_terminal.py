@@ -55,9 +55,10 @@ def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(
     assert terminal.is_as_before()
 
 
-@pytest.mark.parametrize("end", ["SIGTERM", "hang up", "hang up, nohup"])
+@pytest.mark.parametrize("end", ["SIGTERM", "hang up", "hang up, nohup", "hang up, no signal"])
 def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) -> None:
-    terminal = Terminal(*SLOW, ignore_hangup=end == "hang up, nohup")
+    no_signal = end == "hang up, no signal"
+    terminal = Terminal(*SLOW, ignore_hangup=end == "hang up, nohup", controlling=not no_signal)
     terminals.append(terminal)
     terminal.until("No goal yet")
     terminal.until("wheel_radius")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import threading
+from functools import partial
 from typing import Any
 
 import pytest
@@ -272,6 +273,23 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
         executor.spin_once(1.0)
     executor.spin_once(0.05)
     assert ran == ["kept"]
+    executor.shutdown(0)
+
+
+def test_of_a_node_that_is_removed_in_the_middle_of_a_round_nothing_more_is_run(ros: Ros) -> None:
+    nodes = ros.node("first"), ros.node("second")
+    executor = SingleThreadedExecutor(context=ros.context)
+    ran: list[str] = []
+    for node in nodes:
+        node.create_timer(0.01, partial(ran.append, node.get_name()))
+        executor.add_node(node)
+    pass_time(0.05)  # both are due
+    executor.spin_once(1.0)
+    (first,) = ran
+    executor.remove_node(next(node for node in nodes if node.get_name() != first))
+    for _ in range(3):
+        executor.spin_once(0.05)
+    assert set(ran) == {first}
     executor.shutdown(0)
 
 

@@ -27,10 +27,14 @@ class Terminal:
         *words: str,
         code: str = "",
         ignore_hangup: bool = False,
+        controlling: bool = True,
         size: tuple[int, int] = (120, 36),
         term: str = "xterm-256color",
     ) -> None:
-        """`code` is Python to run before the command line is obeyed."""
+        """`code` is Python to run before the command line is obeyed.
+
+        Of a terminal that is not `controlling` no signal comes when it hangs up.
+        """
         self.output = b""
         self._master, slave = pty.openpty()
         self.resize(*size)
@@ -39,7 +43,8 @@ class Terminal:
         self.pid = os.fork()
         if self.pid == 0:
             os.setsid()
-            fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+            if controlling:
+                fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
             for fd in (0, 1, 2):
                 os.dup2(slave, fd)
             os.closerange(3, 100)
