@@ -15,7 +15,7 @@ class CallbackGroup:
 
     def add_entity(self, entity: Any) -> None:
         """Have the entity share the rule."""
-        self.entities.add(weakref.ref(entity))
+        self.entities.add(weakref.ref(entity, self.entities.discard))  # gone with it
 
     def has_entity(self, entity: Any) -> bool:
         """True when it shares the rule."""
