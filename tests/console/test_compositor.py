@@ -54,15 +54,14 @@ async def test_a_part_of_the_screen_is_drawn_as_textual_draws_it(
     robot: StubRobot = app.station.robot  # type: ignore[assignment]
     choose = random.Random(1)
     states: list[Any] = sorted(set(STATES) - {"many parameters"})
-    steps = 60 if size[0] <= 80 else 30  # the larger, the longer each takes
     async with app.run_test(size=size):
         quiet = Quiet(app)
         await quiet.settle()
-        for _ in range(steps):
+        for _ in range(60):
             robot.put(STATES[choose.choice(states)])
             send(app, choose.choice(_KEYS))
             await quiet.settle()
-    assert len(drawn) > steps
+    assert len(drawn) > 60
 
 
 async def test_only_what_changed_is_asked_for_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:

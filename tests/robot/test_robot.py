@@ -731,3 +731,30 @@ async def test_a_client_of_another_type_does_not_hide_the_server() -> None:
     async with robot(Both) as it:
         await until(lambda: "emergency_stop" in it.snapshot.offered)
         assert (await ended(it.emergency_stop())).text == "Stopped"
+
+
+async def test_who_watches_sends_nothing_whoever_asks_for_it() -> None:
+    heard: list[str] = []
+
+    def refuse(_: Any) -> GoalResponse:
+        heard.append("a goal")
+        return GoalResponse.REJECT
+
+    def stop(request: Any, response: Any) -> Any:
+        heard.append("STOP")
+        return response
+
+    class Watched(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("watched", **options)
+            self.action = ActionServer(
+                self, MoveToShelf, "move_to_shelf", print, goal_callback=refuse
+            )
+            self.create_service(EmergencyStop, "emergency_stop", stop)
+
+    async with robot(Watched, watch=True) as it:
+        await until(lambda: {"move_to_shelf", "emergency_stop"} <= set(it.snapshot.offered))
+        for outcome in (await ended(go(it, 3)), await ended(it.emergency_stop())):
+            assert not outcome.ok
+            assert outcome.text.startswith("watching only")
+    assert heard == []
