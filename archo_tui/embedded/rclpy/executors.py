@@ -291,25 +291,27 @@ class Executor:
         with self._condition:
             self._check_alive()
             found = self._pop_ready(nodes)
+            return self._wait_for_work(timeout_sec, stop, nodes) if found is None else found
+
+    def _wait_for_work(
+        self, timeout_sec: float | None, stop: Callable[[], bool], nodes: Collection[Node] | None
+    ) -> tuple[Work, Entity | None]:
+        """The condition is held, and there was nothing to do."""
+        deadline = _time_source.deadline_ns(timeout_sec)
+        while True:
+            due = self._collect_timers()
+            found = self._pop_ready(nodes)
             if found is not None:
                 return found
-            deadline = _time_source.deadline_ns(timeout_sec)
-            while True:
-                self._check_alive()
-                found = self._pop_ready(nodes)
-                if found is not None:
-                    return found
-                due = self._collect_timers()
-                if self._ready and nodes is None:
-                    continue
-                now = _time_source.monotonic_ns()
-                if stop():
-                    raise ConditionReachedException
-                if deadline is not None and now >= deadline:
-                    raise TimeoutException
-                until = min((ns for ns in (deadline, due) if ns is not None), default=None)
-                self._notified = False
-                _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
+            now = _time_source.monotonic_ns()
+            if stop():
+                raise ConditionReachedException
+            if deadline is not None and now >= deadline:
+                raise TimeoutException
+            until = min((ns for ns in (deadline, due) if ns is not None), default=None)
+            self._notified = False
+            _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
+            self._check_alive()
 
     def _check_alive(self) -> None:
         if self._is_shutdown:

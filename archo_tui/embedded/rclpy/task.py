@@ -197,7 +197,8 @@ class Task(Future[T]):
         self._is_executing = True
         try:
             if self._coroutine is None:
-                self.set_result(self._call())
+                call, self._call = self._call, None
+                self.set_result(call())
             else:
                 self._step()
         except Exception as error:
