@@ -8,7 +8,7 @@ import io
 import os
 import sys
 import threading
-from collections.abc import Awaitable, Callable, Coroutine
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -143,10 +143,8 @@ class Plain:
         lines = Lines()
         with contextlib.suppress(RuntimeError):  # the loop is closed: nobody listens
             while chunk := self._chunk():
-                for line in lines.take(chunk):
-                    loop.call_soon_threadsafe(self._heard, line)
-            for last in (*lines.take(b"\n"), None):
-                loop.call_soon_threadsafe(self._heard, last)
+                loop.call_soon_threadsafe(self._heard, lines.take(chunk))
+            loop.call_soon_threadsafe(self._heard, [*lines.take(b"\n"), None])
 
     def _chunk(self) -> bytes:
         try:
@@ -154,10 +152,13 @@ class Plain:
         except OSError:
             return b""
 
-    def _heard(self, line: str | None) -> None:
-        self._typed.put_nowait(line)
-        if line is not None and line.split() == _STOP:  # does not wait for what was typed before
-            self._start(self._run(_STOP))
+    def _heard(self, lines: Sequence[str | None]) -> None:
+        """What came in one go: a stop among it is sent before whatever was typed before it."""
+        for line in lines:
+            if line is not None and line.split() == _STOP:
+                self._start(self._run(_STOP))
+        for line in lines:
+            self._typed.put_nowait(line)
 
     async def _serve(self) -> None:
         while (line := await self._typed.get()) is not None and line.split() != ["quit"]:
