@@ -40,6 +40,18 @@ def executor(ros: Ros) -> Iterator[SingleThreadedExecutor]:
     made.shutdown()
 
 
+def _telling(*distances: float) -> Callable[[Any], Any]:
+    """An execute callback whose goals give this feedback in one go and succeed."""
+
+    def execute(goal: Any) -> Any:
+        for distance in distances:
+            goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=distance))
+        goal.succeed()
+        return MoveToShelf.Result()
+
+    return execute
+
+
 def test_an_async_callback_is_awaited_and_a_coroutine_that_another_returns_is_not(
     ros: Ros, executor: SingleThreadedExecutor, forgotten: Callable[[Any], Any]
 ) -> None:
@@ -84,14 +96,9 @@ def test_feedback_is_awaited_by_an_async_callback(
     async def hear(message: Any) -> None:
         heard.append(message.feedback.distance_remaining)
 
-    def execute(goal: Any) -> Any:
-        goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=3.0))
-        goal.succeed()
-        return MoveToShelf.Result()
-
     node = ros.node()
     executor.add_node(node)
-    server = ActionServer(node, MoveToShelf, "move", execute)
+    server = ActionServer(node, MoveToShelf, "move", _telling(3.0))
     client = ActionClient(node, MoveToShelf, "move")
     goal = client.send_goal_async(MoveToShelf.Goal(), feedback_callback=hear)
     executor.spin_until_future_complete(goal, 10.0)
@@ -174,15 +181,9 @@ def test_of_what_an_action_client_hears_one_of_each_comes_in_one_go(
 ) -> None:
     heard: list[float] = []
 
-    def execute(goal: Any) -> Any:
-        for number in range(5):
-            goal.publish_feedback(MoveToShelf.Feedback(distance_remaining=float(number)))
-        goal.succeed()
-        return MoveToShelf.Result()
-
     node = ros.node()
     executor.add_node(node)
-    server = ActionServer(node, MoveToShelf, "move", execute)
+    server = ActionServer(node, MoveToShelf, "move", _telling(0.0, 1.0, 2.0, 3.0, 4.0))
     client = ActionClient(node, MoveToShelf, "move")
     goal = client.send_goal_async(
         MoveToShelf.Goal(), lambda message: heard.append(message.feedback.distance_remaining)

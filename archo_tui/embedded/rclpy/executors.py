@@ -285,7 +285,7 @@ class Executor:
     def _next_work(
         self,
         timeout_sec: float | None,
-        stop: Callable[[], bool] = lambda: False,
+        stop: Callable[[], bool],
         nodes: Collection[Node] | None = None,
     ) -> tuple[Work, Entity | None]:
         with self._condition:
@@ -391,11 +391,7 @@ class SingleThreadedExecutor(Executor):
     """Runs every callback in the thread that spins."""
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        try:
-            work, entity = self._next_work(timeout_sec)
-        except (TimeoutException, ShutdownException):
-            return
-        self._run(work, entity)
+        self._spin_once(timeout_sec, lambda: False)
 
     def spin_once_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None
@@ -441,12 +437,8 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
     def _is_idle(self) -> bool:
         return super()._is_idle() and all(future.done() for future in self._running)
 
-    def spin_once(self, timeout_sec: float | None = None) -> None:
-        with suppress(ExternalShutdownException):  # this one ends without a word
-            super().spin_once(timeout_sec)
-
     def _spin_once(self, timeout_sec: float | None, stop: Callable[[], bool]) -> None:
-        with suppress(ExternalShutdownException):
+        with suppress(ExternalShutdownException):  # this one ends without a word
             super()._spin_once(timeout_sec, stop)
 
     def _run(self, work: Work, entity: Entity | None) -> None:
