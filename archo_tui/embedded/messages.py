@@ -44,7 +44,7 @@ class Message(metaclass=_MessageType):
         """Fields by name. Their values are always checked: `check_fields` is taken, and no more."""
         values.pop("check_fields", None)
         for name, code in self.__number_arrays__.items():
-            if name in values:  # converted, other than in an assignment: [1, 2] are two floats
+            if name in values:  # converted, unlike in an assignment: [1, 2] are two floats
                 values[name] = array(code, values[name])
         for name, default in self.__defaults__.items():
             setattr(self, name, values.pop(name) if name in values else default())

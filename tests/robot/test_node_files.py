@@ -77,6 +77,8 @@ async def test_it_is_stopped_started_and_not_copied_under_its_own_name(here: Pat
         await op.until("start /greeter: /greeter started")
         await op.press("plus")
         await op.until("copy /greeter: my_node.py: Greeter takes no cli_args, so a copy")
+        said = [event.text for event in op.app.view.snapshot.events]  # whole: not wrapped
+        assert any("so a copy would have the same name" in text for text in said)
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,7 @@ def time_ns() -> int:
 
 
 def patience_ns(timeout_sec: float | None) -> int | None:
-    """The same for those who wait for others: a negative timeout has passed already."""
+    """As `deadline_ns`, for waiting on other nodes: there a negative timeout is over at once."""
     return deadline_ns(None if timeout_sec is None else max(timeout_sec, 0.0))
 
 

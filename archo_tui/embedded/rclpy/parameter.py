@@ -118,7 +118,7 @@ class Parameter(Generic[AllowableParameterValueT]):
 def get_parameter_value(string_value: str) -> ParameterValue:
     """The value that a text means on a command line, read as YAML; a string when it cannot be.
 
-    Other than rcl's own parser this takes `1e3` for a string, as PyYAML does. Raises what PyYAML
+    Unlike rcl's own parser, this takes `1e3` for a string, as PyYAML does. Raises what PyYAML
     raises for characters that begin nothing, AssertionError for a map or a date, as rclpy does.
     """
     try:
