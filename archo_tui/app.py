@@ -359,7 +359,10 @@ class ArchoApp(TerminalApp):
     async def _recall(self) -> None:
         goals = self.view.snapshot.robot.goals
         if goals:
-            self.main.goal.recalls(await asyncio.to_thread(recall.load, goals[0].id))
+            before = await asyncio.to_thread(recall.load, goals[0].id)
+            since = self.main.goal.typed  # a slow disk: what was sent meanwhile comes behind
+            earlier = [old for old in before if old not in since]
+            self.main.goal.recalls([*earlier, *since][-recall.MOST :])
 
     def _drive(self, target: Target, queued: bool) -> None:
         self.run_worker(self._send(target, queued), group="send")

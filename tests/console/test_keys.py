@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -165,6 +166,28 @@ async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
         await op.press("up")
         assert op.app.query_one("#goal-0", Input).value == "12"
         assert op.focused_panel == 3
+
+
+async def test_what_was_sent_before_the_kept_goals_were_read_is_not_lost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    is_read = threading.Event()
+
+    def load(_: str) -> list[list[str]]:
+        is_read.wait(30.0)
+        return [["7"]]
+
+    monkeypatch.setattr("archo_tui.recall.load", load)
+    async with console(node_makers=[Nobody], wait=False) as op:
+        await op.until("● nobody")
+        await op.press("g", "1", "2", "enter")
+        await op.until("move_to_shelf is not offered by any node")
+        is_read.set()
+        await op.until(lambda: len(op.app.main.goal.typed) == 2)
+        await op.press("up")
+        assert op.app.query_one("#goal-0", Input).value == "12"
+        await op.press("up")
+        assert op.app.query_one("#goal-0", Input).value == "7"
 
 
 async def test_keys_that_are_pressed_twice_end_a_dialog_once() -> None:
