@@ -72,7 +72,8 @@ async def test_of_goals_without_end_only_the_last_are_kept() -> None:
             if number % 50 == 0:
                 kept.append(kinds_kept())
         assert len(it.snapshot.history) == HISTORY
-        assert kept[1] == kept[0]
+        grown = kept[1] - kept[0]  # a reading may be under way; 50 goals that are kept are 50 more
+        assert {kind: more for kind, more in grown.items() if more > 10} == {}
 
 
 class Backward(Node):
