@@ -354,7 +354,7 @@ class ArchoApp(TerminalApp):
         """For the arrows, also after a restart."""
         kind, panel = self.view.snapshot.robot.goals[0], self.main.goal
         panel.recalls([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
-        self.run_worker(asyncio.to_thread(recall.save, kind.id, panel.typed), group="recall")
+        self.run_worker(asyncio.to_thread(recall.add, kind.id, typed), group="recall")
 
     async def _recall(self) -> None:
         goals = self.view.snapshot.robot.goals

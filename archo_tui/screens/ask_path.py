@@ -86,9 +86,5 @@ class AskPath(Form):
         if said:
             self.say(said)
             return
-        await asyncio.to_thread(self._keep, str(path.absolute()))
+        await asyncio.to_thread(recall.add, _KIND, [str(path.absolute())])
         self.end()
-
-    def _keep(self, path: str) -> None:
-        others = [texts for texts in recall.load(_KIND) if texts != [path]]
-        recall.save(_KIND, [*others, [path]])

@@ -12,6 +12,7 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 from textual.widgets import Input
 
+from archo_tui import recall
 from archo_tui.paths import config_file
 from archo_tui.terminal import themes
 from tests.support.clock import seconds
@@ -171,11 +172,12 @@ async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
 async def test_what_was_sent_before_the_kept_goals_were_read_is_not_lost(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    is_read = threading.Event()
+    recall.add("shelf", ["7"])
+    is_read, read = threading.Event(), recall.load
 
-    def load(_: str) -> list[list[str]]:
+    def load(form: str) -> list[list[str]]:
         is_read.wait(30.0)
-        return [["7"]]
+        return read(form)
 
     monkeypatch.setattr("archo_tui.recall.load", load)
     async with console(node_makers=[Nobody], wait=False) as op:
@@ -188,6 +190,7 @@ async def test_what_was_sent_before_the_kept_goals_were_read_is_not_lost(
         assert op.app.query_one("#goal-0", Input).value == "12"
         await op.press("up")
         assert op.app.query_one("#goal-0", Input).value == "7"
+        await op.until(lambda: read("shelf") == [["7"], ["12"]])
 
 
 async def test_keys_that_are_pressed_twice_end_a_dialog_once() -> None:

@@ -139,13 +139,17 @@ async def test_the_arrows_recall_what_was_sent_also_after_a_restart() -> None:
 
 
 def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) -> None:
-    recall.save("shelf", [[str(number)] for number in range(80)])
+    for number in range(80):
+        recall.add("shelf", [str(number)])
     assert recall.load("shelf")[0] == ["30"]
+    recall.add("shelf", ["40"])
+    assert recall.load("shelf")[-2:] == [["79"], ["40"]]
+    assert len(recall.load("shelf")) == 50
     assert recall.load("other") == []
     file = tmp_path / "state" / "archo-tui" / "typed.json"
     file.write_text("{ broken")
     assert recall.load("shelf") == []
-    recall.save("shelf", [["1"]])
+    recall.add("shelf", ["1"])
     assert recall.load("shelf") == [["1"]]
 
 
