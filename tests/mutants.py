@@ -142,6 +142,12 @@ FAULTS = [
     Fault("widgets/field.py", "virtual_size = Reactive(Size(0, 0))", "virtual_size = Reactive(Size(0, 0), layout=True)", CONSOLE + "/test_field.py"),
     # the engine's strictness
     Fault(E + "_entity.py", "        if self._destroyed:\n            raise InvalidHandle", "        if False:\n            raise InvalidHandle", CONTRACT),
+    Fault(E + "_event_handlers.py", "        if now >= self._next_ns:  # else", "        if True:  # else", CONTRACT),
+    Fault(E + "_event_handlers.py", "            self._silent.add(publisher)", "            pass", CONTRACT),
+    Fault(E + "_event_handlers.py", "manual = qos.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC", "manual = True", CONTRACT),
+    Fault(E + "_event_handlers.py", "        missed = (now - self._due_ns) // self._period + 1", "        missed = 1", CONTRACT),
+    Fault(E + "_event_handlers.py", "        elif not self._is_scheduled:", "        elif False:", CONTRACT),
+    Fault("recall.py", "others = [texts for texts in load(form) if texts != typed]", "others: list[list[str]] = []", CONSOLE + "/test_keys.py"),
     Fault(E + "_arguments.py", "found |= values", "found = values | found", CONTRACT),
     Fault(E + "_names.py", "that starts with a number\", digit.start(1)", "that starts with a number\", digit.start(0)", CONTRACT),
     Fault(E + "_names.py", "        if rule.kind not in (None, kind):\n            continue\n", "", CONTRACT),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import threading
+import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from std_srvs.srv import Trigger
 from textual.widgets import Input
 
 from archo_tui import recall
+from archo_tui.app import ArchoApp
 from archo_tui.paths import config_file
 from archo_tui.terminal import themes
 from tests.support.clock import seconds
@@ -173,13 +174,15 @@ async def test_what_was_sent_before_the_kept_goals_were_read_is_not_lost(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     recall.add("shelf", ["7"])
-    is_read, read = threading.Event(), recall.load
+    read, fill = recall.load, ArchoApp._recall
+    found, is_read = read("shelf"), asyncio.Event()
 
-    def load(form: str) -> list[list[str]]:
-        is_read.wait(30.0)
-        return read(form)
+    async def fill_later(app: ArchoApp) -> None:
+        await is_read.wait()
+        await fill(app)
 
-    monkeypatch.setattr("archo_tui.recall.load", load)
+    monkeypatch.setattr("archo_tui.recall.load", lambda _: found)
+    monkeypatch.setattr(ArchoApp, "_recall", fill_later)
     async with console(node_makers=[Nobody], wait=False) as op:
         await op.until("● nobody")
         await op.press("g", "1", "2", "enter")
@@ -190,7 +193,7 @@ async def test_what_was_sent_before_the_kept_goals_were_read_is_not_lost(
         assert op.app.query_one("#goal-0", Input).value == "12"
         await op.press("up")
         assert op.app.query_one("#goal-0", Input).value == "7"
-        await op.until(lambda: read("shelf") == [["7"], ["12"]])
+        assert read("shelf") == [["7"], ["12"]]
 
 
 async def test_keys_that_are_pressed_twice_end_a_dialog_once() -> None:

@@ -1,4 +1,4 @@
-"""What an endpoint is told and tells: events, message info, QoS overrides, what discovery says."""
+"""What an endpoint tells: message info, QoS overrides, what discovery says."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.action import ActionClient, get_action_client_names_and_types_by_node
 from rclpy.duration import Duration
-from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.parameter import Parameter
 from rclpy.qos import (
     DurabilityPolicy,
@@ -29,53 +28,6 @@ from std_srvs.srv import Empty
 
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
-
-BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-RELIABLE = QoSProfile(depth=1)
-
-
-def test_endpoints_are_told_who_matches_and_who_does_not(ros: Ros) -> None:
-    node = ros.node()
-    told: list[tuple[Any, ...]] = []
-
-    def matched(who: str) -> Callable[[Any], None]:
-        return lambda e: told.append((who, e.total_count, e.current_count, e.current_count_change))
-
-    def refused(who: str) -> Callable[[Any], None]:
-        return lambda e: told.append((who, e.total_count, int(e.last_policy_kind)))
-
-    publisher = node.create_publisher(
-        String,
-        "words",
-        BEST_EFFORT,
-        event_callbacks=PublisherEventCallbacks(
-            matched=matched("pub"), incompatible_qos=refused("pub refused")
-        ),
-    )
-    ros.spin(node)
-    subscription = node.create_subscription(
-        String,
-        "words",
-        lambda _: None,
-        BEST_EFFORT,
-        event_callbacks=SubscriptionEventCallbacks(matched=matched("sub")),
-    )
-    wait_until(lambda: len(told) == 2)
-    assert sorted(told) == [("pub", 1, 1, 1), ("sub", 1, 1, 1)]
-    node.create_subscription(
-        String,
-        "words",
-        lambda _: None,
-        RELIABLE,
-        event_callbacks=SubscriptionEventCallbacks(incompatible_qos=refused("sub refused")),
-    )
-    wait_until(lambda: len(told) == 4)
-    kind = int(QoSPolicyKind.RELIABILITY)
-    assert sorted(told[2:]) == [("pub refused", 1, kind), ("sub refused", 1, kind)]
-    node.destroy_subscription(subscription)
-    wait_until(lambda: len(told) == 5)
-    assert told[4] == ("pub", 1, 0, -1)
-    assert publisher.get_subscription_count() == 0
 
 
 def test_a_callback_of_two_arguments_gets_the_messages_info(ros: Ros) -> None:

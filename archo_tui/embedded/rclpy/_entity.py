@@ -95,6 +95,20 @@ class Entity(Destroyable):
             executor._make_ready(self._taken_by or self)
 
 
+class TimedEntity(Entity):
+    """An entity that the executor is to look at when its time has come."""
+
+    _next_ns = 0  # when, in monotonic ns
+
+    def _is_due(self) -> bool:
+        """True when there is work for it by now, or may be."""
+        raise NotImplementedError
+
+    def _schedule(self) -> None:
+        """Tell the executor when to look."""
+        raise NotImplementedError
+
+
 class QueueEntity(Entity):
     """An entity with a bounded queue; when it is full the oldest item is lost.
 

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import threading
 from collections import defaultdict
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from rclpy.qos import QoSPolicyKind, incompatible_policy
+from rclpy.qos import incompatible_policy
 
 if TYPE_CHECKING:
     from rclpy.client import Client
@@ -45,22 +44,19 @@ class Graph:
         with self.changed:
             topic = self.topics[publisher._topic_name]
             topic.publishers.append(publisher)
-            warnings = self._match(publisher, topic.subscriptions)
+            self._match(publisher, topic.subscriptions)
             self.changed.notify_all()
-        _run(warnings)
 
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Connect a new subscription; matching publishers hand over what they keep for it."""
-        warnings: list[Callable[[], None]] = []
         with self.changed:
             topic = self.topics[subscription._topic_name]
             topic.subscriptions.append(subscription)
             for publisher in topic.publishers:
-                warnings += self._match(publisher, topic.subscriptions, only=subscription)
+                self._match(publisher, [subscription])
                 if subscription in publisher._matched:
                     publisher._replay(subscription)
             self.changed.notify_all()
-        _run(warnings)
 
     def remove_publisher(self, publisher: Publisher[Any]) -> None:
         """Take a publisher off the graph."""
@@ -70,6 +66,8 @@ class Graph:
                 topic.publishers.remove(publisher)
             for subscription in publisher._matched:
                 _tell(subscription, -1)
+                for handler in subscription.event_handlers:
+                    handler._gone(publisher)
             publisher._matched = ()
             self._forget_if_empty(publisher._topic_name)
             self.changed.notify_all()
@@ -107,14 +105,9 @@ class Graph:
         with self.lock:
             return [s for s in self.services.get(name, ()) if s.srv_type is srv_type]
 
-    def _match(
-        self,
-        publisher: Publisher[Any],
-        subscriptions: list[Subscription[Any]],
-        only: Subscription[Any] | None = None,
-    ) -> list[Callable[[], None]]:
-        matched, warnings = list(publisher._matched), []
-        for subscription in subscriptions if only is None else [only]:
+    def _match(self, publisher: Publisher[Any], subscriptions: list[Subscription[Any]]) -> None:
+        matched = list(publisher._matched)
+        for subscription in subscriptions:
             if subscription.msg_type is not publisher.msg_type:
                 continue  # as in DDS: other types do not see each other
             policy = incompatible_policy(publisher.qos_profile, subscription.qos_profile)
@@ -123,9 +116,9 @@ class Graph:
                 _tell(publisher, 1)
                 _tell(subscription, 1)
             else:
-                warnings.append(_incompatible(publisher, subscription, policy))
+                for handler in (*publisher.event_handlers, *subscription.event_handlers):
+                    handler._refused(policy)
         publisher._matched = tuple(matched)
-        return warnings
 
     def _forget_if_empty(self, name: str) -> None:
         topic = self.topics[name]
@@ -145,36 +138,5 @@ def graph_of(domain_id: int) -> Graph:
 
 def _tell(endpoint: Publisher[Any] | Subscription[Any], change: int) -> None:
     """Another endpoint matches it, or one does no longer."""
-    if endpoint._matched_event is not None:
-        endpoint._matched_event._met(change)
-
-
-def _incompatible(
-    publisher: Publisher[Any], subscription: Subscription[Any], policy: QoSPolicyKind
-) -> Callable[[], None]:
-    """Tell both; who has no callback of its own is told by its log."""
-
-    def warn() -> None:
-        if subscription._incompatible_event is not None:
-            subscription._incompatible_event._refused(policy)
-        elif subscription._warns:
-            subscription._node.get_logger().warning(
-                f"New publisher discovered on topic '{subscription._topic_name}', offering "
-                f"incompatible QoS. No messages will be received from it. "
-                f"Last incompatible policy: {policy.name}"
-            )
-        if publisher._incompatible_event is not None:
-            publisher._incompatible_event._refused(policy)
-        elif publisher._warns:
-            publisher._node.get_logger().warning(
-                f"New subscription discovered on topic '{publisher._topic_name}', requesting "
-                f"incompatible QoS. No messages will be sent to it. "
-                f"Last incompatible policy: {policy.name}"
-            )
-
-    return warn
-
-
-def _run(functions: list[Callable[[], None]]) -> None:
-    for function in functions:
-        function()
+    for handler in endpoint.event_handlers:
+        handler._met(change)

@@ -1,24 +1,34 @@
-"""`rclpy.event_handler`: told when an endpoint meets another, or cannot.
-
-Deadlines, liveliness and losses are not watched in one process: asking to be told of them raises
-UnsupportedEventTypeError, as on a middleware that does not.
-"""
+"""`rclpy.event_handler`: what an endpoint is told of others, of deadlines and of liveliness."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any
 
-from rclpy._entity import QueueEntity
+from rclpy import _event_handlers as handlers
+from rclpy._event_handlers import EventHandler
+from rclpy._event_infos import (
+    IncompatibleTypeInfo,
+    QoSLivelinessChangedInfo,
+    QoSLivelinessLostInfo,
+    QoSMessageLostInfo,
+    QoSOfferedDeadlineMissedInfo,
+    QoSOfferedIncompatibleQoSInfo,
+    QoSPublisherEventType,
+    QoSPublisherMatchedInfo,
+    QoSRequestedDeadlineMissedInfo,
+    QoSRequestedIncompatibleQoSInfo,
+    QoSSubscriptionEventType,
+    QoSSubscriptionMatchedInfo,
+)
 from rclpy._rclpy_pybind11 import UnsupportedEventTypeError
 from rclpy.callback_groups import CallbackGroup
-from rclpy.qos import QoSPolicyKind
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
+from rclpy.logging import get_logger
+from rclpy.qos import qos_policy_name_from_kind
 
 __all__ = [
+    "EventHandler",
     "IncompatibleTypeInfo",
     "PublisherEventCallbacks",
     "QoSLivelinessChangedInfo",
@@ -36,102 +46,11 @@ __all__ = [
     "UnsupportedEventTypeError",
 ]
 
-
-class QoSPublisherEventType(IntEnum):
-    """What a publisher can be told of."""
-
-    RCL_PUBLISHER_OFFERED_DEADLINE_MISSED = 0
-    RCL_PUBLISHER_LIVELINESS_LOST = 1
-    RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS = 2
-    RCL_PUBLISHER_INCOMPATIBLE_TYPE = 3
-    RCL_PUBLISHER_MATCHED = 4
+Told = Callable[[Any], Any] | None
+Kind = tuple[IntEnum, type[EventHandler], Told]
 
 
-class QoSSubscriptionEventType(IntEnum):
-    """What a subscription can be told of."""
-
-    RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED = 0
-    RCL_SUBSCRIPTION_LIVELINESS_CHANGED = 1
-    RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS = 2
-    RCL_SUBSCRIPTION_MESSAGE_LOST = 3
-    RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE = 4
-    RCL_SUBSCRIPTION_MATCHED = 5
-
-
-class QoSSubscriptionMatchedInfo(NamedTuple):
-    """How many endpoints match now and did in all, and what has changed since the last event."""
-
-    total_count: int
-    total_count_change: int
-    current_count: int
-    current_count_change: int
-
-
-class QoSRequestedIncompatibleQoSInfo(NamedTuple):
-    """How many endpoints did not match, and for which policy the last one."""
-
-    total_count: int
-    total_count_change: int
-    last_policy_kind: QoSPolicyKind
-
-
-class QoSMessageLostInfo(NamedTuple):
-    """How many messages were lost."""
-
-    total_count: int
-    total_count_change: int
-
-
-class QoSRequestedDeadlineMissedInfo(NamedTuple):
-    """How many deadlines were missed."""
-
-    total_count: int
-    total_count_change: int
-
-
-class QoSLivelinessChangedInfo(NamedTuple):
-    """How many publishers are alive."""
-
-    alive_count: int
-    not_alive_count: int
-    alive_count_change: int
-    not_alive_count_change: int
-
-
-class IncompatibleTypeInfo(NamedTuple):
-    """How many endpoints of another type there are."""
-
-    total_count: int
-    total_count_change: int
-
-
-QoSPublisherMatchedInfo = QoSSubscriptionMatchedInfo
-QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
-QoSOfferedDeadlineMissedInfo = QoSRequestedDeadlineMissedInfo
-QoSLivelinessLostInfo = QoSMessageLostInfo
-
-Told = Callable[[Any], None] | None
-
-
-class EventCallbacks:
-    """Callbacks of an endpoint; those that nothing calls here are refused when it is made."""
-
-    def __init__(
-        self, matched: Told, incompatible_qos: Told, use_default: bool, **unwatched: Told
-    ) -> None:
-        self.matched, self.incompatible_qos = matched, incompatible_qos
-        self.use_default_callbacks = use_default
-        self._unwatched = unwatched
-        vars(self).update(unwatched)
-
-    def check(self) -> None:
-        """Raises UnsupportedEventTypeError for an event that this engine does not watch."""
-        for name, callback in self._unwatched.items():
-            if callback is not None:
-                raise UnsupportedEventTypeError(f"the embedded engine has no {name} event")
-
-
-class SubscriptionEventCallbacks(EventCallbacks):
+class SubscriptionEventCallbacks:
     """What a subscription is told."""
 
     def __init__(
@@ -145,18 +64,45 @@ class SubscriptionEventCallbacks(EventCallbacks):
         matched: Told = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        super().__init__(
-            matched,
-            incompatible_qos,
-            use_default_callbacks,
-            deadline=deadline,
-            liveliness=liveliness,
-            message_lost=message_lost,
-            incompatible_type=incompatible_type,
-        )
+        """By default a publisher that does not match is logged, where no callback is given."""
+        self.deadline = deadline
+        self.incompatible_qos = incompatible_qos
+        self.liveliness = liveliness
+        self.message_lost = message_lost
+        self.incompatible_type = incompatible_type
+        self.matched = matched
+        self.use_default_callbacks = use_default_callbacks
+
+    def create_event_handlers(
+        self, callback_group: CallbackGroup, subscription: Any, topic_name: str
+    ) -> list[EventHandler]:
+        """Who tells these callbacks."""
+        event, qos, kind = QoSSubscriptionEventType, self.incompatible_qos, self.incompatible_type
+        if self.use_default_callbacks:
+            said = f"New publisher discovered on topic '{topic_name}', offering incompatible QoS. "
+            said += "No messages will be received from it."
+            qos = qos or _warns_of_qos(subscription, said)
+            kind = kind or _is_never_called
+        kinds: list[Kind] = [
+            (
+                event.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED,
+                handlers.DeadlineMissed,
+                self.deadline,
+            ),
+            (event.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, handlers.IncompatibleQoS, qos),
+            (
+                event.RCL_SUBSCRIPTION_LIVELINESS_CHANGED,
+                handlers.LivelinessChanged,
+                self.liveliness,
+            ),
+            (event.RCL_SUBSCRIPTION_MESSAGE_LOST, EventHandler, self.message_lost),
+            (event.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE, EventHandler, kind),
+            (event.RCL_SUBSCRIPTION_MATCHED, handlers.Matched, self.matched),
+        ]
+        return _made(kinds, subscription, callback_group)
 
 
-class PublisherEventCallbacks(EventCallbacks):
+class PublisherEventCallbacks:
     """What a publisher is told."""
 
     def __init__(
@@ -169,44 +115,51 @@ class PublisherEventCallbacks(EventCallbacks):
         matched: Told = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        super().__init__(
-            matched,
-            incompatible_qos,
-            use_default_callbacks,
-            deadline=deadline,
-            liveliness=liveliness,
-            incompatible_type=incompatible_type,
-        )
+        """By default a subscription that does not match is logged, where no callback is given."""
+        self.deadline = deadline
+        self.liveliness = liveliness
+        self.incompatible_qos = incompatible_qos
+        self.incompatible_type = incompatible_type
+        self.matched = matched
+        self.use_default_callbacks = use_default_callbacks
+
+    def create_event_handlers(
+        self, callback_group: CallbackGroup, publisher: Any, topic_name: str
+    ) -> list[EventHandler]:
+        """Who tells these callbacks."""
+        event, qos, kind = QoSPublisherEventType, self.incompatible_qos, self.incompatible_type
+        if self.use_default_callbacks:
+            said = f"New subscription discovered on topic '{topic_name}', requesting incompatible "
+            said += "QoS. No messages will be sent to it."
+            qos = qos or _warns_of_qos(publisher, said)
+            kind = kind or _is_never_called
+        kinds: list[Kind] = [
+            (
+                event.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED,
+                handlers.OfferedDeadlineMissed,
+                self.deadline,
+            ),
+            (event.RCL_PUBLISHER_LIVELINESS_LOST, handlers.LivelinessLost, self.liveliness),
+            (event.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, handlers.IncompatibleQoS, qos),
+            (event.RCL_PUBLISHER_INCOMPATIBLE_TYPE, EventHandler, kind),
+            (event.RCL_PUBLISHER_MATCHED, handlers.Matched, self.matched),
+        ]
+        return _made(kinds, publisher, callback_group)
 
 
-class EventHandler(QueueEntity):
-    """Hands the newest event of one kind to its callback, with what came since the last one."""
+def _made(kinds: list[Kind], endpoint: Any, group: CallbackGroup) -> list[EventHandler]:
+    return [kind(endpoint, group, callback, event) for event, kind, callback in kinds if callback]
 
-    def __init__(
-        self, node: Node, callback: Callable[[Any], None], callback_group: CallbackGroup
-    ) -> None:
-        super().__init__(node, callback_group, 1)
-        self.callback = callback
-        self._total = self._told_total = self._current = self._told_current = 0
-        self._policy = QoSPolicyKind.INVALID
 
-    def _met(self, change: int) -> None:
-        """Another endpoint came (1) or left (-1)."""
-        self._current += change
-        self._total += max(change, 0)
-        self._deliver(True)
+def _warns_of_qos(endpoint: Any, said: str) -> Callable[[Any], None]:
+    logger = get_logger(endpoint.logger_name)
 
-    def _refused(self, policy: QoSPolicyKind) -> None:
-        """Another endpoint does not match."""
-        self._total += 1
-        self._policy = policy
-        self._deliver(False)
+    def _default_incompatible_qos_callback(event: QoSRequestedIncompatibleQoSInfo) -> None:
+        policy = qos_policy_name_from_kind(event.last_policy_kind)
+        logger.warn(f"{said} Last incompatible policy: {policy}")
 
-    def _handle(self, item: bool) -> Any:
-        total, current = self._total - self._told_total, self._current - self._told_current
-        self._told_total, self._told_current = self._total, self._current
-        if item:
-            info: Any = QoSSubscriptionMatchedInfo(self._total, total, self._current, current)
-        else:
-            info = QoSRequestedIncompatibleQoSInfo(self._total, total, self._policy)
-        return self.callback(info)
+    return _default_incompatible_qos_callback
+
+
+def _is_never_called(_: IncompatibleTypeInfo) -> None:
+    """Nobody is told of other types."""

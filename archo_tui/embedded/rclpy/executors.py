@@ -24,10 +24,9 @@ from types import CoroutineType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rclpy import _time_source
-from rclpy._entity import Entity
+from rclpy._entity import Entity, TimedEntity
 from rclpy.context import Context
 from rclpy.task import Future, Task
-from rclpy.timer import Timer
 from rclpy.utilities import get_default_context
 
 if TYPE_CHECKING:
@@ -82,7 +81,7 @@ class Executor:
         self._ready: dict[Entity, None] = {}  # in the order in which they became so
         self._round: deque[Entity | Task[Any]] = deque()  # what is left of the one that goes on
         self._blocked: list[Entity] = []  # ready, but their callback group is taken
-        self._timers: list[tuple[int, int, Timer]] = []
+        self._timers: list[tuple[int, int, TimedEntity]] = []
         self._order = itertools.count()
         self._is_shutdown = False
         self._had_tasks = False  # this round: its entities come next
@@ -102,7 +101,7 @@ class Executor:
             self._nodes[node] = next(self._order)
             node.executor = self
             for entity in node._entities():
-                if isinstance(entity, Timer):
+                if isinstance(entity, TimedEntity):
                     entity._schedule()
                 if entity._waiting():
                     self._make_ready(entity)
@@ -276,7 +275,7 @@ class Executor:
         with self._condition:
             self._tasks.append(task)
 
-    def _add_timer(self, timer: Timer) -> None:
+    def _add_timer(self, timer: TimedEntity) -> None:
         with self._condition:
             if timer._node in self._nodes:  # else it is added with its node
                 heapq.heappush(self._timers, (timer._next_ns, next(self._order), timer))

@@ -17,11 +17,14 @@ __all__ = [
 ]
 
 
+_root_logger = RcutilsLogger()
+
+
 def get_logger(name: str) -> RcutilsLogger:
     """A logger of that name. Raises ValueError for an empty one."""
     if not name:
         raise ValueError("Logger name must not be empty.")
-    return RcutilsLogger(name)
+    return _root_logger.get_child(name)
 
 
 def set_logger_level(name: str, level: LoggingSeverity | int) -> None:

@@ -25,12 +25,7 @@ from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
 from rclpy.context import Context
 from rclpy.duration import Infinite
-from rclpy.event_handler import (
-    EventCallbacks,
-    EventHandler,
-    PublisherEventCallbacks,
-    SubscriptionEventCallbacks,
-)
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
 from rclpy.guard_condition import GuardCondition
@@ -265,7 +260,9 @@ class Node(NodeParameters, Destroyable):
         name = self._validated(topic)
         qos = self._overridden("publisher", name, qos_profile, qos_overriding_options)
         publisher = publisher_class(self, msg_type, topic, name, qos)
-        self._add_events(publisher, event_callbacks, callback_group)
+        callbacks = event_callbacks or PublisherEventCallbacks()
+        group = callback_group or self._default_callback_group
+        publisher._hear(callbacks.create_event_handlers(group, publisher, topic))
         self._publishers.append(publisher)
         self._graph.add_publisher(publisher)
         return publisher
@@ -292,7 +289,8 @@ class Node(NodeParameters, Destroyable):
         name = self._validated(topic)
         qos = self._overridden("subscription", name, qos_profile, qos_overriding_options)
         subscription = Subscription(self, msg_type, topic, name, callback, group, qos, raw)
-        self._add_events(subscription, event_callbacks, callback_group)
+        callbacks = event_callbacks or SubscriptionEventCallbacks()
+        subscription._hear(callbacks.create_event_handlers(group, subscription, topic))
         self._entity_list.append(subscription)
         self._graph.add_subscription(subscription)
         return subscription
@@ -441,25 +439,6 @@ class Node(NodeParameters, Destroyable):
             qos_overriding_options.apply(self, kind, topic, qos, options)
         return qos
 
-    def _add_events(
-        self, endpoint: Any, callbacks: EventCallbacks | None, group: CallbackGroup | None
-    ) -> None:
-        """Have an endpoint tell its callbacks. Raises UnsupportedEventTypeError."""
-        if callbacks is None:
-            return
-        callbacks.check()
-
-        def handler(callback: Callable[[Any], None] | None) -> EventHandler | None:
-            if callback is None:
-                return None
-            made = EventHandler(self, callback, group or self._default_callback_group)
-            self._entity_list.append(made)
-            return made
-
-        endpoint._matched_event = handler(callbacks.matched)
-        endpoint._incompatible_event = handler(callbacks.incompatible_qos)
-        endpoint._warns = callbacks.use_default_callbacks
-
     def _destroy(self, entity: Any) -> bool:
         if entity not in self._entity_list:
             return False
@@ -468,10 +447,12 @@ class Node(NodeParameters, Destroyable):
         return True
 
     def _entities(self) -> list[Entity]:
-        return list(self._entity_list)
+        """All that callbacks are called of."""
+        endpoints = itertools.chain(self._publishers, self._all(Subscription))
+        return [*self._entity_list, *(event for one in endpoints for event in one.event_handlers)]
 
     def _all(self, kind: type[EntityT]) -> list[EntityT]:
-        return [entity for entity in self._entities() if isinstance(entity, kind)]
+        return [entity for entity in self._entity_list.copy() if isinstance(entity, kind)]
 
     def _own(self, kind: type[EntityT]) -> Iterator[EntityT]:
         """Without those that an action is made of."""

@@ -7,14 +7,13 @@ from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from rclpy._entity import Destroyable
+from rclpy._event_handlers import Endpoint
 from rclpy._time_source import monotonic_ns
 from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message
 
 if TYPE_CHECKING:
-    from rclpy.event_handler import EventHandler
     from rclpy.node import Node
     from rclpy.subscription import Subscription
 
@@ -22,7 +21,7 @@ MsgT = TypeVar("MsgT")
 _FOR_EVER = Duration(seconds=-1)
 
 
-class Publisher(Destroyable, Generic[MsgT]):
+class Publisher(Endpoint, Generic[MsgT]):
     """Sends messages of one type on one topic. Made by `Node.create_publisher`."""
 
     def __init__(
@@ -40,9 +39,6 @@ class Publisher(Destroyable, Generic[MsgT]):
         self.qos_profile = qos_profile
         self._sent = 0
         self._gid = list(uuid.uuid4().bytes)
-        self._matched_event: EventHandler | None = None
-        self._incompatible_event: EventHandler | None = None
-        self._warns = True  # of endpoints that do not match, without a callback for them
         self._matched: tuple[Subscription[Any], ...] = ()
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         # for late joiners, each with the time (ns) when it was sent
@@ -64,6 +60,8 @@ class Publisher(Destroyable, Generic[MsgT]):
         self._use()
         message: Any = msg
         self._sent += 1
+        for watcher in self._watchers:
+            watcher._sample(self)
         if self._keeps:
             with self._node._graph.lock:  # so that a late joiner gets each one once
                 now = monotonic_ns()
@@ -99,6 +97,9 @@ class Publisher(Destroyable, Generic[MsgT]):
     def assert_liveliness(self) -> None:
         """Say that this publisher is alive. Raises InvalidHandle after `destroy()`."""
         self._use()
+        for endpoint in (self, *self._matched):
+            for watcher in endpoint._watchers:
+                watcher._asserted(self)
 
     def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
         """True when everybody has what was published: in one process at once.
@@ -136,6 +137,7 @@ class Publisher(Destroyable, Generic[MsgT]):
         """Leave the topic."""
         self._destroyed = True
         self._node._graph.remove_publisher(self)
+        self._forget_events()
 
     def _replay(self, subscription: Subscription[Any]) -> None:
         """Hand what is kept to a late joiner that asked for it."""

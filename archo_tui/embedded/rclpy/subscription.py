@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
 
 from rclpy import _time_source
 from rclpy._entity import QueueEntity
+from rclpy._event_handlers import Endpoint
 from rclpy._type_checks import takes_info
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
@@ -17,7 +18,6 @@ from rclpy.qos import QoSProfile
 from archo_tui.embedded.cdr import encode
 
 if TYPE_CHECKING:
-    from rclpy.event_handler import EventHandler
     from rclpy.node import Node
     from rclpy.publisher import Publisher
 
@@ -34,7 +34,7 @@ class MessageInfo(TypedDict):
     publisher_gid: Any
 
 
-class Subscription(QueueEntity, Generic[MsgT]):
+class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
     """Receives messages of one type from one topic. Made by `Node.create_subscription`."""
 
     _rank = 2
@@ -59,9 +59,6 @@ class Subscription(QueueEntity, Generic[MsgT]):
         self.qos_profile = qos_profile
         self.raw = raw
         self._gid = list(uuid.uuid4().bytes)
-        self._matched_event: EventHandler | None = None
-        self._incompatible_event: EventHandler | None = None
-        self._warns = True  # of endpoints that do not match, without a callback for them
 
     class CallbackType(Enum):
         """What a callback is given."""
@@ -103,10 +100,13 @@ class Subscription(QueueEntity, Generic[MsgT]):
         """Leave the topic; what is still queued is dropped."""
         self._destroyed = True
         self._node._graph.remove_subscription(self)
+        self._forget_events()
         self._queue.clear()
 
     def _receive(self, message: Any, sender: Publisher[Any]) -> None:
         """A message that a publisher sends; it is copied here."""
+        for watcher in self._watchers:
+            watcher._sample(sender)
         copied = encode(message) if self.raw else message.__received__()
         if not self._with_info:
             self._deliver(copied)

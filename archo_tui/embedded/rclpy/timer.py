@@ -9,7 +9,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rclpy import _time_source
-from rclpy._entity import Entity
+from rclpy._entity import TimedEntity
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy.callback_groups import CallbackGroup
 from rclpy.clock import Clock, ROSClock
@@ -51,7 +51,7 @@ class TimerInfo:
         return self._actual
 
 
-class Timer(Entity):
+class Timer(TimedEntity):
     """Calls back once a period, first after one period. Late ticks are skipped, never queued.
 
     Made by `Node.create_timer`. Counts monotonic time; simulated time while its clock has that.
