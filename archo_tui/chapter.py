@@ -25,6 +25,7 @@ from archo_tui.session import Session
 
 _SLICE = 0.05  # s of one turn of the checker's executor
 _ANSWER = 3.0  # s until an answer or a log line must be there
+_AGAIN = 0.1  # s between two battery levels that the checker publishes
 _WHOLE_MOVE = 8.0  # s that the chapter's move of 3 s may take
 _PERIOD = 0.5, 1.5  # s between two battery levels, where the chapter asks for one a second
 _LEVELS = 4  # battery levels that are looked at
@@ -133,12 +134,14 @@ class Chapter:
             message.battery_health = "warning"
 
         def warned() -> bool:
-            publisher.publish(message)
             return any(
                 log.level >= 30 and logger_node(log.name) in names & ours for log in self._logs
             )
 
+        # again and again: it may not have met the node yet
+        timer = self._node.create_timer(_AGAIN, lambda: publisher.publish(message))
         found = self._until(warned, _ANSWER)
+        self._node.destroy_timer(timer)
         self._node.destroy_publisher(publisher)
         hint = "15.0 was published, and nothing logged: self.get_logger().warn(...) below 20.0"
         return Result(name, "" if found else hint)
