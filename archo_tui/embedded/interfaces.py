@@ -63,7 +63,7 @@ class InterfaceFinder:
             if kind == "msg":
                 made: Any = make_message(type_name, sections[0], self._resolve)
             elif kind == "srv":
-                made = make_service(type_name, sections, self._resolve)
+                made = make_service(type_name, sections, self._resolve, self.load)
             else:
                 made = make_action(type_name, sections, self._resolve, self.load)
             self._classes[type_name] = made

@@ -119,13 +119,15 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
     return cast("type[Message]", made)
 
 
-def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:
-    """A service class with `Request` and `Response`, of which there are no objects."""
+def make_service(
+    type_name: str, sections: list[Section], resolve: Resolve, load: Callable[[str], Any]
+) -> type:
+    """A service class with `Request`, `Response` and `Event`, of which there are no objects."""
     parts = {
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Request", "Response"), sections, strict=True)
     }
-    return _holder(type_name, parts)
+    return _service(type_name, parts, load)
 
 
 def make_action(
@@ -164,7 +166,33 @@ def _wrapped_service(
         "Request": _wrapped(f"{type_name}_Request", load, request),
         "Response": _wrapped(f"{type_name}_Response", load, response),
     }
-    return _holder(type_name, parts)
+    return _service(type_name, parts, load)
+
+
+class _ServiceType(type):
+    """Makes the `Event` of a service when it is asked for: few services are introspected."""
+
+    __make_event__: Callable[[], type[Message]]
+
+    def __getattr__(cls, name: str) -> Any:
+        if name != "Event":
+            raise AttributeError(f"type object {cls.__name__!r} has no attribute {name!r}")
+        cls.Event = cls.__make_event__()
+        return cls.Event
+
+
+def _service(type_name: str, parts: dict[str, Any], load: Callable[[str], Any]) -> type:
+    def event() -> type[Message]:
+        nested = {"info": load("service_msgs/msg/ServiceEventInfo")}
+        fields = [Field(FieldType(_base(nested["info"])), "info", None, 0)]
+        for name, part in (("request", parts["Request"]), ("response", parts["Response"])):
+            nested[name] = part
+            kind = FieldType(_base(part), is_array=True, upper_bound=1)
+            fields.append(Field(kind, name, None, 0))
+        section = Section(Path(type_name), tuple(fields), ())
+        return make_message(f"{type_name}_Event", section, lambda _, field: nested[field.name])
+
+    return _holder(type_name, {**parts, "__make_event__": staticmethod(event)}, _ServiceType)
 
 
 def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
@@ -187,7 +215,7 @@ def _base(member: type[Message]) -> str:
     return f"{package}/{name}"
 
 
-def _holder(type_name: str, parts: dict[str, Any]) -> type:
+def _holder(type_name: str, parts: dict[str, Any], kind_of: type[type] = type) -> type:
     package, kind, name = type_name.split("/")
     told = f"{'Action' if kind == 'action' else 'Service'} classes can not be instantiated"
 
@@ -195,7 +223,7 @@ def _holder(type_name: str, parts: dict[str, Any]) -> type:
         raise NotImplementedError(told)
 
     where = {"__module__": f"{package}.{kind}", "__type_name__": type_name, "__init__": refuse}
-    return type(name, (), {**where, **parts})
+    return kind_of(name, (), {**where, **parts})
 
 
 def _setter(slot: str, check: Callable[[Any], Any]) -> Callable[[Any, Any], None]:

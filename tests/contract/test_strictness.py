@@ -10,11 +10,16 @@ import pytest
 import rclpy
 from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import ParameterType
+from rclpy import type_support
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, ActionServer
 from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
-from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
+from rclpy.exceptions import (
+    InvalidServiceNameException,
+    InvalidTopicNameException,
+    NoTypeSupportImportedException,
+)
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import (
@@ -210,3 +215,30 @@ def test_of_a_call_that_nobody_made_a_timers_info_is_empty() -> None:
     assert empty.actual_call_time.clock_type == ClockType.SYSTEM_TIME
     with pytest.raises(ValueError):
         TimerInfo(expected_call_time=-1)
+
+
+class Unsupported(type):
+    """A type of a class of one's own, whose support cannot be loaded."""
+
+    _TYPE_SUPPORT = None
+
+    @classmethod
+    def __import_type_support__(cls) -> None:
+        """Load nothing."""
+
+
+def test_a_kind_of_interface_is_told_from_the_others() -> None:
+    type_support.check_is_valid_msg_type(Int32)
+    type_support.check_is_valid_srv_type(Trigger)
+    for kind in (Int32, Trigger, MoveToShelf):
+        type_support.check_for_type_support(kind)
+    with pytest.raises(RuntimeError, match="this might be a service or action"):
+        type_support.check_is_valid_msg_type(Trigger)  # type: ignore[arg-type, unused-ignore]
+    with pytest.raises(RuntimeError, match="this might be a message or action"):
+        type_support.check_is_valid_srv_type(MoveToShelf)
+    nothing: Any = object()
+    with pytest.raises(AttributeError, match=r"_TYPE_SUPPORT'.* This might be a ROS 1 message"):
+        type_support.check_for_type_support(nothing)
+    unsupported: Any = Unsupported("Mine", (), {})
+    with pytest.raises(NoTypeSupportImportedException, match="no type_support imported"):
+        type_support.check_for_type_support(unsupported)

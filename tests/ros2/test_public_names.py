@@ -12,12 +12,10 @@ ROOT = Path(__file__).parent.parent.parent
 
 # of each part of the README's list, by a word of it: the names that it stands for
 NOT_EMULATED = {
-    "service introspection": r"service_introspection|ServiceIntrospection|configure_introspection",
     "C objects behind handles": r"get_c_|\.(un)?track_node$|g_\w+$",
     "waitables": r"[Ww]aitable|add_to_wait_set|\.is_ready$|\.take_data$|\.execute$"
     r"|(add|remove)_future|notify_|create_event_handlers|\.(QoS)?EventHandler(\.|$)|EventHandlerData"
     r"|TimeoutObject|WorkTracker",
-    "type support": r"type_support|NoTypeSupport",
     "content filters": r"content_filter|ContentFilter|is_cft_enabled",
     "type descriptions": r"type_description|start_type_description",
     "type hashes": r"type_hash|TypeHash",
@@ -29,7 +27,7 @@ NOT_EMULATED = {
 USED = re.compile(
     r"\.(TYPE_CHECKING|annotations|Lock|TOPIC_SEPARATOR_STRING|PARAMETER_SEPARATOR_STRING|S_TO_NS"
     r"|HIDDEN_NODE_PREFIX|qos_profile_\w+|package|ParameterInput|TimeJumpDictionary|SendGoalKWargs"
-    r"|CallbackType(\.\w+)?|FutureState(\.\w+)?|Unpack|(CreateLifecyclePublisher|LifecycleNode)Args|Callbacks|ClockType|InvalidHandle|RCLError|PyCapsule"
+    r"|type_support\.[A-Z][\w.]+|CallbackType(\.\w+)?|FutureState(\.\w+)?|Unpack|(CreateLifecyclePublisher|LifecycleNode)Args|Callbacks|ClockType|InvalidHandle|RCLError|PyCapsule"
     r"|InvalidParameterTypeException\.Parameter|(name|value|get_parameter_value|to_label))$"
 )
 

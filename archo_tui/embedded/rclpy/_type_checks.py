@@ -1,32 +1,10 @@
-"""What is given to a node is what it should be: rclpy finds out at once, and so must we."""
+"""What an action and a callback must be: rclpy finds out at once, and so must we."""
 
 from __future__ import annotations
 
 import contextlib
 import inspect
 from typing import Any
-
-
-def check_message(kind: Any) -> None:
-    """Raises AttributeError for what is no interface, RuntimeError for a service or an action."""
-    if not (isinstance(kind, type) and hasattr(kind, "get_fields_and_field_types")):
-        if hasattr(kind, "Request") or hasattr(kind, "Impl"):
-            raise RuntimeError(
-                f"The message type provided is not valid ({kind}), "
-                "this might be a service or action"
-            )
-        raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no message type")
-
-
-def check_service(kind: Any) -> None:
-    """Raises AttributeError for what is no interface, RuntimeError for a message or an action."""
-    if not (hasattr(kind, "Request") and hasattr(kind, "Response")):
-        if hasattr(kind, "get_fields_and_field_types") or hasattr(kind, "Impl"):
-            raise RuntimeError(
-                f"The service type provided is not valid ({kind}), "
-                "this might be a message or action"
-            )
-        raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no service type")
 
 
 def check_action(kind: Any) -> None:

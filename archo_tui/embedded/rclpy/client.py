@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import uuid
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy import _time_source
@@ -11,6 +12,7 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
 from rclpy.qos import QoSProfile
 from rclpy.service import RequestHeader
+from rclpy.service_introspection import REQUEST_SENT, RESPONSE_RECEIVED, Introspected
 from rclpy.task import Future, wait_for
 
 if TYPE_CHECKING:
@@ -20,7 +22,7 @@ SrvRequestT = TypeVar("SrvRequestT")
 SrvResponseT = TypeVar("SrvResponseT")
 
 
-class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
+class Client(QueueEntity, Introspected, Generic[SrvRequestT, SrvResponseT]):
     """Calls a service. Made by `Node.create_client`."""
 
     _rank = 4
@@ -39,6 +41,7 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         self.qos_profile = qos_profile
         self.srv_name = srv_name  # as it was given
         self._service_name = service_name  # as it is on the graph
+        self._gid = list(uuid.uuid4().bytes)
         self._lock = threading.Lock()
         self._sequence_number = 0
         self._pending_requests: dict[int, Future[Any]] = {}
@@ -57,6 +60,7 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
             self._sequence_number += 1
             number = self._sequence_number
             self._pending_requests[number] = future
+        self._tell(REQUEST_SENT, self._gid, number, request=request)
         for server in self._node._graph.servers(self._service_name, self.srv_type):
             server._deliver((RequestHeader(self, number), message.__received__()))
         return future
@@ -123,11 +127,13 @@ class Client(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     def destroy(self) -> None:
         """Leave the graph; pending futures stay pending."""
         self._destroyed = True
+        self._end_introspection()
         graph = self._node._graph
         graph.remove_named(graph.clients, self._service_name, self)
 
     def _handle(self, item: tuple[int, Any]) -> None:
         number, response = item
+        self._tell(RESPONSE_RECEIVED, self._gid, number, response=response)
         with self._lock:
             future = self._pending_requests.pop(number, None)
         if future is not None:

@@ -128,3 +128,6 @@ class ROSInterruptException(Exception):
 
 class NoTypeSupportImportedException(Exception):
     """An interface without code to carry it; here every interface file has it."""
+
+    def __init__(self) -> None:
+        super().__init__("no type_support imported")

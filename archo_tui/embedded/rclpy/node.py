@@ -19,7 +19,6 @@ from rclpy._entity import Destroyable, Entity, EntityT
 from rclpy._node_parameters import NodeParameters
 from rclpy._parameter_rules import RELATIVE_TOLERANCE
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError, RCLError
-from rclpy._type_checks import check_message, check_service
 from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
 from rclpy.clock import Clock, ROSClock
@@ -49,6 +48,7 @@ from rclpy.subscription import Subscription
 from rclpy.time_source import TimeSource
 from rclpy.timer import Rate, Timer
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
+from rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
 from rclpy.utilities import get_default_context
 
 MsgT = TypeVar("MsgT")
@@ -256,7 +256,7 @@ class Node(NodeParameters, Destroyable):
     ) -> Publisher[MsgT]:
         """Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError."""
         self._use()
-        check_message(msg_type)
+        check_is_valid_msg_type(msg_type)
         name = self._validated(topic)
         qos = self._overridden("publisher", name, qos_profile, qos_overriding_options)
         publisher = publisher_class(self, msg_type, topic, name, qos)
@@ -284,7 +284,7 @@ class Node(NodeParameters, Destroyable):
         Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError.
         """
         self._use()
-        check_message(msg_type)
+        check_is_valid_msg_type(msg_type)
         group = callback_group or self._default_callback_group
         name = self._validated(topic)
         qos = self._overridden("subscription", name, qos_profile, qos_overriding_options)
@@ -305,7 +305,7 @@ class Node(NodeParameters, Destroyable):
     ) -> Client[Any, Any]:
         """Raises InvalidServiceNameException."""
         self._use()
-        check_service(srv_type)
+        check_is_valid_srv_type(srv_type)
         name, group = self._validated(srv_name, is_service=True), callback_group
         client: Client[Any, Any] = Client(
             self, srv_type, srv_name, name, group or self._default_callback_group, qos_profile
@@ -419,7 +419,7 @@ class Node(NodeParameters, Destroyable):
         qos_profile: QoSProfile,
     ) -> Service[Any, Any]:
         self._use()
-        check_service(srv_type)
+        check_is_valid_srv_type(srv_type)
         name = self._validated(srv_name, is_service=True)
         group = group or self._default_callback_group
         service = kind(self, srv_type, srv_name, name, callback, group, qos_profile)

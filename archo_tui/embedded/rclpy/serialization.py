@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, TypeVar
 
 from rclpy._rclpy_pybind11 import RMWError
-from rclpy._type_checks import check_message
+from rclpy.type_support import check_is_valid_msg_type
 
 from archo_tui.embedded.cdr import CdrError, decode, encode
 
@@ -14,13 +14,13 @@ MsgT = TypeVar("MsgT")
 
 def serialize_message(message: Any) -> bytes:
     """The message as bytes. Raises AttributeError for what is no message."""
-    check_message(type(message))
+    check_is_valid_msg_type(type(message))
     return encode(message)
 
 
 def deserialize_message(serialized_message: bytes, message_type: type[MsgT]) -> MsgT:
     """The message of that type. Raises RMWError for other bytes, TypeError for no bytes at all."""
-    check_message(message_type)
+    check_is_valid_msg_type(message_type)
     if not isinstance(serialized_message, bytes):
         raise TypeError(f"expected bytes, got {type(serialized_message)}")
     try:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 from rclpy._entity import QueueEntity
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
+from rclpy.service_introspection import REQUEST_RECEIVED, RESPONSE_SENT, Introspected
 
 if TYPE_CHECKING:
     from rclpy.client import Client
@@ -25,7 +26,7 @@ class RequestHeader(NamedTuple):
     sequence_number: int
 
 
-class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
+class Service(QueueEntity, Introspected, Generic[SrvRequestT, SrvResponseT]):
     """Answers requests. Made by `Node.create_service`."""
 
     _rank = 5
@@ -54,7 +55,9 @@ class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
         if not isinstance(header, RequestHeader):
             raise TypeError(f"Expected the header of a request, got {type(header)}")
         message: Any = response
-        header.client._deliver((header.sequence_number, message.__received__()))
+        client, number = header
+        self._tell(RESPONSE_SENT, client._gid, number, response=response)
+        client._deliver((number, message.__received__()))
 
     @property
     def service_name(self) -> str:
@@ -70,8 +73,14 @@ class Service(QueueEntity, Generic[SrvRequestT, SrvResponseT]):
     def destroy(self) -> None:
         """Leave the graph; requests still queued are never answered."""
         self._destroyed = True
+        self._end_introspection()
         graph = self._node._graph
         graph.remove_named(graph.services, self._service_name, self)
+
+    def _work(self, item: tuple[RequestHeader, Any]) -> Callable[[], Any]:
+        (client, number), request = item
+        self._tell(REQUEST_RECEIVED, client._gid, number, request=request)
+        return super()._work(item)
 
     def _handle(self, item: tuple[RequestHeader, Any]) -> Any:
         header, request = item

@@ -18,6 +18,7 @@ class EmergencyStop:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class ResetEncoder:
     class Request:
@@ -33,3 +34,5 @@ class ResetEncoder:
         @classmethod
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
+
+    Event: ClassVar[Any]

@@ -19,6 +19,7 @@ class ChangeState:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class GetAvailableStates:
     class Request:
@@ -34,6 +35,7 @@ class GetAvailableStates:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class GetAvailableTransitions:
     class Request:
@@ -49,6 +51,7 @@ class GetAvailableTransitions:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class GetState:
     class Request:
@@ -63,3 +66,5 @@ class GetState:
         @classmethod
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
+
+    Event: ClassVar[Any]

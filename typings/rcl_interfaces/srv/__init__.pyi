@@ -19,6 +19,7 @@ class DescribeParameters:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class GetLoggerLevels:
     class Request:
@@ -35,6 +36,7 @@ class GetLoggerLevels:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class GetParameterTypes:
     class Request:
@@ -51,6 +53,7 @@ class GetParameterTypes:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class GetParameters:
     class Request:
@@ -67,6 +70,7 @@ class GetParameters:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class ListParameters:
     class Request:
@@ -85,6 +89,7 @@ class ListParameters:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class SetLoggerLevels:
     class Request:
@@ -101,6 +106,7 @@ class SetLoggerLevels:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class SetParameters:
     class Request:
@@ -117,6 +123,7 @@ class SetParameters:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class SetParametersAtomically:
     class Request:
@@ -132,3 +139,5 @@ class SetParametersAtomically:
         @classmethod
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
+
+    Event: ClassVar[Any]

@@ -16,6 +16,7 @@ class Empty:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class SetBool:
     class Request:
@@ -33,6 +34,7 @@ class SetBool:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
+    Event: ClassVar[Any]
 
 class Trigger:
     class Request:
@@ -48,3 +50,5 @@ class Trigger:
         @classmethod
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
+
+    Event: ClassVar[Any]

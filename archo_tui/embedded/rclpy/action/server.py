@@ -17,6 +17,7 @@ from rclpy._rclpy_pybind11 import RCLError
 from rclpy._type_checks import check_action
 from rclpy.action import _goal_states as states
 from rclpy.callback_groups import CallbackGroup
+from rclpy.clock import Clock
 from rclpy.executors import await_or_execute
 from rclpy.qos import (
     QoSProfile,
@@ -24,6 +25,7 @@ from rclpy.qos import (
     qos_profile_services_default,
 )
 from rclpy.service import DeferredService, RequestHeader, Service
+from rclpy.service_introspection import ServiceIntrospectionState
 from rclpy.task import Future
 from rclpy.waitable import NumberOfEntities
 
@@ -233,6 +235,16 @@ class ActionServer:
         )
         self._status._kept_by(self._all_statuses)
         self._feedback._is_part_of_action = self._status._is_part_of_action = True
+
+    def configure_introspection(
+        self,
+        clock: Clock,
+        service_event_qos_profile: QoSProfile,
+        introspection_state: ServiceIntrospectionState,
+    ) -> None:
+        """Tell of the calls of the action's three services, or no longer; raises as a service's."""
+        for one in self._services:
+            one.configure_introspection(clock, service_event_qos_profile, introspection_state)
 
     @property
     def _goal_handles(self) -> dict[bytes, ServerGoalHandle]:
