@@ -140,8 +140,7 @@ def test_deadlines_that_nobody_looked_for_are_told_at_once_before_the_message(ro
         publisher.publish(String())
         pass_by(2.5)
         publisher.publish(String())
-        while ("heard",) not in told:
-            executor.spin_once(timeout_sec=0.1)
+        ros.spin_here(executor, lambda: ("heard",) in told)
         before = told[: told.index(("heard",))]
         assert sorted(who for who, *_ in before) == ["pub", "sub"]
         assert all(change >= 2 for _, _, change in before)

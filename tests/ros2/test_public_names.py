@@ -16,9 +16,7 @@ NOT_EMULATED = {
     "waitables": r"[Ww]aitable|add_to_wait_set|\.is_ready$|\.take_data$|\.execute$"
     r"|(add|remove)_future|notify_|create_event_handlers|\.(QoS)?EventHandler(\.|$)|EventHandlerData"
     r"|TimeoutObject|WorkTracker",
-    "content filters": r"content_filter|ContentFilter|is_cft_enabled",
     "type descriptions": r"type_description|start_type_description",
-    "type hashes": r"type_hash|TypeHash",
     "signal handlers": r"rclpy\.signals\.",
     "logging set-up": r"rclpy\.logging\.(initialize|shutdown|get_logging_directory)",
     "filter classes": r"rcutils_logger\.",

@@ -45,6 +45,7 @@ from rclpy.qos import (
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.service import Service
 from rclpy.subscription import Subscription
+from rclpy.subscription_content_filter_options import ContentFilterOptions
 from rclpy.time_source import TimeSource
 from rclpy.timer import Rate, Timer
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
@@ -278,17 +279,21 @@ class Node(NodeParameters, Destroyable):
         event_callbacks: SubscriptionEventCallbacks | None = None,
         qos_overriding_options: QoSOverridingOptions | None = None,
         raw: bool = False,
+        content_filter_options: ContentFilterOptions | None = None,
     ) -> Subscription[MsgT]:
         """`callback` takes the message, or the message and its info; serialized bytes when `raw`.
 
-        Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError.
+        Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError; RCLError
+        for what is no filter of these messages.
         """
         self._use()
         check_is_valid_msg_type(msg_type)
         group = callback_group or self._default_callback_group
         name = self._validated(topic)
         qos = self._overridden("subscription", name, qos_profile, qos_overriding_options)
-        subscription = Subscription(self, msg_type, topic, name, callback, group, qos, raw)
+        subscription = Subscription(
+            self, msg_type, topic, name, callback, group, qos, raw, content_filter_options
+        )
         callbacks = event_callbacks or SubscriptionEventCallbacks()
         subscription._hear(callbacks.create_event_handlers(group, subscription, topic))
         self._entity_list.append(subscription)
@@ -634,7 +639,14 @@ def _info(endpoint: Any) -> TopicEndpointInfo:
     publishes = isinstance(endpoint, Publisher)
     kind = TopicEndpointTypeEnum.PUBLISHER if publishes else TopicEndpointTypeEnum.SUBSCRIPTION
     type_name = endpoint.msg_type.__type_name__
-    return TopicEndpointInfo(node._name, node._namespace, type_name, kind, list(endpoint._gid), qos)
+    return TopicEndpointInfo(
+        node_name=node._name,
+        node_namespace=node._namespace,
+        topic_type=type_name,
+        endpoint_type=kind,
+        endpoint_gid=list(endpoint._gid),
+        qos_profile=qos,
+    )
 
 
 def _nothing() -> None:
