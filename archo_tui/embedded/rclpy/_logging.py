@@ -9,7 +9,7 @@ from typing import Any
 Publish = Callable[[Any], None]
 
 _stdout_logs = True
-_default_level = 20  # INFO
+_default_level = _INFO = 20  # that of the root, and so of all that have none
 _levels: dict[str, int] = {}
 _rosout: dict[str, Publish] = {}
 
@@ -22,18 +22,24 @@ def configure(stdout_logs: bool, level: int) -> None:
 
 
 def set_level(name: str, level: int) -> None:
-    """Set the level of a logger and its children; 0 inherits again."""
-    _levels[name] = level
+    """Set the level of a logger and its children; 0 inherits again, or logs all by the root."""
+    global _default_level
+    if name:
+        _levels[name] = level
+    else:
+        _default_level = level
 
 
 def own_level(name: str) -> int:
     """The level that was set for that name itself, 0 for none."""
-    return _levels.get(name, 0)
+    return _levels.get(name, 0) if name else _default_level
 
 
 def forget_levels() -> None:
-    """Every logger inherits the default again."""
+    """Every logger inherits the first default again."""
+    global _default_level
     _levels.clear()
+    _default_level = _INFO
 
 
 def effective_level(name: str) -> int:
@@ -42,7 +48,7 @@ def effective_level(name: str) -> int:
         if _levels.get(name):
             return _levels[name]
         name = name.rpartition(".")[0]
-    return _levels.get("") or _default_level
+    return _default_level
 
 
 def connect(name: str, publish: Publish) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 from rclpy import _logging
 from rclpy.impl.logging_severity import LoggingSeverity
 from rclpy.impl.rcutils_logger import RcutilsLogger
@@ -12,6 +15,7 @@ __all__ = [
     "get_logger",
     "get_logger_effective_level",
     "get_logger_level",
+    "get_logging_directory",
     "get_logging_severity_from_string",
     "set_logger_level",
 ]
@@ -42,12 +46,26 @@ def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
     try:
         return LoggingSeverity[log_severity.upper()]
     except KeyError:
-        raise RuntimeError(f"Failed to get severity name: {log_severity}") from None
+        raise RuntimeError("Failed to get severity name") from None
 
 
 def clear_config() -> None:
     """Forget all levels that were set."""
     _logging.forget_levels()
+
+
+def get_logging_directory() -> Path:
+    """Where ROS keeps its logs: ROS_LOG_DIR, else `log` in ROS_HOME, else `~/.ros/log`.
+
+    Nothing is written there by this engine. Raises RuntimeError without a home.
+    """
+    home = Path(os.environ.get("ROS_HOME") or "~/.ros")
+    found = Path(os.environ.get("ROS_LOG_DIR") or home / "log")
+    if found.parts[0] == "~":
+        if not os.environ.get("HOME"):
+            raise RuntimeError("Failed to get current logging directory")
+        found = Path(os.environ["HOME"], *found.parts[1:])
+    return found
 
 
 def get_logger_effective_level(name: str) -> LoggingSeverity:

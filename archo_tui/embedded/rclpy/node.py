@@ -12,7 +12,6 @@ from rclpy import (
     _logging,
     _names,
     _time_source,
-    qos_overriding_options,
     type_description_service,
 )
 from rclpy._entity import Destroyable, Entity, EntityT
@@ -42,7 +41,7 @@ from rclpy.qos import (
     qos_profile_rosout_default,
     qos_profile_services_default,
 )
-from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.qos_overriding_options import QoSOverridingOptions, _declare_qos_parameters
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.subscription_content_filter_options import ContentFilterOptions
@@ -259,7 +258,9 @@ class Node(NodeParameters, Destroyable):
         self._use()
         check_is_valid_msg_type(msg_type)
         name = self._validated(topic)
-        qos = self._overridden("publisher", name, qos_profile, qos_overriding_options)
+        qos = as_profile(qos_profile)
+        if qos_overriding_options is not None:
+            _declare_qos_parameters(Publisher, self, name, qos, qos_overriding_options)
         publisher = publisher_class(self, msg_type, topic, name, qos)
         callbacks = event_callbacks or PublisherEventCallbacks()
         group = callback_group or self._default_callback_group
@@ -290,7 +291,9 @@ class Node(NodeParameters, Destroyable):
         check_is_valid_msg_type(msg_type)
         group = callback_group or self._default_callback_group
         name = self._validated(topic)
-        qos = self._overridden("subscription", name, qos_profile, qos_overriding_options)
+        qos = as_profile(qos_profile)
+        if qos_overriding_options is not None:
+            _declare_qos_parameters(Subscription, self, name, qos, qos_overriding_options)
         subscription = Subscription(
             self, msg_type, topic, name, callback, group, qos, raw, content_filter_options
         )
@@ -431,18 +434,6 @@ class Node(NodeParameters, Destroyable):
         self._entity_list.append(service)
         self._graph.add_named(self._graph.services, name, service)
         return service
-
-    def _overridden(
-        self,
-        kind: str,
-        topic: str,
-        profile: QoSProfile | int,
-        options: QoSOverridingOptions | None,
-    ) -> QoSProfile:
-        qos = as_profile(profile)
-        if options is not None:
-            qos_overriding_options.apply(self, kind, topic, qos, options)
-        return qos
 
     def _destroy(self, entity: Any) -> bool:
         if entity not in self._entity_list:

@@ -7,10 +7,18 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
-from rclpy import qos
 from rclpy.duration import Duration
 from rclpy.exceptions import ParameterAlreadyDeclaredException
-from rclpy.qos import QoSPolicyKind, QoSProfile
+from rclpy.publisher import Publisher
+from rclpy.qos import (
+    DurabilityPolicy,
+    HistoryPolicy,
+    LivelinessPolicy,
+    QoSPolicyKind,
+    QoSProfile,
+    ReliabilityPolicy,
+)
+from rclpy.subscription import Subscription
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -18,10 +26,10 @@ if TYPE_CHECKING:
 QosCallbackResult = SetParametersResult
 QosCallbackType = Callable[[QoSProfile], SetParametersResult]
 _ENUMS = {
-    QoSPolicyKind.HISTORY: qos.HistoryPolicy,
-    QoSPolicyKind.RELIABILITY: qos.ReliabilityPolicy,
-    QoSPolicyKind.DURABILITY: qos.DurabilityPolicy,
-    QoSPolicyKind.LIVELINESS: qos.LivelinessPolicy,
+    QoSPolicyKind.HISTORY: HistoryPolicy,
+    QoSPolicyKind.RELIABILITY: ReliabilityPolicy,
+    QoSPolicyKind.DURABILITY: DurabilityPolicy,
+    QoSPolicyKind.LIVELINESS: LivelinessPolicy,
 }
 
 
@@ -53,29 +61,36 @@ class QoSOverridingOptions:
         return cls(kinds, callback=callback, entity_id=entity_id)
 
 
-def apply(
-    node: Node, kind: str, topic: str, profile: QoSProfile, options: QoSOverridingOptions
+def _declare_qos_parameters(
+    entity_type: type[Publisher[Any] | Subscription[Any]],
+    node: Node,
+    topic_name: str,
+    qos: QoSProfile,
+    options: QoSOverridingOptions,
 ) -> None:
-    """Declare `qos_overrides.<topic>.<kind>.<policy>` and take their values into the profile.
+    """Declare `qos_overrides.<topic>.<publisher or subscription>.<policy>`, take in their values.
 
-    `kind` is `publisher` or `subscription`. Raises InvalidQosOverridesError, RuntimeError for a
-    word that is no policy, ValueError for a profile that is unknown.
+    Raises InvalidQosOverridesError, RuntimeError for a word that is no policy, ValueError for a
+    profile that is unknown, TypeError for what is no kind of endpoint.
     """
+    if not issubclass(entity_type, (Publisher, Subscription)):
+        raise TypeError("Argument `entity_type` should be a subclass of Publisher or Subscription")
+    kind = "publisher" if issubclass(entity_type, Publisher) else "subscription"
     suffix = "" if options.entity_id is None else f"_{options.entity_id}"
-    about = f"for {kind} `{topic}` with id `{options.entity_id}`"
+    about = f"for {kind} `{topic_name}` with id `{options.entity_id}`"
     for policy in options.policy_kinds:
         if policy == QoSPolicyKind.LIFESPAN and kind == "subscription":
             continue
         name = policy.name.lower()
-        full = f"qos_overrides.{topic}.{kind}{suffix}.{name}"
+        full = f"qos_overrides.{topic_name}.{kind}{suffix}.{name}"
         descriptor = ParameterDescriptor(description=f"{name} {about}", read_only=True)
         try:
-            parameter = node.declare_parameter(full, _as_parameter(profile, name), descriptor)
+            parameter = node.declare_parameter(full, _as_parameter(qos, name), descriptor)
         except ParameterAlreadyDeclaredException:
             parameter = node.get_parameter(full)
-        setattr(profile, name, _as_policy(policy, parameter.value))
+        setattr(qos, name, _as_policy(policy, parameter.value))
     if options.callback is not None:
-        result = options.callback(profile)
+        result = options.callback(qos)
         if not result.successful:
             said = f"Provided QoS overrides {about}, are not valid: {result.reason}"
             raise InvalidQosOverridesError(said)

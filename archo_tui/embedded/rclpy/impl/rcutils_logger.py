@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 import warnings
-from dataclasses import dataclass
+from types import FrameType
+from typing import Any
 
 from rcl_interfaces.msg import Log
-from rclpy import _logging, _time_source
+from rclpy import _logging
 from rclpy.clock import Clock, ROSClock
 from rclpy.impl.logging_severity import LoggingSeverity
 
@@ -42,56 +43,47 @@ class RcutilsLogger:
         """True when a line of this severity is logged."""
         return int(severity) >= _logging.effective_level(self.name)
 
-    def log(self, message: str, severity: LoggingSeverity | int, **filters: float) -> bool:
-        """Log at a severity; False when it was filtered out."""
-        return self._log(message, LoggingSeverity(severity), filters)
+    def log(
+        self,
+        message: str,
+        severity: LoggingSeverity | int,
+        name: str | None = None,
+        **filters: Any,
+    ) -> bool:
+        """Log at a severity, also for another logger's `name`; False when it was filtered out.
 
-    def debug(self, message: str, **filters: float) -> bool:
-        """Log at DEBUG; False when it was filtered out."""
-        return self._log(message, LoggingSeverity.DEBUG, filters)
-
-    def info(self, message: str, **filters: float) -> bool:
-        """Log at INFO; False when it was filtered out."""
-        return self._log(message, LoggingSeverity.INFO, filters)
-
-    def warning(self, message: str, **filters: float) -> bool:
-        """Log at WARN; False when it was filtered out."""
-        return self._log(message, LoggingSeverity.WARN, filters)
-
-    def warn(self, message: str, **filters: float) -> bool:
-        """The old name of `warning`."""
-        warnings.warn("Deprecated in favor of `RcutilsLogger.warning`.", DeprecationWarning, 2)
-        return self._log(message, LoggingSeverity.WARN, filters)
-
-    def error(self, message: str, **filters: float) -> bool:
-        """Log at ERROR; False when it was filtered out."""
-        return self._log(message, LoggingSeverity.ERROR, filters)
-
-    def fatal(self, message: str, **filters: float) -> bool:
-        """Log at FATAL; False when it was filtered out."""
-        return self._log(message, LoggingSeverity.FATAL, filters)
-
-    def _log(self, message: str, severity: LoggingSeverity, filters: dict[str, float]) -> bool:
+        Raises TypeError for an unknown filter or one that lacks its duration, ValueError for what
+        changes between two calls at one place.
+        """
         if not self.is_enabled_for(severity):
+            return False
+        severity, name = LoggingSeverity(severity), self.name if name is None else name
+        asked = _asked(filters) if filters else {}
+        frame: FrameType | None = sys._getframe(1)
+        while frame is not None and frame.f_code.co_filename == __file__:
+            frame = frame.f_back
+        assert frame is not None
+        code = frame.f_code
+        where = code.co_name, code.co_filename, frame.f_lineno, frame.f_lasti
+        place = self._places.get(where)
+        if place is None:
+            place = self._places[where] = _Place(severity, name, asked)
+        place.check(severity, name, asked)
+        if asked and not place.passes():
             return False
         if not isinstance(message, str):
             raise TypeError(f"a log line is a str, not {type(message).__name__}")
-        frame = sys._getframe(2)
-        code = frame.f_code
-        where = code.co_name, code.co_filename, frame.f_lineno, frame.f_lasti
-        if not self._passes(where, severity, filters):
-            return False
         stamp = ROSClock().now()
         sec, nanosec = stamp.seconds_nanoseconds()
-        _logging.write(f"[{severity.name}] [{sec}.{nanosec:09}] [{self.name}]: {message}")
-        publish = _logging.rosout(self.name)
+        _logging.write(f"[{severity.name}] [{sec}.{nanosec:09}] [{name}]: {message}")
+        publish = _logging.rosout(name)
         if publish is not None:
             publish(
                 Log(
                     stamp=stamp.to_msg(),
                     level=int(severity),
-                    name=self.name,
-                    msg=str(message),
+                    name=name,
+                    msg=message,
                     file=code.co_filename,
                     function=code.co_name,
                     line=frame.f_lineno,
@@ -99,66 +91,104 @@ class RcutilsLogger:
             )
         return True
 
-    def _passes(self, where: _Where, severity: LoggingSeverity, filters: dict[str, float]) -> bool:
-        place = self._places.get(where)
-        if place is None:
-            self._check(filters)
-            place = self._places[where] = _Place(severity, filters)
-        if place.severity != severity:
-            raise ValueError("Logger severity cannot be changed between calls.")
-        if place.filters != filters:
-            what = "Requested logging filters"
-            if _asked(place.filters) == _asked(filters):
-                what = "Logging filter parameters"
-            raise ValueError(f"{what} cannot be changed between calls.")
-        if not filters:
-            return True
-        now = _time_source.monotonic_ns() / 1e9
-        period = filters.get("throttle_duration_sec", 0.0)
-        if place.last is not None and now - place.last < period:
-            return False
-        place.last = now
-        if filters.get("skip_first") and not place.skipped:
-            place.skipped = True
-            return False
-        if filters.get("once") and place.logged:
-            return False
-        place.logged = True
-        return True
+    def debug(self, message: str, **options: Any) -> bool:
+        """Log at DEBUG; as `log`."""
+        return self.log(message, LoggingSeverity.DEBUG, **options)
 
-    def _check(self, filters: dict[str, float]) -> None:
-        for name in filters:
-            if name not in _FILTERS:
-                known = ", ".join(_FILTERS)
-                raise TypeError(
-                    f'parameter "{name}" is not one of the recognized logging options "{known}"'
-                )
-        clock = filters.get("throttle_time_source_type")
-        if clock is not None and "throttle_duration_sec" not in filters:
+    def info(self, message: str, **options: Any) -> bool:
+        """Log at INFO; as `log`."""
+        return self.log(message, LoggingSeverity.INFO, **options)
+
+    def warning(self, message: str, **options: Any) -> bool:
+        """Log at WARN; as `log`."""
+        return self.log(message, LoggingSeverity.WARN, **options)
+
+    def warn(self, message: str, **options: Any) -> bool:
+        """The old name of `warning`."""
+        warnings.warn("Deprecated in favor of `RcutilsLogger.warning`.", DeprecationWarning, 2)
+        return self.warning(message, **options)
+
+    def error(self, message: str, **options: Any) -> bool:
+        """Log at ERROR; as `log`."""
+        return self.log(message, LoggingSeverity.ERROR, **options)
+
+    def fatal(self, message: str, **options: Any) -> bool:
+        """Log at FATAL; as `log`."""
+        return self.log(message, LoggingSeverity.FATAL, **options)
+
+
+# of each filter, in the order in which they are asked, what it may be given
+_OPTIONS = {
+    "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
+    "skip_first": ("skip_first",),
+    "once": ("once",),
+}
+_KNOWN = [option for options in _OPTIONS.values() for option in options]
+_MACHINE = Clock()  # a throttle's, unless it is given one
+
+
+def _asked(given: dict[str, Any]) -> dict[str, Any]:
+    """The options of those filters that are switched on. Raises TypeError."""
+    found = {name for name, options in _OPTIONS.items() if any(map(given.get, options))}
+    if "throttle" in found and "throttle_duration_sec" not in given:
+        raise TypeError(
+            'required parameter "throttle_duration_sec" not specified but is required for the '
+            'the logging filter "throttle"'
+        )
+    for option in given:
+        if option not in _KNOWN:
             raise TypeError(
-                'required parameter "throttle_duration_sec" not specified but is required for the '
-                'the logging filter "throttle"'
+                f'parameter "{option}" is not one of the recognized logging options "{_KNOWN}"'
             )
-        if clock is not None and not isinstance(clock, Clock):
-            raise ValueError(
-                f'Received throttle_time_source_type of "{clock}" is not a clock instance'
-            )
+    return {
+        option: given.get(option, _MACHINE)
+        for name in _OPTIONS
+        if name in found
+        for option in _OPTIONS[name]
+    }
 
 
-_FILTERS = ("throttle_duration_sec", "throttle_time_source_type", "skip_first", "once")
-
-
-@dataclass
 class _Place:
     """One place in the source that logs."""
 
-    severity: LoggingSeverity
-    filters: dict[str, float]
-    last: float | None = None  # s, when it last passed the throttle
-    skipped: bool = False
-    logged: bool = False
+    def __init__(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:
+        """Raises ValueError for a throttle by what is no clock."""
+        clock = asked.get("throttle_time_source_type", _MACHINE)
+        if not isinstance(clock, Clock):
+            raise ValueError(
+                f'Received throttle_time_source_type of "{clock}" is not a clock instance'
+            )
+        self._first = severity, name, asked
+        self._asked = asked
+        self._last = 0  # ns of the throttle's clock, when it last let one pass
+        self._is_first, self._is_logged = True, False
 
+    def check(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:
+        """Raises ValueError for another than the first time."""
+        if self._first == (severity, name, asked):
+            return
+        if self._first[0] != severity:
+            what = "Logger severity"
+        elif self._first[1] != name:
+            what = "Logger name"
+        elif self._asked.keys() != asked.keys():
+            what = "Requested logging filters"
+        else:
+            what = "Logging filter parameters"
+        raise ValueError(f"{what} cannot be changed between calls.")
 
-def _asked(filters: dict[str, float]) -> set[str]:
-    """Those that are switched on."""
-    return {name for name, value in filters.items() if value}
+    def passes(self) -> bool:
+        """True when each filter lets it pass; those before the one that does not, count it."""
+        asked = self._asked
+        if "throttle_duration_sec" in asked:
+            now = asked["throttle_time_source_type"].now().nanoseconds
+            if now < self._last + asked["throttle_duration_sec"] * 1e9:
+                return False
+            self._last = now
+        if "skip_first" in asked and self._is_first:
+            self._is_first = False
+            return False
+        if "once" in asked and self._is_logged:
+            return False
+        self._is_logged = True
+        return True
