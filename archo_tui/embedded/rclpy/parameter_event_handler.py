@@ -35,18 +35,17 @@ class ParameterEventHandler:
         """Those who follow."""
 
         def __init__(self) -> None:
-            self.parameters: list[ParameterCallbackHandle] = []
-            self.events: list[ParameterEventCallbackHandle] = []
+            self.parameter_callbacks: dict[tuple[str, str], list[ParameterCallbackHandle]] = {}
+            self.event_callbacks: list[ParameterEventCallbackHandle] = []
 
         def event_callback(self, event: ParameterEvent) -> None:
             """Tell them."""
-            for handle in list(self.parameters):
-                told = ParameterEventHandler.get_parameter_from_event(
-                    event, handle.parameter_name, handle.node_name
-                )
+            for (name, node_name), handles in list(self.parameter_callbacks.items()):
+                told = ParameterEventHandler.get_parameter_from_event(event, name, node_name)
                 if told is not None:
-                    handle.callback(told)
-            for follower in list(self.events):
+                    for handle in list(handles):
+                        handle.callback(told)
+            for follower in list(self.event_callbacks):
                 follower.callback(event)
 
     def __init__(
@@ -77,25 +76,32 @@ class ParameterEventHandler:
         self, parameter_name: str, node_name: str, callback: Callable[[Any], None]
     ) -> ParameterCallbackHandle:
         """Call with the parameter's message when it is new or changes. Keep what is returned."""
-        handle = ParameterCallbackHandle(parameter_name, self._resolve_path(node_name), callback)
-        self._callbacks.parameters.insert(0, handle)
+        about = parameter_name, self._resolve_path(node_name)
+        handle = ParameterCallbackHandle(*about, callback)
+        self._callbacks.parameter_callbacks.setdefault(about, []).insert(0, handle)
         return handle
 
     def remove_parameter_callback(self, handle: ParameterCallbackHandle) -> None:
         """Raises RuntimeError when it was not added."""
-        _remove(self._callbacks.parameters, handle)
+        known, about = (
+            self._callbacks.parameter_callbacks,
+            (handle.parameter_name, handle.node_name),
+        )
+        _remove(known.get(about, []), handle)
+        if not known[about]:
+            del known[about]
 
     def add_parameter_event_callback(
         self, callback: Callable[[ParameterEvent], None]
     ) -> ParameterEventCallbackHandle:
         """Call with every event. Keep what is returned."""
         handle = ParameterEventCallbackHandle(callback)
-        self._callbacks.events.insert(0, handle)
+        self._callbacks.event_callbacks.insert(0, handle)
         return handle
 
     def remove_parameter_event_callback(self, handle: ParameterEventCallbackHandle) -> None:
         """Raises RuntimeError when it was not added."""
-        _remove(self._callbacks.events, handle)
+        _remove(self._callbacks.event_callbacks, handle)
 
     @staticmethod
     def get_parameter_from_event(

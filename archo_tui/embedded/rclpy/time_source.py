@@ -24,8 +24,8 @@ class TimeSource:
     """Gives the clocks that are attached the time of /clock while its node asks for that."""
 
     def __init__(self, *, node: Node | None = None) -> None:
-        self._node: Any = lambda: None
-        self._subscription: Any = None
+        self._get_node: Any = lambda: None
+        self._clock_sub: Any = None
         self._clocks: set[ROSClock] = set()
         self._last = Time(clock_type=ClockType.ROS_TIME)
         self._is_active = False
@@ -52,7 +52,7 @@ class TimeSource:
     def attach_node(self, node: Node) -> None:
         """Follow that node's parameter, declared if it is not."""
         self.detach_node()
-        self._node = weakref.ref(node)
+        self._get_node = weakref.ref(node)
         if not node.has_parameter(USE_SIM_TIME_NAME):
             node.declare_parameter(USE_SIM_TIME_NAME, False)
         value = node.get_parameter(USE_SIM_TIME_NAME).value
@@ -67,7 +67,7 @@ class TimeSource:
     def detach_node(self) -> None:
         """Follow nothing any more."""
         self._unsubscribe()
-        self._node = lambda: None
+        self._get_node = lambda: None
 
     def attach_clock(self, clock: ROSClock) -> None:
         """Give that clock the time. Raises ValueError for another kind of clock."""
@@ -84,18 +84,18 @@ class TimeSource:
             clock.set_ros_time_override(self._last)
 
     def _subscribe(self) -> None:
-        node = self._node()
-        if node is not None and self._subscription is None:
+        node = self._get_node()
+        if node is not None and self._clock_sub is None:
             qos = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
-            self._subscription = node.create_subscription(
+            self._clock_sub = node.create_subscription(
                 ClockMsg, CLOCK_TOPIC, self.clock_callback, qos
             )
 
     def _unsubscribe(self) -> None:
-        node = self._node()
-        if node is not None and self._subscription is not None:
-            node.destroy_subscription(self._subscription)
-        self._subscription = None
+        node = self._get_node()
+        if node is not None and self._clock_sub is not None:
+            node.destroy_subscription(self._clock_sub)
+        self._clock_sub = None
 
     def _on_parameters(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
         for parameter in parameters:

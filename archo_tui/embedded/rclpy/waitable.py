@@ -1,8 +1,9 @@
-"""What rclpy's wait set counts. There is no wait set here, and so there are no waitables."""
+"""What rclpy's wait set counts. There is no wait set here, and so nothing waits in it."""
 
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
+from typing import Any
 
 
 @dataclass(eq=False)
@@ -18,3 +19,10 @@ class NumberOfEntities:
 
     def __add__(self, other: NumberOfEntities) -> NumberOfEntities:
         return NumberOfEntities(*map(sum, zip(astuple(self), astuple(other), strict=True)))
+
+
+class Waitable:
+    """What one's own things in a wait set derive from. Here none can be made."""
+
+    def __init__(self, callback_group: Any) -> None:
+        raise NotImplementedError("the embedded engine has no wait set, and so no waitables")
