@@ -148,6 +148,20 @@ def test_whether_two_profiles_go_together_is_said(
     assert found.name == (said.partition(":")[0] or "OK")
 
 
+@pytest.mark.parametrize(
+    "given",
+    [
+        QoSProfile(history=HistoryPolicy.KEEP_ALL, lifespan=Duration(seconds=5)),
+        profile(reliability=ReliabilityPolicy.BEST_EFFORT, avoid_ros_namespace_conventions=True),
+        profile(deadline=SECOND, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC),
+    ],
+)
+def test_a_profile_goes_to_plain_values_and_back(given: QoSProfile) -> None:
+    values = given.get_c_qos_profile().to_dict()
+    assert values["reliability"] == int(given.reliability)
+    assert QoSProfile(**values) == given
+
+
 def test_profiles_by_their_short_names() -> None:
     assert ReliabilityPolicy.get_from_short_key("best_effort") == ReliabilityPolicy.BEST_EFFORT
     assert "keep_all" in HistoryPolicy.short_keys()

@@ -11,6 +11,7 @@ from copy import copy
 from enum import Enum, EnumMeta, IntEnum
 from typing import Any
 
+from rclpy._rclpy_pybind11 import rmw_qos_profile_t
 from rclpy.duration import Duration
 
 _NO_TIME = Duration()
@@ -197,6 +198,13 @@ class QoSProfile:
             for name, value in shown.items()
         )
         return f"QoSProfile({', '.join(inside)})"
+
+    def get_c_qos_profile(self) -> rmw_qos_profile_t:
+        """Its values as rclpy's C layer has them."""
+        values = {name: getattr(self, name) for name in ("depth", *_TYPES)}
+        return rmw_qos_profile_t(
+            {name: int(v) if isinstance(v, IntEnum) else v for name, v in values.items()}
+        )
 
     @property
     def queue_size(self) -> int | None:

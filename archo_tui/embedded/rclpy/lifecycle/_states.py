@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lifecycle_msgs.msg import State, Transition
 from rclpy._rclpy_pybind11 import RCLError
@@ -99,6 +99,13 @@ STEPS = [
 
 class StateMachine:
     """Where a node stands, and what leads on from there."""
+
+    # the node's services, when it has a communication interface
+    service_change_state: Any = None
+    service_get_state: Any = None
+    service_get_available_states: Any = None
+    service_get_available_transitions: Any = None
+    service_get_transition_graph: Any = None
 
     def __init__(self) -> None:
         self._state: int = State.PRIMARY_STATE_UNCONFIGURED

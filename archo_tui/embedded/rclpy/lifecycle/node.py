@@ -65,7 +65,9 @@ class LifecycleNodeMixin(ManagedEntity):
             (GetAvailableTransitions, "get_available_transitions", self._tell_transitions),
             (GetAvailableTransitions, "get_transition_graph", self._tell_graph),
         ):
-            node.create_service(srv_type, f"{node.get_name()}/{name}", callback)
+            service = node.create_service(srv_type, f"{node.get_name()}/{name}", callback)
+            setattr(self, f"_service_{name}", service)
+            setattr(self._state_machine, f"service_{name}", service)
 
     # what the node's owner calls
 
