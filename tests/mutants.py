@@ -49,7 +49,7 @@ FAULTS = [
     Fault("session.py", "and event.count in _COUNTS", "", "tests/test_journal.py"),
     Fault("cli.py", "(FAILED if stuck else 0)", "0", "tests/test_terminal.py"),
     Fault(BRINGUP + "motor_controller.py", "CancelResponse.REJECT if self.outcome.done() else CancelResponse.ACCEPT", "CancelResponse.ACCEPT", "tests/nodes"),
-    Fault(E + "executors.py", "                self._round = deque(others)\n", "", CONTRACT),
+    Fault(E + "executors.py", "            self._round = deque(others)\n", "", CONTRACT),
     Fault(E + "action/server.py", "        if goal_id not in self._goal_handles:\n", "        if True:\n", CONTRACT),
     Fault("embedded/fields.py", "            return lambda value: value[:]\n", "            return lambda value: value\n", CONTRACT),
     Fault(E + "_parameter_rules.py", "1e-6", "1e-2", CONTRACT),
@@ -160,7 +160,7 @@ FAULTS = [
     Fault(E + "_names.py", "that starts with a number\", digit.start(1)", "that starts with a number\", digit.start(0)", CONTRACT),
     Fault(E + "_names.py", "        if rule.kind not in (None, kind):\n            continue\n", "", CONTRACT),
     Fault(E + "_node_parameters.py", "        if known:\n", "        if False:\n", CONTRACT),
-    Fault(E + "impl/rcutils_logger.py", "        if place.severity != severity:\n", "        if False:\n", CONTRACT),
+    Fault(E + "impl/rcutils_logger.py", "        if self._first[0] != severity:\n", "        if False:\n", CONTRACT),
     Fault(E + "action/client.py", "            while True:\n                self._take_status(self._status._queue.popleft())\n", "            pass\n", CONTRACT),
     Fault(E + "context.py", "            if self._has_begun:\n                raise", "            if self._ok:\n                raise", CONTRACT),
     Fault(E + "lifecycle/_states.py", "    if state == error:\n", "    if False:\n", CONTRACT),
@@ -188,10 +188,14 @@ FAULTS = [
 ]  # fmt: skip
 
 
+def path_of(fault: Fault, folder: Path = ROOT) -> Path:
+    """Where a fault is planted."""
+    return folder / ("" if fault.file.startswith("nodes/") else "archo_tui") / fault.file
+
+
 def noticed(folder: Path, fault: Fault) -> bool:
     """Plant a fault, run the tests that should notice it, and take it out again."""
-    top = "" if fault.file.startswith("nodes/") else "archo_tui/"
-    path = folder / f"{top}{fault.file}"
+    path = path_of(fault, folder)
     text = path.read_text(encoding="utf-8")
     assert fault.line in text, f"{fault.file} does not say {fault.line!r}"
     path.write_text(text.replace(fault.line, fault.instead, 1), encoding="utf-8")

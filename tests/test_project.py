@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from archo_tui.embedded import stubs
-from tests import recording
+from tests import mutants, recording
 
 ROOT = Path(__file__).parent.parent
 
@@ -45,6 +45,15 @@ def test_the_recorded_session_shows_one_screen_after_the_other_for_ever() -> Non
     recorded = (ROOT / "session.svg").read_bytes()
     assert ElementTree.fromstring(recorded).get("viewBox")
     assert len(recorded) < recording.MOST
+
+
+def test_every_fault_that_can_be_planted_finds_its_line() -> None:
+    stale = [
+        f"{fault.file}: {fault.line}"
+        for fault in mutants.FAULTS
+        if fault.line not in mutants.path_of(fault).read_text(encoding="utf-8")
+    ]
+    assert stale == []
 
 
 def test_the_stubs_are_what_the_interface_files_say() -> None:

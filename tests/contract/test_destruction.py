@@ -9,6 +9,7 @@ import pytest
 from archo_interfaces.action import MoveToShelf
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, ActionServer
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Int32
 from std_srvs.srv import Trigger
@@ -141,3 +142,18 @@ def test_a_nodes_own_endpoints_are_counted_without_those_of_its_actions(ros: Ros
     assert after == [before[0] + 1, before[1], before[2], before[3] + 1]
     client.destroy()
     server.destroy()
+
+
+def test_an_executor_lists_a_destroyed_node_until_it_is_removed(ros: Ros) -> None:
+    node = ros.node()
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    ticks: list[int] = []
+    node.create_timer(0.0, lambda: ticks.append(1))
+    node.destroy_node()
+    assert executor.get_nodes() == [node]
+    assert node.executor is executor
+    executor.spin_once(timeout_sec=0.0)
+    assert ticks == []
+    executor.remove_node(node)
+    assert executor.get_nodes() == []

@@ -113,12 +113,17 @@ class Executor:
         with self._condition:
             if node in self._nodes:
                 del self._nodes[node]
-                self._timers = [entry for entry in self._timers if entry[2]._node is not node]
-                heapq.heapify(self._timers)
-                others = [e for e in self._round if isinstance(e, Task) or e._node is not node]
-                self._round = deque(others)
-                self._ready = {e: None for e in self._ready if e._node is not node}
-                self._blocked = [e for e in self._blocked if e._node is not node]
+                self._drop_work(node)
+
+    def _drop_work(self, node: Node) -> None:
+        """What waits of a node is not done any more."""
+        with self._condition:
+            self._timers = [entry for entry in self._timers if entry[2]._node is not node]
+            heapq.heapify(self._timers)
+            others = [e for e in self._round if isinstance(e, Task) or e._node is not node]
+            self._round = deque(others)
+            self._ready = {e: None for e in self._ready if e._node is not node}
+            self._blocked = [e for e in self._blocked if e._node is not node]
 
     def get_nodes(self) -> list[Node]:
         """The nodes that were added."""

@@ -584,10 +584,10 @@ class Node(NodeParameters, Destroyable):
     # the end
 
     def destroy_node(self) -> None:
-        """Destroy everything this node made and leave the graph."""
+        """Destroy everything this node made and leave the graph; its executor still lists it."""
         self._leave_graph()
         if self._executor is not None:
-            self._executor.remove_node(self)
+            self._executor._drop_work(self)
 
     def __enter__(self) -> Node:
         return self
