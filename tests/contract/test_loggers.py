@@ -29,6 +29,15 @@ def logger(ros: Ros) -> Iterator[Any]:  # within a context: only then are lines 
         rclpy.logging.set_logger_level(name, UNSET)
 
 
+@pytest.fixture
+def clock() -> ROSClock:
+    """Simulated time, at 0."""
+    made, source = ROSClock(), TimeSource()
+    source.attach_clock(made)
+    source.ros_time_is_active = True
+    return made
+
+
 @pytest.mark.parametrize("level", LoggingSeverity)
 def test_the_roots_level_is_that_of_all_that_have_none(
     logger: RcutilsLogger, level: LoggingSeverity
@@ -114,10 +123,9 @@ def test_what_is_no_filter_is_refused(
         assert not logger.error("line", **options)  # nobody looks at what is not logged
 
 
-def test_a_throttle_goes_by_the_clock_that_it_is_given(logger: RcutilsLogger) -> None:
-    clock, source = ROSClock(), TimeSource()
-    source.attach_clock(clock)
-    source.ros_time_is_active = True
+def test_a_throttle_goes_by_the_clock_that_it_is_given(
+    logger: RcutilsLogger, clock: ROSClock
+) -> None:
     logged = []
     for second in range(1, 6):
         logged.append(logger.info("line", throttle_duration_sec=2, throttle_time_source_type=clock))
@@ -125,10 +133,9 @@ def test_a_throttle_goes_by_the_clock_that_it_is_given(logger: RcutilsLogger) ->
     assert logged == [False, False, True, False, True]  # from the second 2 on
 
 
-def test_what_is_throttled_is_not_counted_as_the_first(logger: RcutilsLogger) -> None:
-    clock, source = ROSClock(), TimeSource()
-    source.attach_clock(clock)
-    source.ros_time_is_active = True
+def test_what_is_throttled_is_not_counted_as_the_first(
+    logger: RcutilsLogger, clock: ROSClock
+) -> None:
     logged = []
     for second in range(1, 7):
         clock.set_ros_time_override(Time(seconds=second, clock_type=clock.clock_type))

@@ -12,7 +12,7 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
 from rclpy.qos import QoSProfile
 from rclpy.service import RequestHeader
-from rclpy.service_introspection import REQUEST_SENT, RESPONSE_RECEIVED, Introspected
+from rclpy.service_introspection import REQUEST_SENT, RESPONSE_RECEIVED, ServiceEnd
 from rclpy.task import Future, wait_for
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ SrvRequestT = TypeVar("SrvRequestT")
 SrvResponseT = TypeVar("SrvResponseT")
 
 
-class Client(QueueEntity, Introspected, Generic[SrvRequestT, SrvResponseT]):
+class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     """Calls a service. Made by `Node.create_client`."""
 
     _rank = 4
@@ -112,17 +112,6 @@ class Client(QueueEntity, Introspected, Generic[SrvRequestT, SrvResponseT]):
                 _time_source.patience_ns(timeout_sec),
             )
             return self.service_is_ready()
-
-    @property
-    def service_name(self) -> str:
-        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
-        self._use()
-        return self._service_name
-
-    @property
-    def logger_name(self) -> str:
-        """The name of its node's logger."""
-        return self._node.get_logger().name
 
     def destroy(self) -> None:
         """Leave the graph; pending futures stay pending."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 from rclpy._entity import QueueEntity
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
-from rclpy.service_introspection import REQUEST_RECEIVED, RESPONSE_SENT, Introspected
+from rclpy.service_introspection import REQUEST_RECEIVED, RESPONSE_SENT, ServiceEnd
 
 if TYPE_CHECKING:
     from rclpy.client import Client
@@ -26,7 +26,7 @@ class RequestHeader(NamedTuple):
     sequence_number: int
 
 
-class Service(QueueEntity, Introspected, Generic[SrvRequestT, SrvResponseT]):
+class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     """Answers requests. Made by `Node.create_service`."""
 
     _rank = 5
@@ -58,17 +58,6 @@ class Service(QueueEntity, Introspected, Generic[SrvRequestT, SrvResponseT]):
         client, number = header
         self._tell(RESPONSE_SENT, client._gid, number, response=response)
         client._deliver((number, message.__received__()))
-
-    @property
-    def service_name(self) -> str:
-        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
-        self._use()
-        return self._service_name
-
-    @property
-    def logger_name(self) -> str:
-        """The name of its node's logger."""
-        return self._node.get_logger().name
 
     def destroy(self) -> None:
         """Leave the graph; requests still queued are never answered."""

@@ -25,8 +25,8 @@ class ServiceIntrospectionState(IntEnum):
     CONTENTS = 2
 
 
-class Introspected(Destroyable):
-    """A client or service whose calls can be told."""
+class ServiceEnd(Destroyable):
+    """A client or a service: its name, and what tells of its calls."""
 
     _node: Node
     _service_name: str
@@ -34,6 +34,17 @@ class Introspected(Destroyable):
     _clock: Clock
     _state = ServiceIntrospectionState.OFF
     _events: Publisher[Any] | None = None
+
+    @property
+    def service_name(self) -> str:
+        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        self._use()
+        return self._service_name
+
+    @property
+    def logger_name(self) -> str:
+        """The name of its node's logger."""
+        return self._node.get_logger().name
 
     def configure_introspection(
         self,
