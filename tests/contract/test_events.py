@@ -254,7 +254,7 @@ def test_an_endpoint_has_a_handler_for_each_callback_and_two_by_default(
         String, "words", 10, event_callbacks=PublisherEventCallbacks(**given)
     )
     heard = node.create_subscription(
-        String, "words", print, 10, event_callbacks=SubscriptionEventCallbacks(**given)
+        String, "words", lambda _: None, 10, event_callbacks=SubscriptionEventCallbacks(**given)
     )
     assert len(published.event_handlers) == publisher
     assert len(heard.event_handlers) == subscription
