@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import threading
+from typing import Any
 
 from archo_tui.paths import make_folder, state_file
 
@@ -16,22 +17,31 @@ _writing = threading.Lock()  # two goals may be sent at once
 
 def load(form: str) -> list[list[str]]:
     """The texts of each time, the oldest first; nothing when there are none or they are broken."""
-    with contextlib.suppress(OSError, ValueError, AttributeError):
-        found = json.loads(state_file("typed.json").read_text(encoding="utf-8")).get(form, [])
-        return [list(map(str, texts)) for texts in found if isinstance(texts, list)][-MOST:]
-    return []
+    return _texts(_read(), form)
 
 
 def add(form: str, typed: list[str]) -> None:
     """Keep it as the last; a disk that is full or read-only keeps nothing."""
     path = state_file("typed.json")
     with _writing, contextlib.suppress(OSError):
-        known = {}
-        with contextlib.suppress(OSError, ValueError):
-            known = json.loads(path.read_text(encoding="utf-8"))
-        known = known if isinstance(known, dict) else {}
-        others = [texts for texts in load(form) if texts != typed]
+        known = _read()
+        others = [texts for texts in _texts(known, form) if texts != typed]
         make_folder(path)
         new = path.with_name(f"{path.name}.{os.getpid()}")
         new.write_text(json.dumps({**known, form: [*others, typed][-MOST:]}), encoding="utf-8")
         new.replace(path)
+
+
+def _read() -> dict[str, Any]:
+    """What is kept of every form."""
+    with contextlib.suppress(OSError, ValueError):
+        known = json.loads(state_file("typed.json").read_text(encoding="utf-8"))
+        return known if isinstance(known, dict) else {}
+    return {}
+
+
+def _texts(known: dict[str, Any], form: str) -> list[list[str]]:
+    found = known.get(form)
+    if not isinstance(found, list):
+        return []
+    return [list(map(str, texts)) for texts in found if isinstance(texts, list)][-MOST:]

@@ -18,7 +18,7 @@ NOT_EMULATED = {
     r"|TimeoutObject|WorkTracker",
     "type descriptions": r"type_description|start_type_description",
     "signal handlers": r"rclpy\.signals\.",
-    "logging set-up": r"rclpy\.logging\.(initialize|shutdown|get_logging_directory)",
+    "logging set-up": r"rclpy\.logging\.(initialize|shutdown)",
     "filter classes": r"rcutils_logger\.",
 }
 # what a module of rclpy only uses: constants and types that it imports, words for type checkers

@@ -22,7 +22,7 @@ def configure(stdout_logs: bool, level: int) -> None:
 
 
 def set_level(name: str, level: int) -> None:
-    """Set the level of a logger and its children; 0 inherits again, or logs all by the root."""
+    """Set the level of a logger and its children; 0 inherits again, for the root it logs all."""
     global _default_level
     if name:
         _levels[name] = level
@@ -36,7 +36,7 @@ def own_level(name: str) -> int:
 
 
 def forget_levels() -> None:
-    """Every logger inherits the first default again."""
+    """Every logger inherits INFO again."""
     global _default_level
     _levels.clear()
     _default_level = _INFO

@@ -60,7 +60,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
             self._sequence_number += 1
             number = self._sequence_number
             self._pending_requests[number] = future
-        self._tell(REQUEST_SENT, self._gid, number, request=request)
+        if self._events is not None:
+            self._tell(REQUEST_SENT, self._gid, number, request=request)
         for server in self._node._graph.servers(self._service_name, self.srv_type):
             server._deliver((RequestHeader(self, number), message.__received__()))
         return future
@@ -122,7 +123,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
     def _handle(self, item: tuple[int, Any]) -> None:
         number, response = item
-        self._tell(RESPONSE_RECEIVED, self._gid, number, response=response)
+        if self._events is not None:
+            self._tell(RESPONSE_RECEIVED, self._gid, number, response=response)
         with self._lock:
             future = self._pending_requests.pop(number, None)
         if future is not None:

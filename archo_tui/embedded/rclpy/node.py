@@ -443,7 +443,7 @@ class Node(NodeParameters, Destroyable):
         return True
 
     def _entities(self) -> list[Entity]:
-        """All that callbacks are called of."""
+        """Everything that has callbacks."""
         endpoints = itertools.chain(self._publishers, self._all(Subscription))
         return [*self._entity_list, *(event for one in endpoints for event in one.event_handlers)]
 

@@ -83,10 +83,8 @@ class ParameterEventHandler:
 
     def remove_parameter_callback(self, handle: ParameterCallbackHandle) -> None:
         """Raises RuntimeError when it was not added."""
-        known, about = (
-            self._callbacks.parameter_callbacks,
-            (handle.parameter_name, handle.node_name),
-        )
+        known = self._callbacks.parameter_callbacks
+        about = handle.parameter_name, handle.node_name
         _remove(known.get(about, []), handle)
         if not known[about]:
             del known[about]

@@ -56,7 +56,8 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
             raise TypeError(f"Expected the header of a request, got {type(header)}")
         message: Any = response
         client, number = header
-        self._tell(RESPONSE_SENT, client._gid, number, response=response)
+        if self._events is not None:
+            self._tell(RESPONSE_SENT, client._gid, number, response=response)
         client._deliver((number, message.__received__()))
 
     def destroy(self) -> None:
@@ -68,7 +69,8 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
     def _work(self, item: tuple[RequestHeader, Any]) -> Callable[[], Any]:
         (client, number), request = item
-        self._tell(REQUEST_RECEIVED, client._gid, number, request=request)
+        if self._events is not None:
+            self._tell(REQUEST_RECEIVED, client._gid, number, request=request)
         return super()._work(item)
 
     def _handle(self, item: tuple[RequestHeader, Any]) -> Any:

@@ -80,7 +80,8 @@ class ServiceEnd(Destroyable):
 
     def _tell(self, event_type: int, client_gid: list[int], number: int, **contents: Any) -> None:
         """Publish one event; `contents` are its `request` or `response`."""
-        if self._events is None:
+        events = self._events
+        if events is None:  # another thread may have ended it since the caller looked
             return
         event = self.srv_type.Event()
         event.info.event_type = event_type
@@ -90,4 +91,4 @@ class ServiceEnd(Destroyable):
         if self._state == ServiceIntrospectionState.CONTENTS:
             for name, message in contents.items():
                 setattr(event, name, [message])
-        self._events.publish(event)
+        events.publish(event)
