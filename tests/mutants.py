@@ -131,6 +131,7 @@ FAULTS = [
     Fault("host.py", "                self._set_again(new, kept(new.name))", "                pass", ROBOT + "/test_reloading.py"),
     Fault("host.py", "        except BaseException as error:  # SystemExit", "        except Exception as error:  # SystemExit", ROBOT + "/test_reloading.py"),
     Fault("history.py", "None if battery.is_old(now) else battery.percentage", "battery.percentage", "tests/test_history.py"),
+    Fault("screens/ask_path.py", 'self.write(".recent", Content', 'self.query_one(".recent", Static).update(Content', CONSOLE + "/test_parameters.py"),
     Fault("widgets/parameters_panel.py", "            if not view.changing:\n                self._flash(before)", "            self._flash(before)", CONSOLE + "/test_parameters.py"),
     Fault("chapter.py", "        if not in_time:", "        if False:", "tests/test_check.py"),
     Fault("screens/main.py", "panel is not None and self._asked", "panel is not None", CONSOLE + "/test_snapshots.py"),

@@ -57,7 +57,7 @@ class AskPath(Form):
         used = await asyncio.to_thread(recall.load, _KIND)
         self._recent = [texts[0] for texts in reversed(used) if texts]
         shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
-        self.query_one(".recent", Static).update(Content.styled(shown, "$quiet"))
+        self.write(".recent", Content.styled(shown, "$quiet"))
 
     def on_field_recall(self, event: Field.Recall) -> None:
         """Up to the file before, down to the one after it, at last what stood there at first."""

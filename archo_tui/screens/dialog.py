@@ -57,9 +57,13 @@ class Dialog(ModalScreen[ScreenResultType]):
         self.end()
 
     def say(self, text: str) -> None:
-        """What is wrong, or going on; nothing when the dialog was left meanwhile."""
-        for line in self.query(".error").results(Static):
-            line.update(Content(text))
+        """What is wrong, or going on."""
+        self.write(".error", Content(text))
+
+    def write(self, selector: str, text: Content) -> None:
+        """Fill a part of the dialog; nothing when it was left meanwhile, and has lost its parts."""
+        for part in self.query(selector).results(Static):
+            part.update(text)
 
 
 class Form(Dialog[None]):

@@ -10,6 +10,7 @@ import pytest
 from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
+from archo_tui.screens.ask_path import AskPath
 from archo_tui.widgets import parameters_panel
 from tests.parameters import hostile
 from tests.support.console import FAST, Console, console
@@ -115,6 +116,29 @@ async def test_files_that_were_used_are_offered_again(tmp_path: Path) -> None:
         assert op.app.screen.query_one("#path", Input).value == str(tmp_path / "one.yaml")
         await op.press("down", "down")
         assert op.app.screen.query_one("#path", Input).value == "archo_params.yaml"
+
+
+async def test_files_used_before_that_are_read_while_their_dialog_goes_harm_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    is_read, ended = asyncio.Event(), []
+
+    async def slow(function: Any, *words: Any) -> Any:
+        await is_read.wait()
+        return function(*words)
+
+    async def without_its_parts(dialog: AskPath) -> None:
+        is_read.set()
+        for worker in [worker for worker in dialog.workers if worker.node is dialog]:
+            ended.append(await worker.wait())
+
+    monkeypatch.setattr(AskPath, "on_unmount", without_its_parts, raising=False)
+    async with console(*FAST) as op:
+        monkeypatch.setattr("asyncio.to_thread", slow)
+        await op.press("4", "ctrl+o", "escape")
+        await op.until(lambda: ended and op.app.screen is op.app.main)
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
 
 
 async def test_a_read_only_parameter_says_so() -> None:
