@@ -162,6 +162,7 @@ FAULTS = [
     Fault(E + "_names.py", "        if rule.kind not in (None, kind):\n            continue\n", "", CONTRACT),
     Fault(E + "_node_parameters.py", "        if known:\n", "        if False:\n", CONTRACT),
     Fault(E + "impl/rcutils_logger.py", "        if self._first[0] != severity:\n", "        if False:\n", CONTRACT),
+    Fault(E + "action/server.py", "        now = self._clock.now().nanoseconds\n", "        now = __import__('rclpy')._time_source.time_ns()\n", CONTRACT),
     Fault(E + "action/client.py", "            while True:\n                self._take_status(self._status._queue.popleft())\n", "            pass\n", CONTRACT),
     Fault(E + "context.py", "            if self._has_begun:\n                raise", "            if self._ok:\n                raise", CONTRACT),
     Fault(E + "lifecycle/_states.py", "    if state == error:\n", "    if False:\n", CONTRACT),

@@ -7,6 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from action_msgs.msg import GoalStatus
+from archo_interfaces.action import MoveToShelf
+from rclpy.action import ActionClient, ActionServer
 from rclpy.clock import Clock, JumpThreshold, ROSClock
 from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
@@ -16,6 +19,7 @@ from rclpy.parameter import Parameter
 from rclpy.time import Time
 from rosgraph_msgs.msg import Clock as ClockMsg
 
+from tests.support.clock import pass_time
 from tests.support.ros import Ros
 from tests.support.waiting import wait_until
 
@@ -85,6 +89,30 @@ def test_timers_follow_the_clock_skip_what_was_missed_and_survive_a_jump_back(
     for second in (2.5, 3.0):
         simulation.at(second)
     assert ticks == [1.0, 3.75, 4.25, 3.0]
+
+
+def test_how_long_a_goals_result_is_kept_is_simulated_time_too(simulation: Simulation) -> None:
+    goals: list[Any] = []
+
+    def execute(goal: Any) -> Any:
+        goals.append(goal)
+        goal.succeed()
+        return MoveToShelf.Result()
+
+    ActionServer(simulation.node, MoveToShelf, "move", execute, result_timeout=1)
+    client = ActionClient(simulation.node, MoveToShelf, "move")
+    assert client.wait_for_server(10.0)
+    simulation.at(1)
+    sent = client.send_goal_async(MoveToShelf.Goal())
+    simulation.executor.spin_until_future_complete(sent, 10.0)
+    answer = sent.result().get_result_async()
+    simulation.executor.spin_until_future_complete(answer, 10.0)
+    (goal,) = goals
+    pass_time(1.1)
+    simulation.at(1.5)
+    assert goal.status == GoalStatus.STATUS_SUCCEEDED
+    simulation.at(2.5)
+    wait_until(lambda: simulation.spin() or goal.status == GoalStatus.STATUS_UNKNOWN)
 
 
 def test_jumps_beyond_a_threshold_are_told_before_and_after(simulation: Simulation) -> None:

@@ -226,7 +226,8 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
         await save(op, file, says("well again"))
         await op.until("well again")
         await op.until("did not return and was interrupted")
-        await save(op, file, talker("pass").replace('super().__init__("talker")', "while True: pass"))
+        looping = talker("pass").replace('super().__init__("talker")', "while True: pass")
+        await save(op, file, looping)
         await op.until(lambda: event_with(op, f"Talker.__init__ did not return within {limit:g} s"))
         await op.until("well again")
 

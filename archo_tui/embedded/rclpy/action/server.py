@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 from action_msgs.msg import GoalInfo, GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
-from rclpy import _time_source
 from rclpy._names import topic_problem
 from rclpy._rclpy_pybind11 import RCLError
 from rclpy._type_checks import check_action
@@ -57,7 +56,7 @@ class ServerGoalHandle:
         self._status = GoalStatus.STATUS_ACCEPTED
         self._lock = threading.Lock()
         self._result: Future[Any] = Future()
-        self._expires: int | None = None  # monotonic ns
+        self._expires = 0  # ns of the node's clock, once the goal has ended
         self._destroyed = False
 
     def __eq__(self, other: object) -> bool:
@@ -180,7 +179,8 @@ class ActionServer:
         status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 10,
     ) -> None:
-        """`result_timeout` is how long a result is kept after the goal has ended, in s.
+        """`result_timeout` is how long a result is kept after the goal has ended, in s by the
+        node's clock: with simulated time it does not pass while no clock is published.
 
         Raises TypeError for an `execute_callback` that cannot be called, ValueError for a name that
         is none and a negative timeout.
@@ -201,7 +201,7 @@ class ActionServer:
         self.register_goal_callback(goal_callback)
         self.register_handle_accepted_callback(handle_accepted_callback)
         self.register_cancel_callback(cancel_callback)
-        self._result_timeout = result_timeout
+        self._clock, self._result_timeout = node.get_clock(), round(result_timeout * 1e9)  # ns
         self._kept: dict[bytes, ServerGoalHandle] = {}
         self._ended: deque[ServerGoalHandle] = deque()  # the first to expire first
         self._logger = node.get_logger().get_child("action_server")
@@ -343,7 +343,7 @@ class ActionServer:
                 f"Goal state not set, assuming aborted. Goal ID: {goal.goal_id.uuid}"
             )
             goal.abort()
-        goal._expires = _time_source.deadline_ns(self._result_timeout)
+        goal._expires = self._clock.now().nanoseconds + self._result_timeout
         self._ended.append(goal)
         goal._result.set_result(
             self._action_type.Impl.GetResultService.Response(status=goal.status, result=result)
@@ -403,8 +403,8 @@ class ActionServer:
         return GoalStatusArray(status_list=statuses)
 
     def _forget_expired(self) -> None:
-        now = _time_source.monotonic_ns()
-        while self._ended and (self._ended[0]._expires or 0) <= now:
+        now = self._clock.now().nanoseconds
+        while self._ended and self._ended[0]._expires <= now:
             expired = self._ended.popleft()
             expired.destroy()
             self._kept.pop(bytes(expired.goal_id.uuid), None)
