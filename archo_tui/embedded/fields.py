@@ -9,9 +9,12 @@ from __future__ import annotations
 import array
 import math
 import struct
-from collections.abc import Callable, Iterable
+import sys
+from collections import UserString
+from collections.abc import Callable, Sequence, Set
 from typing import Any
 
+from .fixed_array import NAMES, FixedArray
 from .idl import FLOATS, INTEGERS, FieldType
 
 # element types that rosidl keeps in array.array, with array's type codes
@@ -20,7 +23,7 @@ TYPE_CODES = {
     "uint32": "I", "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
 }  # fmt: skip
 
-FLOAT32_MAX = 3.402823466e38
+FLOAT32_MAX, FLOAT64_MAX = 3.402823466e38, sys.float_info.max
 _FLOAT32 = struct.Struct("f")
 
 Check = Callable[[Any], Any]
@@ -52,30 +55,74 @@ def scalar_check(name: str, base: str, bound: int | None, message_class: type | 
 
 
 def array_check(name: str, kind: FieldType, element: Check) -> Check:
-    """Like `scalar_check` for arrays; returns what the message keeps (array.array or list)."""
-    code = TYPE_CODES.get(kind.base)
-    said = f"a set or sequence and each value of type '{_python_type(kind.base)}'"
+    """Like `scalar_check` for arrays; returns what the message keeps.
+
+    That is the value itself, which whoever assigned it may go on filling; but numbers are kept in
+    an array.array, or in a FixedArray.
+    """
+    code, size = TYPE_CODES.get(kind.base), kind.fixed_size
+    most = kind.upper_bound if size is None else size
+    said = f"a set or sequence{_how_long(kind)} and each value of type '{_python_type(kind.base)}'"
+
+    def require(allowed: bool, why: str) -> None:
+        if not allowed:
+            raise AssertionError(f"The '{name}' {why}")
 
     def check(value: Any) -> Any:
-        if (isinstance(value, (str, bytes)) and kind.base != "uint8") or not isinstance(
-            value, Iterable
-        ):
-            raise AssertionError(f"The '{name}' field must be {said}")
-        if isinstance(value, array.array) and value.typecode == code:
-            kept: Any = value
-        else:
-            try:
-                items = [element(item) for item in value]
-            except AssertionError:
-                raise AssertionError(f"The '{name}' field must be {said}") from None
-            kept = array.array(code, items) if code else items
-        if kind.fixed_size is not None and len(kept) != kind.fixed_size:
-            raise AssertionError(f"The '{name}' field must have {kind.fixed_size} elements")
-        if kind.upper_bound is not None and len(kept) > kind.upper_bound:
-            raise AssertionError(f"The '{name}' field must have <= {kind.upper_bound} elements")
-        return kept
+        if code and size is None and type(value) is array.array:
+            require(value.typecode == code, f"array.array() must have the type code of '{code}'")
+            require(most is None or len(value) <= most, f"array.array() must have a size <= {most}")
+            return value
+        if code and size is not None and _is_ndarray(value):
+            dtype = NAMES[code]
+            is_such = str(value.dtype) == dtype
+            require(is_such, f"numpy.ndarray() must have the dtype of 'numpy.{dtype}'")
+            require(value.size == size, f"numpy.ndarray() must have a size of {size}")
+            return value if type(value) is FixedArray else FixedArray(code, value.tolist())
+        require(is_array(value), f"field must be {said}{_limits(kind)}")
+        if code is None:
+            return value
+        if size is None:
+            return array.array(code, value)
+        if isinstance(value, bytes):  # numpy takes it for a number's digits
+            raise ValueError(f"invalid literal for int() with base 10: {value!r}")
+        return FixedArray(code, value)
+
+    def is_array(value: Any) -> bool:
+        if isinstance(value, (str, UserString)) or not isinstance(value, (Sequence, Set)):
+            return False
+        if most is not None and not (size or 0) <= len(value) <= most:
+            return False
+        try:
+            for item in value:
+                element(item)
+        except AssertionError:
+            return False
+        return True
 
     return check
+
+
+def _is_ndarray(value: Any) -> bool:
+    return isinstance(value, FixedArray) or type(value).__name__ == "ndarray"
+
+
+def _how_long(kind: FieldType) -> str:
+    if kind.fixed_size is not None:
+        return f" with length {kind.fixed_size}"
+    return "" if kind.upper_bound is None else f" with length <= {kind.upper_bound}"
+
+
+def _limits(kind: FieldType) -> str:
+    if kind.base in INTEGERS:
+        low, high = INTEGERS[kind.base]
+        return f" and each {'' if low < 0 else 'unsigned '}integer in [{low}, {high}]"
+    if kind.base in FLOATS:
+        word, most = ("double", FLOAT64_MAX) if kind.base == "float64" else ("float", FLOAT32_MAX)
+        return f" and each {word} in [{-most:f}, {most:f}]"
+    if kind.string_bound is not None:
+        return f" and each string value not longer than {kind.string_bound}"
+    return ""
 
 
 def _python_type(base: str) -> str:
@@ -89,11 +136,14 @@ def _python_type(base: str) -> str:
 def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
     """How to copy a field's value; None when the value can be handed over as it is."""
     if kind.is_array:
-        if kind.base in TYPE_CODES:
+        code = TYPE_CODES.get(kind.base)
+        if code and kind.fixed_size is not None:
+            return lambda value: FixedArray(code, value)
+        if code:
             return lambda value: value[:]
         if message_class is not None:
             return lambda value: [item.__received__() for item in check(value)]
-        return check  # lists can be changed in place, so they are checked again
+        return lambda value: list(check(value))  # it can be changed in place: checked again
     if message_class is not None:
         return message_class.__received__  # type: ignore[no-any-return]
     return round_to_float32 if kind.base == "float32" else None

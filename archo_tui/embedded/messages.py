@@ -13,6 +13,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
 from . import fields as rules
+from .fixed_array import Truths
 from .idl import Field, FieldType, Section
 
 Resolve = Callable[[Section, Field], Any]
@@ -67,7 +68,8 @@ class Message(metaclass=_MessageType):
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return False
-        return all(getattr(self, name) == getattr(other, name) for name in self.__field_types__)
+        pairs = ((getattr(self, name), getattr(other, name)) for name in self.__field_types__)
+        return all(_alike(*pair) for pair in pairs)
 
     __hash__ = None  # type: ignore[assignment]  # mutable, as rosidl's
 
@@ -75,10 +77,14 @@ class Message(metaclass=_MessageType):
         package, kind, name = self.__type_name__.split("/")
         values = ((field, getattr(self, field)) for field in self.__field_types__)
         inside = ", ".join(
-            f"{field}={list(value) if isinstance(value, array) else value!r}"
-            for field, value in values
+            f"{field}={list(value) if type(value) is array else value!r}" for field, value in values
         )
         return f"{package}.{kind}.{name}({inside})"
+
+
+def _alike(one: Any, other: Any) -> bool:
+    same = one == other
+    return same.all() if isinstance(same, Truths) else bool(same)
 
 
 def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Message]:
