@@ -42,7 +42,7 @@ class Publisher(Endpoint, Generic[MsgT]):
         self._matched: tuple[Subscription[Any], ...] = ()
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         # for late joiners, each with the time (ns) when it was sent
-        self._kept: deque[tuple[int, Any]] = deque(maxlen=qos_profile.queue_size)
+        self._kept: deque[tuple[int, Any]] = deque(maxlen=qos_profile._queue_size)
         self._lifespan = qos_profile.lifespan.nanoseconds  # 0: for ever
         self._make_kept: Callable[[], Any] | None = None
         self._has_published = False

@@ -207,7 +207,7 @@ class QoSProfile:
         )
 
     @property
-    def queue_size(self) -> int | None:
+    def _queue_size(self) -> int | None:
         """Samples a queue of this profile holds; None for no bound."""
         return None if self.history == HistoryPolicy.KEEP_ALL else max(self.depth, 1)
 

@@ -41,7 +41,7 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         callback_group: CallbackGroup,
         qos_profile: QoSProfile,
     ) -> None:
-        super().__init__(node, callback_group, qos_profile.queue_size)
+        super().__init__(node, callback_group, qos_profile._queue_size)
         self.srv_type = srv_type
         self.qos_profile = qos_profile
         self.srv_name = srv_name  # as it was given

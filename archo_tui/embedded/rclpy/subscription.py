@@ -56,7 +56,7 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         raw: bool = False,
         content_filter_options: ContentFilterOptions | None = None,
     ) -> None:
-        super().__init__(node, callback_group, qos_profile.queue_size)
+        super().__init__(node, callback_group, qos_profile._queue_size)
         self.msg_type = msg_type
         self.topic = topic  # as it was given
         self._topic_name = topic_name  # as it is on the graph
