@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import functools
-import gc
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -150,7 +149,6 @@ def test_an_exception_that_nobody_looked_at_is_said(capfd: pytest.CaptureFixture
         if looked_at:
             future.exception()
         del future
-        gc.collect()
     said = capfd.readouterr().err
     assert said == "The following exception was never retrieved: looked at: False\n"
 
