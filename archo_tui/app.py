@@ -11,6 +11,7 @@ from textual import events
 from textual.app import SystemCommand
 from textual.binding import Binding
 from textual.screen import Screen
+from textual.theme import ThemeProvider
 from textual.widgets import Input
 
 from archo_tui import recall
@@ -151,7 +152,7 @@ class ArchoApp(TerminalApp):
         self.main.show(self.view, footer)
         self.ring(self.view.alarms)
         for screen in self.screen_stack:
-            if isinstance(screen, AlarmList):
+            if isinstance(screen, AlarmList) and screen.is_mounted:
                 screen.show(self.view)
 
     def _view(self) -> View:
@@ -275,8 +276,11 @@ class ArchoApp(TerminalApp):
             self.main.leave_full()
 
     def action_command_palette(self) -> None:
-        if not isinstance(self.screen, Palette):
-            self.push_screen(Palette(id="--command-palette"))
+        if not any(isinstance(screen, Palette) for screen in self.screen_stack):
+            self.push_screen(Palette())  # no id: the last one may not have gone yet
+
+    def search_themes(self) -> None:
+        self.push_screen(Palette(providers=[ThemeProvider], placeholder="Search for themes…"))
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """The palette: the registry, and what Textual brings."""

@@ -15,6 +15,7 @@ from textual._compositor import Compositor
 from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.binding import BindingsMap
+from textual.command import CommandList, CommandPalette
 from textual.drivers.linux_driver import LinuxDriver
 from textual.keys import Keys
 from textual.screen import Screen
@@ -34,6 +35,10 @@ METHODS = [
     ("terminal/driver.py", XTermParser, "tick"),
     ("widgets/rows.py", Widget, "_refresh_scrollbars"),
     ("screens/main.py", Screen, "_compositor_refresh"),
+    ("screens/base.py", Screen, "_on_resize"),
+    ("screens/palette.py", CommandPalette, "_on_click"),
+    ("screens/palette.py", CommandList, "_move_page"),
+    ("screens/palette.py", CommandList, "_on_click"),
     ("terminal/compositor.py", Compositor, "_get_renders"),
     ("terminal/compositor.py", Compositor, "_regions_to_spans"),
     ("terminal/compositor.py", Compositor, "render_partial_update"),

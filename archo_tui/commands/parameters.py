@@ -155,7 +155,7 @@ class Load(_InParameters):
                 plan = await asyncio.to_thread(save_load.plan, path, parameters)
             except ArchoError as error:
                 return str(error)
-            dialog.end()  # before the question, which would else be under it
+            dialog.dismiss()  # before the question, which would else be under it
             self._preview(console, path, plan)
             return ""
 

@@ -87,4 +87,4 @@ class AskPath(Form):
             self.say(said)
             return
         await asyncio.to_thread(recall.add, _KIND, [str(path.absolute())])
-        self.end()
+        self.dismiss()

@@ -56,7 +56,7 @@ class Choose(Dialog[None]):
     def on_input_submitted(self, event: Field.Submitted) -> None:
         rows = self._rows
         if rows and self.is_current:
-            self.end()
+            self.dismiss()
             self.app.run_worker(self._then(rows[self._cursor][0]), group="chosen")
 
     def on_field_recall(self, event: Field.Recall) -> None:

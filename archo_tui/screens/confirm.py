@@ -44,7 +44,7 @@ class Confirm(Dialog[str]):
         self.set_focus(self.query_one("#answer-0"))
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
-        self.end(str(event.button.label))
+        self.dismiss(str(event.button.label))
 
     def on_key(self, event: events.Key) -> None:
         """The first letter of an answer chooses it, when it is that answer's alone."""
@@ -52,13 +52,13 @@ class Confirm(Dialog[str]):
         fitting = [n for n, answer in enumerate(self._answers) if answer.casefold()[0] == letter]
         if len(fitting) == 1 and letter not in ("y", "n"):
             event.stop()
-            self.end(self._answers[fitting[0]])
+            self.dismiss(self._answers[fitting[0]])
 
     def action_yes(self) -> None:
         """The answer that acts, when there is only one."""
         if len(self._answers) == 2:
-            self.end(self._answers[1])
+            self.dismiss(self._answers[1])
 
     def action_safe(self) -> None:
         """Change nothing."""
-        self.end(self.safe)
+        self.dismiss(self.safe)

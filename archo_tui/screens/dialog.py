@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 from textual.app import ComposeResult
+from textual.await_complete import AwaitComplete
 from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Button, Static
 
+from archo_tui.screens.base import Base
 from archo_tui.screens.main import MainScreen
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
@@ -26,7 +28,27 @@ class Below(Line):
             self.show(main.everywhere)
 
 
-class Dialog(ModalScreen[ScreenResultType]):
+class Leaving(Base[ScreenResultType]):
+    """A screen that is dismissed once; under another one, when that has gone.
+
+    Textual would dismiss the one on top, even while that is still being built. It is the last base:
+    Textual looks for styles and component classes along the first.
+    """
+
+    _left: tuple[ScreenResultType | None] | None = None  # with what, once that is known
+
+    def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
+        """A second enter, or an answer that comes late, changes nothing."""
+        if self._left is None:
+            self._left = (result,)
+        return super().dismiss(*self._left) if self.is_active else AwaitComplete()
+
+    def on_screen_resume(self) -> None:
+        if self._left is not None:
+            self.dismiss()
+
+
+class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
     """Base of the dialogs."""
 
     def compose(self) -> ComposeResult:
@@ -37,24 +59,9 @@ class Dialog(ModalScreen[ScreenResultType]):
         """What the dialog holds."""
         raise NotImplementedError
 
-    _ending: tuple[ScreenResultType | None] | None = None  # how, once that is known
-
-    def end(self, result: ScreenResultType | None = None) -> None:
-        """Close with a result. A second enter, or an answer that comes late, changes nothing.
-
-        Under another dialog it closes when that one has gone.
-        """
-        if self._ending is None:
-            self._ending = (result,)
-            self.on_screen_resume()
-
-    def on_screen_resume(self) -> None:
-        if self._ending is not None and self.app.screen is self:
-            self.dismiss(*self._ending)
-
     def action_close(self) -> None:
         """Back to where the focus was, with nothing changed."""
-        self.end()
+        self.dismiss()
 
     def say(self, text: str) -> None:
         """What is wrong, or going on."""

@@ -74,6 +74,6 @@ class EditParameter(Form):
         outcome = await self._send(value)
         self._sending = False
         if outcome.ok:
-            self.end()
+            self.dismiss()
         else:
             self.say(outcome.text)

@@ -44,18 +44,20 @@ class Help(Dialog[None]):
     def __init__(self, entries: Sequence[Entry]) -> None:
         super().__init__()
         self._entries = entries
+        self._part = Field(id="narrow", placeholder="type a part of a key's or a command's name")
+        self._scroll = VerticalScroll(can_focus=False)
+        self._columns = Static(classes="column"), Static(classes="column")
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog keys") as box:
             box.border_title = "Keys"
             box.border_subtitle = "type to search   ↑ ↓ scroll   esc close"
-            yield Field(id="narrow", placeholder="type a part of a key's or a command's name")
-            with VerticalScroll(can_focus=False), Horizontal(classes="columns"):
-                yield Static(classes="column")
-                yield Static(classes="column")
+            yield self._part
+            with self._scroll, Horizontal(classes="columns"):
+                yield from self._columns
 
     def on_mount(self) -> None:
-        self.set_focus(self.query_one(Field))
+        self.set_focus(self._part)
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._draw)
@@ -65,21 +67,21 @@ class Help(Dialog[None]):
 
     def on_field_recall(self, event: Field.Recall) -> None:
         """The arrows scroll."""
-        self.query_one(VerticalScroll).scroll_relative(y=event.step, animate=False)
+        self._scroll.scroll_relative(y=event.step, animate=False)
 
     def action_scroll(self, pages: int) -> None:
         """By what is seen."""
-        scroll = self.query_one(VerticalScroll)
-        scroll.scroll_relative(y=pages * max(scroll.size.height - 1, 1), animate=False)
+        page = max(self._scroll.size.height - 1, 1)
+        self._scroll.scroll_relative(y=pages * page, animate=False)
 
     def _draw(self) -> None:
-        wanted = self.query_one(Field).value.strip().casefold()
+        wanted = self._part.value.strip().casefold()
         shown = [e for e in self._entries if wanted in f"{e.key} {e.help}".casefold()]
-        width = self.query_one(VerticalScroll).size.width - 1
+        width = self._scroll.size.width - 1
         count = 2 if width >= 2 * _COLUMN + _GAP else 1
-        room = (width - _GAP * (count - 1)) // count
+        room = max((width - _GAP * (count - 1)) // count, 1)
         columns = _columns([_introduction(room), *_sections(shown, room)], count)
-        for place, column in enumerate(self.query(".column").results(Static)):
+        for place, column in enumerate(self._columns):
             column.display = place < count
             column.update(Content("\n").join(columns[place]) if place < count else "")
 

@@ -12,12 +12,12 @@ from textual.geometry import Size
 from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
-from textual.screen import Screen
 from textual.widget import Widget
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot.text import harmless
+from archo_tui.screens.base import Base
 from archo_tui.station import View
 from archo_tui.terminal.compositor import Bare, DirtyCompositor
 from archo_tui.widgets import bars
@@ -41,7 +41,7 @@ def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
     return max((least, name) for least, name in breakpoints if cells >= least)[1]
 
 
-class MainScreen(Screen[None]):
+class MainScreen(Base[None]):
     """Lays the panels out for the terminal's size and hands them every new view."""
 
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (150, "-wide")]

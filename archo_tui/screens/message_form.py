@@ -154,7 +154,7 @@ class MessageForm(Dialog[None]):
         outcome = await self._send(values)
         self._sending = False
         if outcome.ok:
-            self.end()
+            self.dismiss()
         else:
             self.say(outcome.text)
 

@@ -2,19 +2,43 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from typing import Literal
+
+from textual import events
 from textual.app import ComposeResult
-from textual.command import CommandPalette
+from textual.command import CommandList, CommandPalette
+from textual.errors import NoWidget
 from textual.widgets import Input
 
-from archo_tui.screens.dialog import Below
+from archo_tui.screens.dialog import Below, Leaving
 
 
-class Palette(CommandPalette):
+class Commands(CommandList):
+    """Textual's list fails on options and lines that it has no more, or not yet."""
+
+    async def _on_click(self, event: events.Click) -> None:
+        event.prevent_default()  # Textual would call its own as well
+        with suppress(LookupError):
+            await super()._on_click(event)
+
+    def _move_page(self, direction: Literal[-1, 1]) -> None:
+        with suppress(LookupError):
+            super()._move_page(direction)
+
+
+class Palette(CommandPalette, Leaving[None]):
     """Its cursor stands still: a blinking one is traffic over SSH."""
 
     def compose(self) -> ComposeResult:
-        yield from super().compose()
+        for widget in super().compose():
+            yield Commands() if isinstance(widget, CommandList) else widget
         yield Below()
 
     def on_mount(self) -> None:
         self.query_one(Input).cursor_blink = False
+
+    def _on_click(self, event: events.Click) -> None:  # type: ignore[override]
+        event.prevent_default()
+        with suppress(NoWidget):  # the terminal has shrunk since
+            super()._on_click(event)

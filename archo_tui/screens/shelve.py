@@ -41,6 +41,6 @@ class ShelveReason(Form):
     def submit(self, typed: str) -> None:
         if typed.strip():
             self._shelve(typed.strip())
-            self.end()
+            self.dismiss()
         else:
             self.say("type a reason: it goes into the journal")

@@ -1,0 +1,188 @@
+"""Keys and clicks that come while a screen is built, while it goes, and when it has just gone."""
+
+from __future__ import annotations
+
+import asyncio
+from contextvars import Context
+from typing import Any
+
+import pytest
+from rich.style import Style
+from textual import events
+from textual.app import App
+from textual.command import CommandList
+from textual.geometry import Size
+from textual.widgets._toast import Toast
+
+from archo_tui.screens.alarms import AlarmList
+from archo_tui.screens.help import Help
+from archo_tui.screens.main import MainScreen
+from archo_tui.screens.palette import Palette
+from tests.support.console import FAST, Console, console
+
+
+def click(app: App[Any], x: int, y: int) -> None:
+    """Press and release the left button, at once."""
+    for kind in (events.MouseDown, events.MouseUp):
+        app.post_message(kind(None, x, y, 0, 0, 1, False, False, False, screen_x=x, screen_y=y))
+
+
+async def stop_works(op: Console) -> None:
+    """And with it the console."""
+    await op.press("ctrl+x")
+    await op.until(lambda: any("STOPPED" in alarm.text for alarm in op.app.view.alarms))
+
+
+async def test_the_palette_opens_again_while_the_last_one_still_goes() -> None:
+    async with console(*FAST) as op:
+        for _ in range(3):
+            await op.press("ctrl+p")
+            op.send("escape")
+            while op.app.screen is not op.app.main:
+                await asyncio.sleep(0)
+        op.app.action_command_palette()
+        await op.until(lambda: isinstance(op.app.screen, Palette))
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+        await stop_works(op)
+
+
+async def test_under_help_the_palette_is_not_opened_a_second_time() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p", "f1", "ctrl+p")
+        assert "Keys" in op.text
+        await op.press("escape")
+        await op.until(lambda: isinstance(op.app.screen, Palette))
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+        await stop_works(op)
+
+
+async def test_a_palette_that_is_clicked_away_while_help_opens_over_it_goes_with_help() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        click(op.app, 0, 0)
+        op.send("f1")
+        await op.until(lambda: isinstance(op.app.screen, Help))
+        await op.settle()
+        assert "Keys" in op.text
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+        await stop_works(op)
+
+
+async def test_pages_of_a_palette_with_nothing_in_it_are_turned_in_vain() -> None:
+    async with console(*FAST) as op:
+        op.send("ctrl+p", "pagedown", "pageup")
+        await op.settle()
+        await op.type("nothing is called so")
+        await op.press("pagedown", "pageup", "end", "home", "enter", "escape")
+        await op.press("escape")
+        assert op.app.screen is op.app.main
+        await stop_works(op)
+
+
+async def test_a_click_on_what_the_palettes_list_no_longer_has_does_nothing() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        commands = op.app.screen.query_one(CommandList)
+        gone = Style.from_meta({"option": 999})
+        line, y = commands.region.offset
+        for target, x in ((commands, line), (op.app.screen, 999)):  # 999: beyond the terminal
+            target.post_message(
+                events.Click(target, x, y, 0, 0, 1, False, False, False, x, y, style=gone)
+            )
+        await op.settle()
+        assert isinstance(op.app.screen, Palette)
+        await stop_works(op)
+
+
+async def test_a_double_click_on_a_toast_closes_it() -> None:
+    async with console(*FAST) as op:
+        op.app.say("something to read")
+        await op.until(lambda: op.app.screen.query(Toast))
+        toast = op.app.screen.query_one(Toast)
+        x, y = toast.region.offset
+        for _ in range(4):
+            click(op.app, x + 1, y)
+        await op.until(lambda: not op.app.screen.query(Toast))
+        await stop_works(op)
+
+
+async def test_a_part_of_a_screen_that_has_just_gone_is_not_clicked() -> None:
+    async with console(*FAST) as op:
+        op.app.say("something to read")
+        await op.until(lambda: op.app.screen.query(Toast))
+        toast = op.app.screen.query_one(Toast)
+        x, y = toast.region.offset
+        parent = toast.parent
+        assert parent is not None
+        toast._detach()  # as it is until the screen is drawn again
+        assert op.app.screen.get_widget_and_offset_at(x + 1, y) == (None, None)
+        toast._attach(parent)
+
+
+async def test_news_while_the_list_of_alarms_is_built_wait_for_it() -> None:
+    async with console(*FAST, size=(80, 10)) as op:
+        await op.until(lambda: len(op.app.view.alarms) > 1)
+        op.app.action_command("alarms")
+        assert isinstance(op.app.screen, AlarmList)
+        Context().run(op.app._take, op.app.view.snapshot)  # from the loop, as the robot's are
+        await op.settle()
+        assert "BATTERY" in op.text
+        await stop_works(op)
+
+
+@pytest.mark.parametrize("keys", [["f1"], ["ctrl+p"], ["A"], ["4", "enter"], ["4", "ctrl+s"]])
+async def test_a_terminal_of_one_cell_holds_every_dialog(keys: list[str]) -> None:
+    async with console(*FAST) as op:
+        await op.press(*keys)
+        for size in (*(Size(width, 9) for width in range(1, 12)), Size(1, 1), Size(120, 36)):
+            op.app.post_message(events.Resize(size, size))
+            await op.settle()
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+        await stop_works(op)
+
+
+async def test_two_sizes_of_the_terminal_do_not_chase_each_other(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    laid_out: list[Size] = []
+    lay_out = MainScreen._refresh_layout
+
+    def counted(screen: MainScreen, size: Size | None = None, scroll: bool = False) -> None:
+        laid_out.append(screen.size)
+        assert len(laid_out) < 100, "for ever"
+        lay_out(screen, size, scroll)
+
+    async with console(*FAST) as op:
+        monkeypatch.setattr(MainScreen, "_refresh_layout", counted)
+        for size in (Size(100, 30), Size(90, 30)):  # as they come when a window is dragged
+            op.app.main.post_message(events.Resize(size, size))
+            op.app.main.post_message(events.Print("something else", stderr=True))
+        await op.settle()
+        assert op.app.main.size == (120, 36)  # what the terminal is
+        await stop_works(op)
+
+
+async def test_help_that_has_gone_draws_nothing() -> None:
+    async with console(*FAST) as op:
+        await op.press("f1")
+        help_screen = op.app.screen
+        await op.press("escape")
+        assert isinstance(help_screen, Help)
+        assert not help_screen.children
+        help_screen._draw()
+        await stop_works(op)
+
+
+async def test_stop_is_named_and_works_while_a_theme_is_chosen() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        await op.type("theme")
+        await op.until("Change the current theme")
+        await op.press("enter")
+        await op.until("Search for themes")
+        assert "^x" in op.text.splitlines()[-1]
+        await stop_works(op)
