@@ -168,6 +168,8 @@ class MainScreen(Base[None]):
 
     def _laid_out(self) -> None:
         self._draw_from_now_on()
+        if self.focused is None:  # it was where there is no room any more
+            self.focus_panel(4)
         self._show_focused()
 
     def _draw_from_now_on(self) -> None:

@@ -1,11 +1,19 @@
-"""Thousands of keys at random, over all screens: nothing breaks, nothing sticks, STOP answers."""
+"""Thousands of keys, clicks, pastes and sizes of the terminal at random, over all screens.
+
+Nothing breaks, nothing sticks, STOP answers.
+"""
 
 from __future__ import annotations
 
+import asyncio
 import random
 from pathlib import Path
+from typing import Any
 
 import pytest
+from textual import events
+from textual.app import App
+from textual.geometry import Size
 from textual.widgets import Input
 
 from archo_tui.commands import registry
@@ -22,8 +30,25 @@ _KEYS = sorted(
     | set("0123456789azAZ .-") | {"tab", "shift+tab", "escape", "enter", "up", "down", "left"}
     | {"right", "pageup", "pagedown", "home", "end", "backspace", "delete", "ctrl+home", "ctrl+end"}
 )  # fmt: skip
-_LEAVING = {"ctrl+q", "q", "ctrl+z", "ctrl+p"}  # end the walk, or read the themes' files
+_LEAVING = {"ctrl+q", "q", "ctrl+z"}  # end the walk
 _EACH = 100  # keys between two looks at the invariants
+_PASTES = ("12", "a\nb", "\x1b[31m", "9" * 300, "x: [", "  7 ")
+_SIZES = ((80, 24), (120, 36), (160, 48), (79, 23), (200, 60), (40, 10), (20, 5), (1, 1))
+_SIZE = Size(100, 30)
+
+
+def something_else(app: App[Any], choose: random.Random) -> None:
+    """A click, a paste or another size of the terminal."""
+    what = choose.randrange(4)
+    if what == 0:
+        app.post_message(events.Paste(choose.choice(_PASTES)))
+    elif what == 1:
+        size = Size(*choose.choice(_SIZES))
+        app.post_message(events.Resize(size, size))
+    else:
+        x, y = choose.randrange(app.size.width), choose.randrange(app.size.height)
+        for kind in (events.MouseDown, events.MouseUp):
+            app.post_message(kind(None, x, y, 0, 0, 1, False, False, False, screen_x=x, screen_y=y))
 
 
 async def walk(seed: int, keys: int) -> None:
@@ -39,8 +64,10 @@ async def walk(seed: int, keys: int) -> None:
         return Outcome(True, "stopped")
 
     robot.emergency_stop = stop  # type: ignore[attr-defined]
+    app.exit = lambda *_, **__: None  # type: ignore[method-assign]  # by a click, or the palette
+    app.action_suspend_process = lambda: None  # type: ignore[method-assign]
     possible = [key for key in _KEYS if key not in _LEAVING and key != "ctrl+x"]
-    async with app.run_test(size=(100, 30)):
+    async with app.run_test(size=_SIZE):
         quiet = Quiet(app)
 
         async def press(*pressed: str) -> None:
@@ -50,8 +77,14 @@ async def walk(seed: int, keys: int) -> None:
         for number in range(keys // _EACH):
             robot.put(STATES[choose.choice(names)])
             pressed = [choose.choice(possible) for _ in range(_EACH)]
-            await press(*pressed)
+            for key in pressed:
+                send(app, key)
+                if choose.random() < 0.1:
+                    something_else(app, choose)
+                    await asyncio.sleep(0)  # it comes while what was before is being done
+            await quiet.settle()
             app.clear_notifications()
+            app.post_message(events.Resize(_SIZE, _SIZE))
             where = f"seed {seed}, after {number * _EACH + _EACH} keys, the last: {pressed[-20:]}"
             robot.put(STATES["normal"])
             stops.clear()

@@ -166,6 +166,14 @@ async def test_two_sizes_of_the_terminal_do_not_chase_each_other(
         await stop_works(op)
 
 
+async def test_a_panel_that_has_no_room_any_more_hands_the_focus_on() -> None:
+    async with console(*FAST, size=(160, 48)) as op:
+        await op.press("7")
+        assert op.focused_panel == 7
+        await op.pilot.resize_terminal(80, 24)
+        await op.until(lambda: op.focused_panel == 4)
+
+
 async def test_help_that_has_gone_draws_nothing() -> None:
     async with console(*FAST) as op:
         await op.press("f1")
