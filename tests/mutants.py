@@ -134,6 +134,8 @@ FAULTS = [
     Fault("screens/base.py", "return (None, None) if gone else", "return", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/dialog.py", " if self.is_active else AwaitComplete()", "", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/dialog.py", "        if self._left is not None:\n            self.dismiss()", "        pass", CONSOLE + "/test_keys.py"),
+    Fault("screens/main.py", "self.focused is None and self.app.app_focus", "self.focused is None", CONSOLE + "/test_unlucky_moments.py"),
+    Fault("screens/main.py", "self.focused is None and self.app.app_focus", "False", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/palette.py", "        with suppress(NoWidget):", "        if True:", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/palette.py", "        with suppress(LookupError):\n            super()._move_page", "        if True:\n            super()._move_page", CONSOLE + "/test_unlucky_moments.py"),
     Fault("app.py", " and screen.is_mounted:", ":", CONSOLE + "/test_unlucky_moments.py"),

@@ -168,7 +168,7 @@ class MainScreen(Base[None]):
 
     def _laid_out(self) -> None:
         self._draw_from_now_on()
-        if self.focused is None:  # it was where there is no room any more
+        if self.focused is None and self.app.app_focus:  # it was where there is no room any more
             self.focus_panel(4)
         self._show_focused()
 

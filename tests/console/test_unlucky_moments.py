@@ -12,6 +12,7 @@ from textual import events
 from textual.app import App
 from textual.command import CommandList
 from textual.geometry import Size
+from textual.widgets import Input
 from textual.widgets._toast import Toast
 
 from archo_tui.screens.alarms import AlarmList
@@ -172,6 +173,19 @@ async def test_a_panel_that_has_no_room_any_more_hands_the_focus_on() -> None:
         assert op.focused_panel == 7
         await op.pilot.resize_terminal(80, 24)
         await op.until(lambda: op.focused_panel == 4)
+
+
+async def test_a_terminal_that_is_resized_behind_another_window_keeps_the_field() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", "1")
+        op.app.post_message(events.AppBlur())
+        await op.settle()
+        await op.pilot.resize_terminal(80, 24)
+        await op.settle()
+        op.app.post_message(events.AppFocus())
+        await op.settle()
+        await op.press("2")
+        assert op.app.query_one("#goal-0", Input).value == "12"
 
 
 async def test_help_that_has_gone_draws_nothing() -> None:
