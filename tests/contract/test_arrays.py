@@ -168,3 +168,9 @@ def test_one_that_is_assigned_is_shared_and_a_copy_is_not() -> None:
         assert all(alone.uuid == [3, *SIXTEEN[1:]])
     with pytest.raises(AssertionError, match="must have a size of 16"):
         other.uuid = one.uuid[:8]
+
+
+def test_a_whole_slice_that_is_assigned_takes_values_again() -> None:
+    one = UUID(uuid=UUID(uuid=[7] * 16).uuid[:])
+    one.uuid[0] = 3
+    assert one.uuid.tolist() == [3, *[7] * 15]
