@@ -14,14 +14,8 @@ from collections import UserString
 from collections.abc import Callable, Sequence, Set
 from typing import Any
 
-from .fixed_array import NAMES, FixedArray
-from .idl import FLOATS, INTEGERS, FieldType
-
-# element types that rosidl keeps in array.array, with array's type codes
-TYPE_CODES = {
-    "int8": "b", "uint8": "B", "char": "B", "int16": "h", "uint16": "H", "int32": "i",
-    "uint32": "I", "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
-}  # fmt: skip
+from .fixed_array import FixedArray, name_of
+from .idl import FLOATS, INTEGERS, TYPE_CODES, FieldType
 
 FLOAT32_MAX, FLOAT64_MAX = 3.402823466e38, sys.float_info.max
 _FLOAT32 = struct.Struct("f")
@@ -62,24 +56,25 @@ def array_check(name: str, kind: FieldType, element: Check) -> Check:
     """
     code, size = TYPE_CODES.get(kind.base), kind.fixed_size
     most = kind.upper_bound if size is None else size
-    said = f"a set or sequence{_how_long(kind)} and each value of type '{_python_type(kind.base)}'"
 
-    def require(allowed: bool, why: str) -> None:
-        if not allowed:
-            raise AssertionError(f"The '{name}' {why}")
+    def refused(why: str) -> AssertionError:
+        return AssertionError(f"The '{name}' {why}")
 
     def check(value: Any) -> Any:
         if code and size is None and type(value) is array.array:
-            require(value.typecode == code, f"array.array() must have the type code of '{code}'")
-            require(most is None or len(value) <= most, f"array.array() must have a size <= {most}")
+            if value.typecode != code:
+                raise refused(f"array.array() must have the type code of '{code}'")
+            if most is not None and len(value) > most:
+                raise refused(f"array.array() must have a size <= {most}")
             return value
         if code and size is not None and _is_ndarray(value):
-            dtype = NAMES[code]
-            is_such = str(value.dtype) == dtype
-            require(is_such, f"numpy.ndarray() must have the dtype of 'numpy.{dtype}'")
-            require(value.size == size, f"numpy.ndarray() must have a size of {size}")
+            if str(value.dtype) != name_of(code):
+                raise refused(f"numpy.ndarray() must have the dtype of 'numpy.{name_of(code)}'")
+            if value.size != size:
+                raise refused(f"numpy.ndarray() must have a size of {size}")
             return value if type(value) is FixedArray else FixedArray(code, value.tolist())
-        require(is_array(value), f"field must be {said}{_limits(kind)}")
+        if not is_array(value):
+            raise refused(f"field must be a set or sequence{_expected(kind)}")
         if code is None:
             return value
         if size is None:
@@ -107,10 +102,14 @@ def _is_ndarray(value: Any) -> bool:
     return isinstance(value, FixedArray) or type(value).__name__ == "ndarray"
 
 
-def _how_long(kind: FieldType) -> str:
+def _expected(kind: FieldType) -> str:
+    """What is said when something else is assigned; not before, it is long."""
+    length = ""
     if kind.fixed_size is not None:
-        return f" with length {kind.fixed_size}"
-    return "" if kind.upper_bound is None else f" with length <= {kind.upper_bound}"
+        length = f" with length {kind.fixed_size}"
+    elif kind.upper_bound is not None:
+        length = f" with length <= {kind.upper_bound}"
+    return f"{length} and each value of type '{_python_type(kind.base)}'{_limits(kind)}"
 
 
 def _limits(kind: FieldType) -> str:

@@ -1,8 +1,8 @@
 """Arrays of numbers of a fixed size, as messages hold them: `uint8[16]`, `float64[36]`.
 
 rosidl keeps them in `numpy.ndarray`. These answer as those do where a node meets it: a comparison
-gives a truth value an element, no `if` takes that, they do not grow, and what stands below only in
-`array.array` is not there. Arithmetic, views and dtypes are numpy's own: use `numpy.array(...)`.
+gives a truth value an element, no `if` takes that, they do not grow, and methods that only
+`array.array` has are not there. For arithmetic, views and dtypes make it a `numpy.array(...)`.
 """
 
 from __future__ import annotations
@@ -12,33 +12,42 @@ from array import array
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NoReturn
 
-NAMES = {
-    "b": "int8", "B": "uint8", "h": "int16", "H": "uint16", "i": "int32", "I": "uint32",
-    "q": "int64", "Q": "uint64", "f": "float32", "d": "float64",
-}  # fmt: skip
+from .idl import TYPE_CODES
+
 _AMBIGUOUS = (
     "The truth value of an array with more than one element is ambiguous. Use a.any() or a.all()"
 )
 _code: Callable[[Any], str] = vars(array)["typecode"].__get__
 
 
-class Truths(tuple[bool, ...]):
-    """What a comparison gives: one an element."""
+def name_of(code: str) -> str:
+    """The type that an array's type code stands for; uint8, not char, which is the same."""
+    return next(name for name, of in TYPE_CODES.items() if of == code)
+
+
+class Many:
+    """What a comparison and an array have in common: no truth value, but those of the elements."""
 
     __slots__ = ()
 
-    def __bool__(self) -> bool:
+    def __bool__(self: Any) -> bool:
         if len(self) != 1:
             raise ValueError(_AMBIGUOUS)
-        return self[0]
+        return bool(self[0])
 
-    def all(self) -> bool:
-        """True when every one is."""
+    def all(self: Any) -> bool:
+        """True when every element is true, or not 0."""
         return all(iter(self))
 
-    def any(self) -> bool:
-        """True when one is."""
+    def any(self: Any) -> bool:
+        """True when an element is true, or not 0."""
         return any(iter(self))
+
+
+class Truths(Many, tuple[bool, ...]):
+    """What a comparison gives: one an element."""
+
+    __slots__ = ()
 
     def tolist(self) -> list[bool]:
         """As a list."""
@@ -74,7 +83,7 @@ def _against(other: Any, size: int) -> Sequence[Any]:
     return values if len(values) == size else values * size
 
 
-class FixedArray(array):  # type: ignore[type-arg]  # of numbers of whatever type
+class FixedArray(Many, array):  # type: ignore[type-arg]  # of numbers of whatever type
     """`FixedArray(typecode, values)`."""
 
     __slots__ = ()
@@ -96,11 +105,6 @@ class FixedArray(array):  # type: ignore[type-arg]  # of numbers of whatever typ
         ("typecode", "buffer_info", "fromlist", "frombytes", "fromfile", "fromunicode",
          "tounicode", "byteswap"),
     )  # fmt: skip
-
-    def __bool__(self) -> bool:
-        if len(self) != 1:
-            raise ValueError(_AMBIGUOUS)
-        return bool(self[0])
 
     def __getitem__(self, index: Any) -> Any:
         found = super().__getitem__(index)
@@ -126,18 +130,10 @@ class FixedArray(array):  # type: ignore[type-arg]  # of numbers of whatever typ
     def __deepcopy__(self, _: Any) -> FixedArray:
         return self.copy()
 
-    def all(self) -> bool:
-        """True when no element is 0."""
-        return all(iter(self))
-
-    def any(self) -> bool:
-        """True when an element is not 0."""
-        return any(iter(self))
-
     @property
     def dtype(self) -> str:
         """The name of the elements' type."""
-        return NAMES[_code(self)]
+        return name_of(_code(self))
 
     @property
     def size(self) -> int:

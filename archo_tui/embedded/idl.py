@@ -19,6 +19,11 @@ INTEGERS = {
     for bits in (8, 16, 32, 64)
 } | {"char": (0, 255)}
 FLOATS = ("float32", "float64")
+# element types that rosidl keeps in array.array, with array's type codes
+TYPE_CODES = {
+    "int8": "b", "uint8": "B", "char": "B", "int16": "h", "uint16": "H", "int32": "i",
+    "uint32": "I", "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
+}  # fmt: skip
 # as rosidl's `get_fields_and_field_types` calls them
 _IDL_NAMES = {"bool": "boolean", "byte": "octet", "char": "uint8"} | {
     "float32": "float",

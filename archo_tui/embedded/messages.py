@@ -14,7 +14,7 @@ from typing import Any, ClassVar, cast
 
 from . import fields as rules
 from .fixed_array import Truths
-from .idl import Field, FieldType, Section
+from .idl import TYPE_CODES, Field, FieldType, Section
 
 Resolve = Callable[[Section, Field], Any]
 
@@ -113,11 +113,9 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
         copiers.append((slot, rules.copier(field.type, check, nested)))
     body["__defaults__"] = defaults
     body["__number_arrays__"] = {
-        field.name: rules.TYPE_CODES[field.type.base]
+        field.name: TYPE_CODES[field.type.base]
         for field in section.fields
-        if field.type.is_array
-        and field.type.fixed_size is None
-        and field.type.base in rules.TYPE_CODES
+        if field.type.is_array and field.type.fixed_size is None and field.type.base in TYPE_CODES
     }
     body["__copiers__"] = tuple(copiers)
     body["__layout__"] = tuple(layout)

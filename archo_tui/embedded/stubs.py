@@ -11,8 +11,7 @@ import sys
 from pathlib import Path
 
 from archo_tui.embedded import HERE
-from archo_tui.embedded.fields import TYPE_CODES
-from archo_tui.embedded.idl import FLOATS, INTEGERS, FieldType, Section, parse
+from archo_tui.embedded.idl import FLOATS, INTEGERS, TYPE_CODES, FieldType, Section, parse
 from archo_tui.embedded.interfaces import KINDS
 
 _HEADER = "# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.\n"

@@ -20,7 +20,7 @@ from archo_tui.commands import registry
 from archo_tui.robot.state import Outcome
 from tests.console.states import STATES
 from tests.support.archo import ARCHO
-from tests.support.console import send
+from tests.support.console import click, send
 from tests.support.quiet import Quiet
 from tests.support.stub import StubRobot, stub_app
 
@@ -46,9 +46,7 @@ def something_else(app: App[Any], choose: random.Random) -> None:
         size = Size(*choose.choice(_SIZES))
         app.post_message(events.Resize(size, size))
     else:
-        x, y = choose.randrange(app.size.width), choose.randrange(app.size.height)
-        for kind in (events.MouseDown, events.MouseUp):
-            app.post_message(kind(None, x, y, 0, 0, 1, False, False, False, screen_x=x, screen_y=y))
+        click(app, choose.randrange(app.size.width), choose.randrange(app.size.height))
 
 
 async def walk(seed: int, keys: int) -> None:

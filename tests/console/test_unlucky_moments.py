@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from contextvars import Context
-from typing import Any
 
 import pytest
 from rich.style import Style
 from textual import events
-from textual.app import App
 from textual.command import CommandList
 from textual.geometry import Size
 from textual.widgets import Input
@@ -19,19 +17,20 @@ from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.help import Help
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.palette import Palette
-from tests.support.console import FAST, Console, console
-
-
-def click(app: App[Any], x: int, y: int) -> None:
-    """Press and release the left button, at once."""
-    for kind in (events.MouseDown, events.MouseUp):
-        app.post_message(kind(None, x, y, 0, 0, 1, False, False, False, screen_x=x, screen_y=y))
+from tests.support.console import FAST, Console, click, console
 
 
 async def stop_works(op: Console) -> None:
     """And with it the console."""
     await op.press("ctrl+x")
     await op.until(lambda: any("STOPPED" in alarm.text for alarm in op.app.view.alarms))
+
+
+async def read_something(op: Console) -> Toast:
+    """A toast that has just come."""
+    op.app.say("something to read")
+    await op.until(lambda: op.app.screen.query(Toast))
+    return op.app.screen.query_one(Toast)
 
 
 async def test_the_palette_opens_again_while_the_last_one_still_goes() -> None:
@@ -100,9 +99,7 @@ async def test_a_click_on_what_the_palettes_list_no_longer_has_does_nothing() ->
 
 async def test_a_double_click_on_a_toast_closes_it() -> None:
     async with console(*FAST) as op:
-        op.app.say("something to read")
-        await op.until(lambda: op.app.screen.query(Toast))
-        toast = op.app.screen.query_one(Toast)
+        toast = await read_something(op)
         x, y = toast.region.offset
         for _ in range(4):
             click(op.app, x + 1, y)
@@ -112,9 +109,7 @@ async def test_a_double_click_on_a_toast_closes_it() -> None:
 
 async def test_a_part_of_a_screen_that_has_just_gone_is_not_clicked() -> None:
     async with console(*FAST) as op:
-        op.app.say("something to read")
-        await op.until(lambda: op.app.screen.query(Toast))
-        toast = op.app.screen.query_one(Toast)
+        toast = await read_something(op)
         x, y = toast.region.offset
         parent = toast.parent
         assert parent is not None

@@ -46,6 +46,12 @@ def send(app: App[Any], *keys: str) -> None:
         app.post_message(key_event(key))
 
 
+def click(app: App[Any], x: int, y: int) -> None:
+    """Press and release the left button there, at once."""
+    for kind in (events.MouseDown, events.MouseUp):
+        app.post_message(kind(None, x, y, 0, 0, 1, False, False, False, screen_x=x, screen_y=y))
+
+
 class Console:
     """An operator in front of the console."""
 

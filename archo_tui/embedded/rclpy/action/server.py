@@ -403,8 +403,7 @@ class ActionServer:
         return GoalStatusArray(status_list=statuses)
 
     def _forget_expired(self) -> None:
-        now = self._clock.now().nanoseconds
-        while self._ended and self._ended[0]._expires <= now:
+        while self._ended and self._ended[0]._expires <= self._clock.now().nanoseconds:
             expired = self._ended.popleft()
             expired.destroy()
             self._kept.pop(bytes(expired.goal_id.uuid), None)
