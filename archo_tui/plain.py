@@ -252,9 +252,8 @@ class Plain:
         if not station.targets.waiting:
             return Outcome(False, "no goal waits in the queue")
         if verb == "continue":
-            station.resume()
-        else:
-            station.drop()
+            return station.resume()
+        station.drop()
         return Outcome(True, "")
 
     def _kind(self, verb: str) -> GoalKind | None:

@@ -14,6 +14,7 @@ from archo_tui.clock import Clock
 from archo_tui.history import History
 from archo_tui.parameters.undo import UndoList
 from archo_tui.robot.state import Hosted, Outcome, Snapshot
+from archo_tui.robot.stops import NOT_SENT
 from archo_tui.targets import Target, Targets
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ class Station:
     def _advance(self) -> None:
         """Send what is due in the queue, and say when it is held."""
         held = self.targets.held
-        due = self.targets.next(self._snapshot, self._board.all())
+        due = self.targets.next(self._snapshot, self._board.all(), self.robot.stops.count)
         if self.targets.held and not held:
             texts = ", ".join(target.text for target in self.targets.waiting)
             said = f"queue held: {texts} ({self.targets.held})"
@@ -117,16 +118,23 @@ class Station:
 
     def submit(self, targets: Sequence[Target]) -> None:
         """Drive these, one after the other; behind what runs or is being sent."""
+        stops = self.robot.stops.carried
+        targets = [target._replace(stops=stops) for target in targets]
         first = self.targets.submit(targets, self._snapshot)
         if first is not None:
             self.drive(first, False)
         self.look()
 
-    def resume(self) -> None:
+    def resume(self) -> Outcome:
         """Continue a held queue."""
-        self.targets.resume()
-        self.robot.note("YOU", "console", "continue the queue")
+        gate = self.robot.stops.gate()
+        outcome = Outcome(False, NOT_SENT) if gate.is_shut else Outcome(True, "")
+        if outcome.ok:
+            self.targets.resume(gate.count)
+        said = f": {outcome.text}" if outcome.text else ""
+        self.robot.note("YOU", "console", f"continue the queue{said}")
         self.look()
+        return outcome
 
     def drop(self) -> None:
         """Leave out the next target of the queue."""
@@ -137,8 +145,12 @@ class Station:
 
     async def send(self, target: Target, *, queued: bool) -> Outcome:
         """Send a goal; from the queue not behind a STOP."""
-        outcome = await self.robot.send(target.kind, target.values, queued=queued)
-        self.targets.answered(ok=outcome.ok)
+        with self.robot.stops.at(target.stops):
+            outcome = await self.robot.send(target.kind, target.values, queued=queued)
+        if queued and outcome.text == NOT_SENT:
+            self.targets.not_sent(target)
+        else:
+            self.targets.answered(ok=outcome.ok)
         return outcome
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:

@@ -15,6 +15,7 @@ class Target(NamedTuple):
 
     kind: GoalKind
     values: Mapping[str, Any]
+    stops: int = 0  # that had been read when it was typed, or continued
 
     @property
     def text(self) -> str:
@@ -45,9 +46,16 @@ class Targets:
         self.waiting += targets[1:]
         return self._begin(targets[0], snapshot)
 
-    def resume(self) -> None:
-        """Go on, whatever held it."""
+    def resume(self, stops: int = 0) -> None:
+        """Go on, whatever held it; so many STOPs had been read when that was said."""
         self.held = ""
+        self.waiting = [target._replace(stops=stops) for target in self.waiting]
+
+    def not_sent(self, target: Target) -> None:
+        """A STOP came before it left: it waits again."""
+        self._sending = False
+        self.waiting.insert(0, target)
+        self.hold("STOP")
 
     def drop(self) -> None:
         """Without the next one."""
@@ -64,8 +72,8 @@ class Targets:
             self._sending = False
             self.hold("refused")
 
-    def next(self, snapshot: Snapshot, alarms: Iterable[Alarm]) -> Target | None:
-        """What is to be sent now, taken out of the queue."""
+    def next(self, snapshot: Snapshot, alarms: Iterable[Alarm], stops: int = 0) -> Target | None:
+        """What is to be sent now, taken out of the queue; `stops` have been read."""
         goal = snapshot.goal
         if goal is not None and goal.number != self._before:
             self._sending = False
@@ -76,7 +84,8 @@ class Targets:
         if not self.waiting:
             self.held = ""
             return None
-        why = _in_the_way(snapshot, alarms)
+        stopped = any(target.stops < stops for target in self.waiting)
+        why = "STOP" if stopped else _in_the_way(snapshot, alarms)
         if why:
             self.hold(why)
         if self.held or self._sending or _runs(goal):

@@ -116,7 +116,7 @@ class Continue(Command):
         return "" if console.view.held else "no queue is held"
 
     def run(self, console: Console) -> None:
-        console.station.resume()
+        console.tell(console.station.resume())
         console.look()
 
 

@@ -13,6 +13,7 @@ from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.context import Context
 from rclpy.node import Node
+from rclpy.task import Future
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
@@ -28,6 +29,7 @@ from archo_tui.robot.others import Others
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import WATCHING, Event, Leaf, Outcome, Snapshot, linked, target
+from archo_tui.robot.stops import NOT_SENT, Gate, Stops, Void
 from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.text import harmless
@@ -37,6 +39,7 @@ from archo_tui.robots import check, model
 
 FLUSH_PERIOD = 0.125  # s between two snapshots while data streams in: 8 a second
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
+OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
 _FIND_PERIOD = 0.1  # s between two looks for a server that STOP needs
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
@@ -61,11 +64,15 @@ class Robot:
         self.watching = watching
         self.description = description
         self._clock, self._happened = clock, happened
+        self.stops = Stops()
         self._mailbox = Mailbox()
         self._log = EventLog()
         self._dirty = False
         self._unseen = False  # something was heard that differs in its time only
         self._stop_asked: float | None = None
+        self._stop_answered: tuple[float, float] | None = None  # when it was sent, and answered
+        self._releasing: Future[bool] | None = None  # done when a release has its answer
+        self._outlived: tuple[str, ...] = ()  # goals that go on in spite of it
         self._faults: dict[str, str] = {}
         self._consoles: set[str] | None = None  # the others, at the last look
         self._others = Others(command.title for command in description.commands)
@@ -121,13 +128,18 @@ class Robot:
         if stop is None:
             return Outcome(False, f"{self.description.name} {model.NO_STOP}")
 
-        async def call() -> Outcome:
-            self._stop_asked = self._clock.monotonic()
+        async def call(_: Gate) -> Outcome:
+            sent = self._stop_asked = self._clock.monotonic()
             self._flush()
             await self._found(stop.service)
+            releasing = self._releasing
             outcome = await self._call(stop.service, {})
+            if releasing is not None:  # it left before: which one the robot took last is not known
+                await releasing
+                outcome = await self._call(stop.service, {})
             if outcome.ok:
                 self._stop_asked = None
+                self._stop_answered = sent, self._clock.monotonic()
                 return outcome
             return Outcome(False, f"{outcome.text}: use the hardware stop")
 
@@ -138,7 +150,18 @@ class Robot:
         stop = self.description.stop
         if stop is None or not stop.release:
             return Outcome(False, f"{self.description.name} has no service to release a stop")
-        return await self._service("release stop", stop.release, {})
+        name = stop.release
+
+        async def call(gate: Gate) -> Outcome:
+            answered: Future[bool] = Future(executor=self._node.executor)
+            self._releasing = answered
+            try:
+                return await self._call(name, {}, gate)
+            finally:
+                self._releasing = None
+                answered.set_result(True)
+
+        return await self._do("release stop", self._offers.call_command(name, {}), call)
 
     async def command(self, command: model.Service, on: bool = True) -> Outcome:
         """Give one of the robot file's commands; `on` is what a toggle is set to."""
@@ -155,13 +178,13 @@ class Robot:
         length = self._way(kind)
         title = " ".join(filter(None, (kind.title.lower(), target(kind, values))))
 
-        async def go() -> Outcome:
+        async def go(gate: Gate) -> Outcome:
             sent = self._clock.monotonic()
             if queued and (self._stop_asked is not None or self._telemetry.motion.stopped):
                 return Outcome(False, "held: STOP")
             if kind.action in self._faults:
                 return Outcome(False, self._faults[kind.action])
-            outcome = await self._goals.send(kind, values, length)
+            outcome = await self._goals.send(kind, values, length, gate)
             if outcome.ok and self._stop_asked is not None and sent > self._stop_asked:
                 self._stop_asked = None  # sent after it and accepted: the stop is past
             return outcome
@@ -178,8 +201,8 @@ class Robot:
         except ValueError as error:
             return Outcome(False, str(error))
 
-        async def work() -> Outcome:
-            answer = await self._services.call(srv_type, service, request)
+        async def work(gate: Gate) -> Outcome:
+            answer = await self._services.call(srv_type, service, request, gate=gate)
             if answer is None:
                 return Outcome(False, f"no answer in {services.DEADLINE:g} s")
             said = interfaces.outcome(answer)
@@ -201,20 +224,22 @@ class Robot:
         """Ask to cancel the running goal; another client's only when that is meant."""
         goal = self._goals.goal
         command = "" if goal is None else ros2_command.cancel(self._offers.full(goal.kind.action))
-        return await self._do("cancel", command, lambda: self._goals.cancel(another=another))
+        return await self._do("cancel", command, lambda _: self._goals.cancel(another=another))
 
     async def cancel_all(self) -> Outcome:
         """Ask to cancel every goal of the robot's actions, whoever sent it."""
         names = [self._offers.full(kind.action) for kind in self.description.goals]
         command = "; ".join(ros2_command.cancel(name) for name in names)
-        return await self._do("cancel every goal", command, self._goals.cancel_all)
+        return await self._do("cancel every goal", command, lambda _: self._goals.cancel_all())
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
         """Set parameters of one node, all or none, to values of the types that fit."""
         command = "; ".join(ros2_command.set_parameter(node, *item) for item in values.items())
         texts = ", ".join(f"{name} {text_of(value)}" for name, value in values.items())
         return await self._do(
-            f"set {node.lstrip('/')} {texts}", command, lambda: self._parameters.set(node, values)
+            f"set {node.lstrip('/')} {texts}",
+            command,
+            lambda gate: self._parameters.set(node, values, gate),
         )
 
     def restarted(self, served: Sequence[str]) -> None:
@@ -241,7 +266,9 @@ class Robot:
 
     async def _service(self, title: str, name: str, fields: Mapping[str, Any]) -> Outcome:
         return await self._do(
-            title, self._offers.call_command(name, fields), lambda: self._call(name, fields)
+            title,
+            self._offers.call_command(name, fields),
+            lambda gate: self._call(name, fields, gate),
         )
 
     async def _found(self, name: str) -> None:
@@ -251,24 +278,31 @@ class Robot:
             await self._services.pause(_FIND_PERIOD)
             self._look()
 
-    async def _call(self, name: str, fields: Mapping[str, Any]) -> Outcome:
+    async def _call(
+        self, name: str, fields: Mapping[str, Any], gate: Gate | None = None
+    ) -> Outcome:
         """Call a service with the type that its server has, if its request is what is meant."""
         if name not in self._graph.offered:
             return Outcome(False, f"{self._offers.full(name)} is not offered by any node")
         srv_type, reason = self._offers.fitting(name, fields)
         if srv_type is None:
             return Outcome(False, reason)
-        answer = await self._services.call(srv_type, name, srv_type.Request(**fields))
+        request = srv_type.Request(**fields)
+        answer = await self._services.call(srv_type, name, request, gate=gate)
         if answer is None:
             return Outcome(False, f"no answer in {services.DEADLINE:g} s")
         return interfaces.outcome(answer)
 
     async def _do(
-        self, title: str, command: str, work: Callable[[], Coroutine[Any, Any, Outcome]]
+        self, title: str, command: str, work: Callable[[Gate], Coroutine[Any, Any, Outcome]]
     ) -> Outcome:
-        """Run a verb on the ROS thread and log how it ended; the snapshot then shows it."""
+        """Run a verb on the ROS thread and log how it ended; the snapshot then shows it.
+
+        A verb that a STOP voids hands its gate on to where its request leaves.
+        """
         if self.watching:
             return Outcome(False, WATCHING)
+        gate = self.stops.gate()
 
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))
@@ -281,7 +315,9 @@ class Robot:
 
         async def there() -> Outcome:
             try:
-                return log(await work())
+                return log(await work(gate))
+            except Void:
+                return log(Outcome(False, NOT_SENT))
             except Exception as error:
                 return log(Outcome(False, in_one_line(error)))
 
@@ -308,9 +344,15 @@ class Robot:
     def _watch(self) -> None:
         if not self._goals.running:
             self._watcher.cancel()
+            self._outlived = ()
+            self._mark()
             return
+        now = self._clock.monotonic()
         self._goals.way_is(self._way)
-        self._goals.check(self._clock.monotonic(), self._telemetry.motion)
+        self._goals.check(now, self._telemetry.motion)
+        if self._stop_answered is not None and now - self._stop_answered[1] >= OBEYED:
+            self._outlived = self._goals.cancel_older(self._stop_answered[0])
+            self._mark()
 
     def _goal_changed(self) -> None:
         if self._watcher.is_canceled():
@@ -399,6 +441,7 @@ class Robot:
                 events=self._log.all(),
                 charge=self._telemetry.charge,
                 stop_asked=self._stop_asked,
+                outlived=self._outlived,
                 namespace=self._graph.namespace,
                 faults=self._faults,
                 publishers=self._graph.publishers,

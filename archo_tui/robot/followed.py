@@ -18,6 +18,7 @@ from archo_tui.robot import messages, services
 from archo_tui.robot.period import Period
 from archo_tui.robot.readings import as_received, number, read
 from archo_tui.robot.state import Goal, Motion, Phase
+from archo_tui.robot.stops import Gate
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robots.model import Field
@@ -49,10 +50,17 @@ class Followed:
         self.goal, self.id, self.action = goal, goal_id, action
         self._clock, self._changed = clock, changed
         self.handle: Any = None
+        self.since = clock.monotonic()  # by this clock, whoever sent it
+        self.gate: Gate | None = None  # that it passed as it was sent from here
         self._result: Any = None  # the future of the last question for the result
         self._asked = 0.0  # when that question was put
         self._pace = Period()  # of its feedback
         self._ended_as: tuple[Phase, float] | None = None  # by the action's status, and since when
+
+    @property
+    def is_void(self) -> bool:
+        """True when a STOP was read after it was typed."""
+        return self.gate is not None and self.gate.is_shut
 
     def accepted(self, handle: Any) -> None:
         """The server took it, in time or later."""

@@ -24,6 +24,7 @@ from archo_tui.robot import interfaces, messages, services
 from archo_tui.robot.followed import ENDS, Followed
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Outcome, Phase
+from archo_tui.robot.stops import Gate
 from archo_tui.robots import check
 from archo_tui.robots.model import GoalKind
 
@@ -157,9 +158,12 @@ class Goals:
                 action.client.destroy()
 
     async def send(
-        self, kind: GoalKind, values: Mapping[str, Any], length: float | None
+        self, kind: GoalKind, values: Mapping[str, Any], length: float | None, gate: Gate
     ) -> Outcome:
-        """Send a goal; ends when it was accepted, refused, or nobody answered in time."""
+        """Send a goal; ends when it was accepted, refused, or nobody answered in time.
+
+        One that is accepted after a STOP that was read since is cancelled at once.
+        """
         known = (kind.action, kind.type) in self._actions
         action = self.open(kind)
         if action.type is None:
@@ -177,11 +181,13 @@ class Goals:
             request = messages.goal(action.type, kind, values)
         except ValueError as error:
             return Outcome(False, str(error))
+        gate()
         now, time = self._clock.monotonic(), self._clock.now()
         goal = Goal(kind, values, Phase.SENT, now, time, length=length, number=next(self._numbers))
         self._refusals.clear()
         goal_id = UUID(uuid=list(uuid.uuid4().bytes))
         one = self._follow(goal, bytes(goal_id.uuid), action)
+        one.gate = gate
         answered = self._future()
 
         def on_answer(done: Any) -> None:
@@ -201,12 +207,17 @@ class Goals:
             reason = await self._reason()
             one.end(Phase.REFUSED, reason)
             return Outcome(False, reason)
+        if one.is_void:
+            return Outcome(False, "accepted after a STOP: cancelling it")
         return Outcome(True, "accepted")
 
     def _answered(self, one: Followed, handle: Any) -> None:
         """The server accepted or refused, in time or later."""
         if handle.accepted:
             one.accepted(handle)
+            if one.is_void:
+                self._say("WARN", f"{one.goal.name} was accepted after a STOP: cancelling it")
+                self._task(self._cancel, one)
         elif one.goal.phase == Phase.UNKNOWN:
             one.end(Phase.REFUSED, "refused (the answer came late)")
 
@@ -223,6 +234,11 @@ class Goals:
             return Outcome(False, "no goal is running" if one is None else "another goal runs now")
         if one.handle is None:
             return Outcome(False, "the goal has not been accepted yet")
+        return await self._cancel(one)
+
+    async def _cancel(self, one: Followed) -> Outcome:
+        if one.handle is None:
+            return Outcome(False, "the goal has ended")
         before = one.goal.phase
         one.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
         answer = await self._in_time(one.handle.cancel_goal_async())
@@ -278,6 +294,18 @@ class Goals:
     def refused(self, reason: str) -> None:
         """Remember a log line that says why a goal is refused."""
         self._refusals.append(reason)
+
+    def cancel_older(self, sent: float) -> tuple[str, ...]:
+        """The names of goals that still run and began before then (monotonic s).
+
+        Ours are cancelled, again and again until they end.
+        """
+        older = [one for one in self._running.values() if one.since < sent]
+        now = self._clock.monotonic()
+        for one in older:
+            if one.goal.mine and now - (one.goal.cancel_asked or 0.0) > services.DEADLINE:
+                self._task(self._cancel, one)
+        return tuple(one.goal.name for one in older)
 
     def heard(self) -> None:
         """The robot was heard again."""
@@ -370,6 +398,9 @@ class Goals:
             if goal.phase != Phase.REFUSED or before.phase != Phase.SENT:  # else the verb says it
                 self._say("GOAL", f"{goal.name} {goal.word.lower()}: {goal.message}".rstrip(": "))
         self._changed()
+
+    def _task(self, function: Callable[..., Any], *arguments: Any) -> None:
+        self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
 
     def _future(self) -> Future[bool]:
         return Future(executor=self._node.executor)

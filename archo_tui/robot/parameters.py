@@ -20,6 +20,7 @@ from archo_tui.robot.parameter_values import TYPES, as_python
 from archo_tui.robot.rounds import Rounds
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Outcome, Parameter
+from archo_tui.robot.stops import Gate
 from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
@@ -132,7 +133,7 @@ class Parameters:
         finally:
             self._loading.discard(node)
 
-    async def set(self, node: str, values: Mapping[str, Any]) -> Outcome:
+    async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
         """Set values (of the Python types that fit), all or none; the node's reason if it refuses.
 
         The outcome says what the node answers when it is asked for them afterwards.
@@ -142,7 +143,10 @@ class Parameters:
             parameters=[RosParameter(n, value=v).to_parameter_msg() for n, v in values.items()]
         )
         answer = await self._services.call(
-            srv.SetParametersAtomically, f"{node}/set_parameters_atomically", request
+            srv.SetParametersAtomically,
+            f"{node}/set_parameters_atomically",
+            request,
+            gate=gate,
         )
         if answer is None:
             return Outcome(False, f"no answer in {services.DEADLINE:g} s from {node}")

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from archo_tui.clock import Clock
+from archo_tui.robot.stops import Gate
 
 DEADLINE = 2.0  # s; "no answer in 2 s"
 _EARLY = 1e-3  # s that a timer may fire before its time and still count
@@ -44,13 +45,25 @@ class Services:
         for key in [key for key in self._clients if key[0].startswith(f"{node}/")]:
             self._node.destroy_client(self._clients.pop(key))
 
-    async def call(self, srv_type: Any, name: str, request: Any, *, once: bool = False) -> Any:
+    async def call(
+        self,
+        srv_type: Any,
+        name: str,
+        request: Any,
+        *,
+        once: bool = False,
+        gate: Gate | None = None,
+    ) -> Any:
         """The response, or None when nobody answered within DEADLINE.
+
+        `gate` is passed last, as the request leaves: it raises where that is not to be sent.
 
         The client of a call that is made once is not kept: rclpy looks at each, whatever comes. It
         stays where nobody answered: a server that answers late finds its client.
         """
         client = self.client(srv_type, name)
+        if gate is not None:
+            gate()
         future = client.call_async(request)
         self.watch(future, client)
         answer = await future

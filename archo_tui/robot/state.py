@@ -276,6 +276,7 @@ class Snapshot(NamedTuple):
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     stop_asked: float | None = None  # a STOP was sent then, and the robot has not confirmed it
+    outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
     namespace: str = "/"  # of the robot that is operated
     faults: Mapping[str, str] = _NOTHING  # why one of these is not used
     publishers: Mapping[str, tuple[str, ...]] = _NOTHING  # nodes, by topic

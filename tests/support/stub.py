@@ -11,6 +11,7 @@ from unittest.mock import patch
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.robot.state import Hosted, Outcome, Snapshot
+from archo_tui.robot.stops import Stops
 from archo_tui.station import Station
 from tests.support.clock import NOW, TIME
 
@@ -34,6 +35,7 @@ class StubRobot:
     def __init__(self, snapshot: Snapshot) -> None:
         self.snapshot, self.description = snapshot, snapshot.robot
         self.watching = False
+        self.stops = Stops()
         self._receiver: Any = None
 
     def subscribe(self, receiver: Any) -> None:

@@ -1,0 +1,78 @@
+"""The last STOP is final: what was typed before it, and has not left yet, is not sent.
+
+Whatever is read from a person carries the count of the STOPs that had been read by then. The count
+is compared last, where a request leaves for the robot, whatever it waited for before.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import NamedTuple
+
+NOT_SENT = "not sent: STOP came after it"
+
+
+class Void(Exception):
+    """A STOP was read after what this request came from."""
+
+
+class Stops:
+    """Counts the STOPs that were read. Any thread."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self.count = 0
+        self._carried: ContextVar[int | None] = ContextVar("stops", default=None)
+
+    def read(self) -> int:
+        """A STOP was read, whoever will carry it out; returns its number."""
+        with self._lock:
+            self.count += 1
+            return self.count
+
+    @property
+    def carried(self) -> int:
+        """The count when that was read which is being done; what nobody typed is of now."""
+        carried = self._carried.get()
+        return self.count if carried is None else carried
+
+    @contextmanager
+    def at(self, count: int | None) -> Iterator[None]:
+        """Do what was read at that count; the tasks that begin here carry it, too."""
+        before = self._carried.set(count)
+        try:
+            yield
+        finally:
+            self._carried.reset(before)
+
+    def set(self, count: int | None) -> None:
+        """The same, from now on."""
+        self._carried.set(count)
+
+    def is_void(self, count: int) -> bool:
+        """True for what was read before the last STOP."""
+        return count < self.count
+
+    def gate(self) -> Gate:
+        """For a request that comes from what is being done."""
+        return Gate(self, self.carried)
+
+
+class Gate(NamedTuple):
+    """What a request passes as it leaves."""
+
+    stops: Stops
+    count: int  # of the STOPs that had been read before what it comes from
+
+    @property
+    def is_shut(self) -> bool:
+        """True when a STOP was read since."""
+        return self.stops.is_void(self.count)
+
+    def __call__(self) -> None:
+        """Raises Void when a STOP was read since."""
+        if self.is_shut:
+            raise Void
