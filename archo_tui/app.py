@@ -20,14 +20,17 @@ from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
 from archo_tui.commands.keymap import shown_keys
 from archo_tui.node_output import NodeOutput
 from archo_tui.robot.state import WATCHING, Outcome, Snapshot
+from archo_tui.robot.stops import NOT_SENT
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
+from archo_tui.screens.dialog import COMMANDS, Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.palette import Palette
 from archo_tui.screens.text import ShowText
 from archo_tui.station import Station, View
 from archo_tui.targets import Target
 from archo_tui.terminal.app import TerminalApp
+from archo_tui.terminal.typed import mark, typed_after
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.goal_panel import GoalPanel
@@ -68,9 +71,15 @@ class ArchoApp(TerminalApp):
         self._failed_before = failed
         self._keys = {command.id: command.key for command in self.registry} | dict(keys or {})
         self._shown_keys = shown_keys(self._keys)
+        self.stop_key = self._keys["stop"]
         self._bind_commands()
         self._early: list[tuple[events.Event, bool]] = []  # typed before the screen could take it
         self._last_key, self._last_typed = "", 0.0
+        self._last_stops: int | None = None  # read before it
+        self._entered: tuple[object, ...] = ()  # where the last enter acted
+        self._leaves = False
+        self._answers_void = 0  # keys before that STOP were for a question that was not put
+        self._swallows = False  # enter is held, and what that does was said
         self.repeated = False
         self._sent: dict[str, float] = {}  # when each command that is not answered yet was given
         self.view = self._view()
@@ -164,29 +173,66 @@ class ArchoApp(TerminalApp):
         if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
             return  # only the left button acts
         typed = isinstance(event, (events.Key, events.Paste)) and not event.is_forwarded
+        if typed and isinstance(event, events.Key) and self.is_stop(event):
+            mark(event, self.stops.read())  # from another driver than the terminal's
+            self.stop_now(event)
+            return
+        stops = typed_after(event)
+        if typed and stops is not None and stops < self._answers_void:
+            return
         repeated = (typed or isinstance(event, events.MouseDown)) and self._repeats(event)
         if typed and (self._early or not self._takes_keys):
-            if isinstance(event, events.Key) and event.key == self._keys["stop"]:
-                self.repeated = repeated
-                self.action_command("stop")  # waits for nothing
-                return
             self._early.append((event, repeated))
             self.call_later(self._release_keys)
             return
         await self._handle(event, repeated)
+
+    def stop_now(self, event: events.Key) -> None:
+        self.repeated = self._repeats(event)
+        with self.stops.at(typed_after(event)):
+            self.action_command("stop", counted=True)
 
     def _repeats(self, event: events.Event) -> bool:
         """True for a key that is held down: the same again, and soon."""
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
-        return key != "" and key == before and self._last_typed - since < HELD
+        apart, self._last_stops = self._last_stops, typed_after(event)  # a STOP between them
+        repeated = key != "" and key == before and self._last_typed - since < HELD
+        repeated = repeated and (key == self.stop_key or apart == self._last_stops)
+        self._swallows = self._swallows and repeated
+        return repeated
 
     async def _handle(self, event: events.Event, repeated: bool) -> None:
         self.repeated = repeated
-        held = repeated and isinstance(event, events.Key) and event.key == "enter"
-        if not held or self.check_action("next_field", ()):  # from field to field it may run
-            await super().on_event(event)
+        if isinstance(event, events.Key) and event.key == "enter" and not event.is_forwarded:
+            if repeated and not self._may_repeat():
+                return
+            self._entered = self._place
+        await super().on_event(event)
+
+    @property
+    def _place(self) -> tuple[object, ...]:
+        """Where enter acts: the screen, what has the focus, and the row of a list."""
+        focused = self.focused
+        return self.screen, focused, focused.item_key if isinstance(focused, Rows) else None
+
+    def _may_repeat(self) -> bool:
+        """False, and said, for an enter that is held down where it would answer or send.
+
+        It runs from field to field, and acts on another row of the screen where the one before
+        acted. What was opened by it wants to be answered by another one.
+        """
+        if self.check_action("next_field", ()):
+            return True
+        here, before = self._place, self._entered
+        if isinstance(self.focused, Rows) and here[0] is before[0] and here != before:
+            return True
+        empty = isinstance(self.focused, Input) and not self.focused.value
+        if not (self._swallows or empty):
+            self.say("That enter came at once behind another: press it again.")
+        self._swallows = True
+        return False
 
     @property
     def _takes_keys(self) -> bool:
@@ -227,9 +273,16 @@ class ArchoApp(TerminalApp):
     def _command(self, name: str) -> Command:
         return next(c for c in self.registry if c.id == name)
 
-    def action_command(self, name: str) -> None:
-        """Run a command of the registry, or say why it cannot run."""
+    def action_command(self, name: str, counted: bool = False) -> None:
+        """Run a command of the registry, or say why it cannot run.
+
+        A STOP is `counted` already when it comes from its key: as that was read.
+        """
         command = self._command(name)
+        if name == "stop":
+            if not counted:
+                self.stops.read()
+            self._ask_no_more()
         if command.once and (self.repeated or self._waits(name)):
             return
         if name in self._sent and self.station.clock.monotonic() - self._sent[name] < command.every:
@@ -242,7 +295,13 @@ class ArchoApp(TerminalApp):
                 return
         work = command.run(self)  # at once: the next key may be for what this one focused
         if work is not None:
-            self.run_worker(self._answered(name, work), group=name)
+            self.run_worker(self._answered(name, work), group=COMMANDS)
+
+    def _ask_no_more(self) -> None:
+        """A question that was put before a STOP is not to be answered behind it."""
+        for screen in self.screen_stack:
+            if isinstance(screen, Leaving) and screen.closes_at_stop:
+                screen.dismiss()
 
     def _waits(self, name: str) -> bool:
         """True, and said, when the robot has not answered a command yet."""
@@ -304,21 +363,34 @@ class ArchoApp(TerminalApp):
         return command.blocked(self)
 
     def open(self, dialog: Screen[Any]) -> None:
-        """Show a dialog."""
-        self.push_screen(dialog)
+        """Show a dialog; not one that a STOP would have closed."""
+        closes = isinstance(dialog, Leaving) and dialog.closes_at_stop
+        if not (closes and self._is_void(str(dialog.title or "a dialog"))):
+            self.push_screen(dialog)
+
+    def _is_void(self, title: str) -> bool:
+        """True, and said, when a STOP was read after what is being done."""
+        shut = self.stops.gate().is_shut
+        if shut:
+            self._answers_void = self.stops.count  # to what is not asked; else they act below it
+            self.station.robot.note("YOU", "console", f"{title.lower()}: {NOT_SENT}")
+            self.tell(Outcome(False, NOT_SENT))
+        return shut
 
     def ask(self, question: Confirm, then: Answered) -> None:
         """Put a question now: the keys behind the one that asked are for its answer.
 
         `then(answer)` follows; while another question is being asked, nothing does.
         """
-        if isinstance(self.screen, Confirm):
+        if isinstance(self.screen, Confirm) or self._is_void(str(question.title)):
             return
+        typed = self.stops.carried  # the answer's, too: a STOP between the two closes the question
 
         def answered(answer: str | None) -> None:
-            work = then(answer or question.safe)
-            if work is not None:
-                self.run_worker(work, group="answered")
+            with self.stops.at(typed):
+                work = then(answer or question.safe)
+                if work is not None:
+                    self.run_worker(work, group=COMMANDS)
 
         self.push_screen(question, answered)
 
@@ -343,6 +415,23 @@ class ArchoApp(TerminalApp):
         if text:
             self.copy_to_clipboard(text)
         return bool(text)
+
+    def leave(self) -> None:
+        """End, when every command that was given has its answer."""
+        if not self._leaves:
+            self._leaves = True
+            self.run_worker(self._leave(), group="leave")
+
+    async def _leave(self) -> None:
+        await self.answers()
+        self.exit()
+
+    async def answers(self) -> None:
+        """Wait for those that were given before."""
+        given = [worker.wait() for worker in self.workers if worker.group == COMMANDS]
+        if given:
+            self.say("Ending, as soon as the robot has answered.")
+            await asyncio.gather(*given, return_exceptions=True)
 
     # what the panels ask for
 
@@ -369,7 +458,7 @@ class ArchoApp(TerminalApp):
             self.main.goal.recalls([*earlier, *since][-recall.MOST :])
 
     def _drive(self, target: Target, queued: bool) -> None:
-        self.run_worker(self._send(target, queued), group="send")
+        self.run_worker(self._send(target, queued), group=COMMANDS)
 
     async def _send(self, target: Target, queued: bool) -> None:
         outcome = await self.station.send(target, queued=queued)

@@ -130,7 +130,7 @@ class Station:
         gate = self.robot.stops.gate()
         outcome = Outcome(False, NOT_SENT) if gate.is_shut else Outcome(True, "")
         if outcome.ok:
-            self.targets.resume(gate.count)
+            self.targets.resume(gate.typed)
         said = f": {outcome.text}" if outcome.text else ""
         self.robot.note("YOU", "console", f"continue the queue{said}")
         self.look()

@@ -73,8 +73,8 @@ class Console(Protocol):
     def action_suspend_process(self) -> None:
         """Suspend to the shell."""
 
-    def exit(self) -> None:
-        """End the console."""
+    def leave(self) -> None:
+        """End the console, when every command that was given has its answer."""
 
 
 def write_file(console: Console, text: str, what: str) -> Callable[[Path], Awaitable[str]]:

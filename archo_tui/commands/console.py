@@ -120,7 +120,7 @@ class Quit(Command):
     def run(self, console: Console) -> None:
         goal, station = console.view.snapshot.goal, console.station
         if goal is None or not goal.is_running:
-            console.exit()
+            console.leave()
             return
         if not goal.mine:
             self._leave_another(console)
@@ -136,7 +136,7 @@ class Quit(Command):
 
         async def end(choice: str) -> None:
             await let_go(station.robot, station.clock, choice, "quit")
-            console.exit()
+            console.leave()
 
         console.ask(Confirm("Quit", f"The robot is {way(goal)}.", *answers), then)
 
@@ -148,7 +148,7 @@ class Quit(Command):
 
         def then(answer: str) -> None:
             if answer == "Quit":
-                console.exit()
+                console.leave()
 
         console.ask(question, then)
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
 from archo_tui.goal_text import way
 from archo_tui.robot.state import Hosted, Life, Outcome
+from archo_tui.robot.stops import NOT_SENT
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.text import ShowText
 from archo_tui.widgets.nodes_panel import NodeRow
@@ -32,7 +33,10 @@ class _InNodes(Command):
     async def _do(
         self, console: Console, title: str, work: Callable[[str], Outcome], hosted: Hosted
     ) -> None:
-        outcome = await asyncio.to_thread(work, hosted.name)  # it waits for the node's thread
+        if console.station.robot.stops.gate().is_shut:
+            outcome = Outcome(False, NOT_SENT)
+        else:
+            outcome = await asyncio.to_thread(work, hosted.name)  # it waits for the node's thread
         console.station.robot.note("YOU", "console", f"{title} {hosted.name}: {outcome.text}")
         console.look()
         console.tell(outcome)

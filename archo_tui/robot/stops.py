@@ -65,12 +65,12 @@ class Gate(NamedTuple):
     """What a request passes as it leaves."""
 
     stops: Stops
-    count: int  # of the STOPs that had been read before what it comes from
+    typed: int  # how many STOPs had been read before what it comes from
 
     @property
     def is_shut(self) -> bool:
         """True when a STOP was read since."""
-        return self.stops.is_void(self.count)
+        return self.stops.is_void(self.typed)
 
     def __call__(self) -> None:
         """Raises Void when a STOP was read since."""

@@ -20,6 +20,8 @@ _SHOWN = 12  # rows
 class Choose(Dialog[None]):
     """`then(name)` is done with what was chosen; escape chooses nothing."""
 
+    closes_at_stop = True
+
     BINDINGS = [("escape", "close", "Close")]
 
     def __init__(

@@ -14,6 +14,8 @@ from archo_tui.screens.dialog import Dialog
 class Confirm(Dialog[str]):
     """Ends with the words of the answer; escape gives the safe one."""
 
+    closes_at_stop = True
+
     BINDINGS = [
         ("escape,n", "safe", "Safe answer"),
         ("y", "yes", "The answer that acts"),

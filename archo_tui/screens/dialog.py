@@ -10,10 +10,13 @@ from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Button, Static
 
+from archo_tui.robot.state import Outcome
 from archo_tui.screens.base import Base
 from archo_tui.screens.main import MainScreen
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
+
+COMMANDS = "commands"  # the group of workers that the end of the console waits for
 
 
 class Below(Line):
@@ -35,7 +38,13 @@ class Leaving(Base[ScreenResultType]):
     Textual looks for styles and component classes along the first.
     """
 
+    closes_at_stop: ClassVar[bool] = False  # what it asks would be answered to another robot
     _left: tuple[ScreenResultType | None] | None = None  # with what, once that is known
+
+    @property
+    def has_left(self) -> bool:
+        """True when it was dismissed, whether it has gone yet or not."""
+        return self._left is not None
 
     def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
         """A second enter, or an answer that comes late, changes nothing."""
@@ -66,6 +75,15 @@ class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
     def say(self, text: str) -> None:
         """What is wrong, or going on."""
         self.write(".error", Content(text))
+
+    def end(self, outcome: Outcome) -> None:
+        """Done, or what is in the way; said beside it when the dialog was left meanwhile."""
+        if outcome.ok:
+            self.dismiss()
+        elif self.has_left:
+            self.notify(outcome.text, severity="error", markup=False)
+        else:
+            self.say(outcome.text)
 
     def write(self, selector: str, text: Content) -> None:
         """Fill a part of the dialog; nothing when it was left meanwhile, and has lost its parts."""

@@ -15,7 +15,7 @@ from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
-from archo_tui.screens.dialog import Form
+from archo_tui.screens.dialog import COMMANDS, Form
 from archo_tui.widgets.field import Field
 
 
@@ -68,12 +68,9 @@ class EditParameter(Form):
             return
         self._sending = True
         self.say("asking the node ...")
-        self.run_worker(self._ask(value), exit_on_error=True)
+        self.app.run_worker(self._ask(value), group=COMMANDS)
 
     async def _ask(self, value: Any) -> None:
         outcome = await self._send(value)
         self._sending = False
-        if outcome.ok:
-            self.dismiss()
-        else:
-            self.say(outcome.text)
+        self.end(outcome)

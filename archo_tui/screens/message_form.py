@@ -16,7 +16,7 @@ from textual.widgets import Button, Label, Static
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.state import Leaf, Outcome
 from archo_tui.robots.model import Input
-from archo_tui.screens.dialog import Dialog
+from archo_tui.screens.dialog import COMMANDS, Dialog
 from archo_tui.widgets.field import Field
 
 MOST_FIELDS = 12  # beyond that it is one YAML text
@@ -25,6 +25,8 @@ Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
 
 class MessageForm(Dialog[None]):
     """Stays open, with what is wrong, until it was sent and accepted, or esc is pressed."""
+
+    closes_at_stop = True
 
     BINDINGS = [("escape", "close", "Close"), ("ctrl+s", "send", "Send")]
 
@@ -118,7 +120,7 @@ class MessageForm(Dialog[None]):
         if values is not None:
             self._sending = True
             self.say("asking the robot ...")
-            self.run_worker(self._ask(values))
+            self.app.run_worker(self._ask(values), group=COMMANDS)
 
     def _values(self, submitted: Mapping[int, str]) -> dict[str, Any] | None:
         values = {}
@@ -153,10 +155,7 @@ class MessageForm(Dialog[None]):
     async def _ask(self, values: Mapping[str, Any]) -> None:
         outcome = await self._send(values)
         self._sending = False
-        if outcome.ok:
-            self.dismiss()
-        else:
-            self.say(outcome.text)
+        self.end(outcome)
 
 
 def _yaml(leaves: Sequence[Leaf]) -> str:

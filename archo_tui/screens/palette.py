@@ -30,6 +30,8 @@ class Commands(CommandList):
 class Palette(CommandPalette, Leaving[None]):
     """Its cursor stands still: a blinking one is traffic over SSH."""
 
+    closes_at_stop = True
+
     def compose(self) -> ComposeResult:
         for widget in super().compose():
             yield Commands() if isinstance(widget, CommandList) else widget

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import asyncio
+import contextvars
 import gc
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Sequence
 
 from rich.segment import Segment
+from textual import events
+from textual._context import message_hook
 from textual.app import App
 from textual.color import Color
 from textual.driver import Driver
 from textual.filter import LineFilter
+from textual.message import Message
 from textual.worker import WorkerFailed
 
 from archo_tui.alarms import Alarm
+from archo_tui.robot.stops import Stops
 from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import RESTART, Shutdown
 from archo_tui.station import Station
@@ -23,6 +28,7 @@ from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.terminal.notice import notice
 from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, grey, remember, tones
+from archo_tui.terminal.typed import typed_after
 
 _STANDS = 1.0  # s after which a screen is made, and looking for garbage pays again
 
@@ -55,6 +61,8 @@ class TerminalApp(App[None]):
         super().__init__()
         self.station = station
         self.failure = ""  # the traceback that ended this screen
+        self.stop_key = ""  # Textual's name of it
+        self._beside = contextvars.Context()  # for what does not wait in the app's queue
         self._ending = Shutdown(
             station.robot,
             station.clock,
@@ -86,6 +94,35 @@ class TerminalApp(App[None]):
 
     def get_line_filters(self) -> Sequence[LineFilter]:
         return [*super().get_line_filters(), *self._of_text]
+
+    def on_load(self) -> None:
+        message_hook.set(self._carry)  # before the tasks of all widgets, which take it along
+        self._beside = contextvars.copy_context()
+
+    def _carry(self, message: Message) -> None:
+        """What a widget does because of a message comes from what was typed for it."""
+        self.stops.set(typed_after(message))
+
+    @property
+    def stops(self) -> Stops:
+        """Counts the STOPs that are read."""
+        return self.station.robot.stops
+
+    def is_stop(self, message: Message) -> bool:
+        """True for the key of STOP; from any thread."""
+        return isinstance(message, events.Key) and message.key == self.stop_key
+
+    def stop_typed(self, message: Message) -> None:
+        """Called on the loop by the driver: STOP waits behind nothing."""
+        if isinstance(message, events.Key):
+            try:
+                self._beside.run(self.stop_now, message)
+            except Exception as error:  # Textual would not hear of it
+                self._handle_exception(error)
+
+    def stop_now(self, event: events.Key) -> None:
+        """The key of STOP was pressed."""
+        raise NotImplementedError
 
     def on_mount(self) -> None:
         if not self.is_headless:

@@ -23,6 +23,10 @@ from typing import Any, Protocol, cast
 
 from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
+from textual.message import Message
+
+from archo_tui.robot.stops import Stops
+from archo_tui.terminal.typed import mark
 
 assert sys.platform != "win32"  # Textual's own driver serves there
 
@@ -42,6 +46,16 @@ class SteadyApp(Protocol):
 
     def repaint(self) -> None:
         """Frames were dropped: draw everything."""
+
+    def is_stop(self, message: Message) -> bool:
+        """True for the key of STOP. On the driver's thread."""
+
+    def stop_typed(self, message: Message) -> None:
+        """STOP at once, before whatever else waits."""
+
+    @property
+    def stops(self) -> Stops:
+        """Counts what is read."""
 
 
 class Writer(threading.Thread):
@@ -221,6 +235,16 @@ class SteadyDriver(LinuxDriver):
                     self.process_message(message)
                 for message in parser.tick():
                     self.process_message(message)
+
+    def process_message(self, message: Message) -> None:
+        """Hand on what was read, with the count of STOPs before it; a STOP goes first."""
+        app = cast(SteadyApp, self._app)
+        if app.is_stop(message):
+            mark(message, app.stops.read())
+            self._tell(lambda: app.stop_typed(message))
+            return
+        mark(message, app.stops.count)
+        super().process_message(message)
 
     def _read(self) -> bytes:
         try:

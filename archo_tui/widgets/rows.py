@@ -86,6 +86,11 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         """The item under the cursor."""
         return self._items[self.cursor] if self.cursor < len(self._items) else None
 
+    @property
+    def item_key(self) -> object:
+        """What tells the item under the cursor from others."""
+        return None if self.item is None else self._key(self.item)
+
     def show(self, items: Sequence[T]) -> None:
         """Show these. A cursor on the first line stays there, where what is new appears."""
         if items == self._items:

@@ -1,0 +1,160 @@
+"""The last STOP is final: whatever was typed before it, in real bytes through a terminal."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from archo_tui.paths import journal_file
+from archo_tui.robot.stops import NOT_SENT
+from tests.support.terminal import Terminal
+from tests.support.waiting import wait_until
+
+ROBOTS = Path(__file__).parent / "robots"
+CART = ("--only", "--node", str(ROBOTS / "cart.py"), "--robot", str(ROBOTS / "cart.yaml"))
+pytestmark = pytest.mark.real_time
+SLOW = ("--ros-args", "-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
+
+
+@pytest.fixture
+def terminals() -> Iterator[list[Terminal]]:
+    """Terminals that are closed at the end."""
+    made: list[Terminal] = []
+    yield made
+    for terminal in made:
+        terminal.close()
+
+
+def said() -> list[str]:
+    """What the journal has, the oldest first."""
+    if not journal_file().exists():
+        return []
+    lines = journal_file().read_text(encoding="utf-8").splitlines()
+    return [str(json.loads(line).get("text", "")) for line in lines]
+
+
+def until_said(*texts: str) -> None:
+    """Wait until each of them is in the journal."""
+    wait_until(lambda: all(any(text in line for line in said()) for text in texts), str(texts))
+
+
+def stopped_archo(terminals: list[Terminal]) -> Terminal:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("\x18")
+    terminal.until("R releases")
+    return terminal
+
+
+@pytest.mark.parametrize("typed", ["Ry\x18", "R\t\r\x18", "RR\x18", "Ryr\x18", "R\x18"])
+def test_a_release_typed_before_a_stop_is_not_sent(typed: str, terminals: list[Terminal]) -> None:
+    terminal = stopped_archo(terminals)
+    terminal.write(typed)
+    until_said(NOT_SENT)
+    terminal.write("\x18")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+    assert not [text for text in said() if "Released" in text]
+
+
+def test_a_release_typed_behind_a_stop_is_sent(terminals: list[Terminal]) -> None:
+    terminal = stopped_archo(terminals)
+    terminal.write("\x18Ry")
+    until_said("release stop: Released")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+
+
+@pytest.mark.parametrize("typed", ["g12\r\x18", "g12 7\r\x18", "3\t\r12\r\x18"])
+def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[Terminal]) -> None:
+    terminal = Terminal(*CART)
+    terminals.append(terminal)
+    terminal.until("80.0 %")
+    terminal.until("Cart")
+    wait_until(lambda: terminal.read(0.01) is None and b"online" in terminal.output)
+    terminal.write(typed)
+    until_said("STOP: Stopped", f"go to shelf 12: {NOT_SENT}")
+    terminal.write("g5\r")
+    until_said("drives to 5")
+    terminal.write("\x18")
+    until_said("stands: abort")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert [text for text in said() if "drives" in text] == ["drives to 5"]
+
+
+def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) -> None:
+    terminal = Terminal(*CART)
+    terminals.append(terminal)
+    terminal.until("80.0 %")
+    terminal.until("Blink")
+    terminal.write("b\x18")
+    until_said("STOP: Stopped", f"blink: {NOT_SENT}")
+    terminal.write("b")
+    until_said("blinked")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert said().count("blinked") == 1
+
+
+@pytest.mark.parametrize("typed", ["\x18\x11", "\x18q"])
+def test_a_stop_right_before_the_end_is_sent(typed: str, terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write(typed)
+    assert terminal.exit_code() == 0
+    assert "STOP: Stopped" in said()
+    assert "never awaited" not in terminal.text
+
+
+def test_a_command_right_before_the_end_is_carried_out(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("c\x11")
+    assert terminal.exit_code() == 0
+    assert "charge: Charging" in said()
+
+
+def hold(terminal: Terminal, key: str, seconds: float) -> None:
+    """A key that is held: first alone, then again and again."""
+    terminal.write(key)
+    time.sleep(0.5)
+    end = time.monotonic() + seconds - 0.5
+    while time.monotonic() < end:
+        terminal.write(key)
+        terminal.read(0.03)
+
+
+def test_enter_held_in_parameters_sets_nothing(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("4/max_s")
+    terminal.until("max_s")
+    hold(terminal, "\r", 3.0)
+    terminal.until("press it again")
+    terminal.write("\x1b")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert not [text for text in said() if text.startswith("set ")]
+
+
+def test_enter_held_in_shelf_sends_one_goal(terminals: list[Terminal]) -> None:
+    terminal = Terminal(*SLOW)
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("g12")
+    hold(terminal, "\r", 3.0)
+    until_said("go to shelf 12: accepted")
+    terminal.write("\x18")
+    until_said("STOP: Stopped")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert len([text for text in said() if text.startswith("go to")]) == 1
