@@ -76,7 +76,7 @@ def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[T
     terminals.append(terminal)
     terminal.until("80.0 %")
     terminal.until("Cart")
-    wait_until(lambda: terminal.read(0.01) is None and b"online" in terminal.output)
+    terminal.until("online")
     terminal.write(typed)
     until_said("STOP: Stopped", f"go to shelf 12: {NOT_SENT}")
     terminal.write("g5\r")
@@ -154,7 +154,8 @@ def test_enter_held_in_shelf_sends_one_goal(terminals: list[Terminal]) -> None:
     hold(terminal, "\r", 3.0)
     until_said("go to shelf 12: accepted")
     terminal.write("\x18")
-    until_said("STOP: Stopped")
+    until_said("shelf 12 aborted")
+    terminal.until("ABORTED")
     terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert len([text for text in said() if text.startswith("go to")]) == 1

@@ -18,7 +18,8 @@ import termios
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, Protocol, cast
 
 from textual._xterm_parser import XTermParser
@@ -231,20 +232,21 @@ class SteadyDriver(LinuxDriver):
                     text = marked.take(decode(data), time.monotonic())
                 else:
                     text = marked.late(time.monotonic())
-                for message in parser.feed(text) if text else ():  # nothing would mean the end
-                    self.process_message(message)
-                for message in parser.tick():
-                    self.process_message(message)
+                # of nothing the parser would think that it is the end
+                self.hand_on([*(parser.feed(text) if text else ()), *parser.tick()])
 
-    def process_message(self, message: Message) -> None:
-        """Hand on what was read, with the count of STOPs before it; a STOP goes first."""
-        app = cast(SteadyApp, self._app)
-        if app.is_stop(message):
-            mark(message, app.stops.read())
-            self._tell(lambda: app.stop_typed(message))
-            return
-        mark(message, app.stops.count)
-        super().process_message(message)
+    def hand_on(self, messages: Iterable[Message]) -> None:
+        """What was read at once: each with the count of STOPs before it, and STOP first."""
+        app, others = cast(SteadyApp, self._app), list[Message]()
+        for message in messages:
+            if app.is_stop(message):
+                mark(message, app.stops.read())
+                self._tell(partial(app.stop_typed, message))
+            else:
+                mark(message, app.stops.count)
+                others.append(message)
+        for message in others:
+            self.process_message(message)
 
     def _read(self) -> bytes:
         try:
