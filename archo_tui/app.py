@@ -188,9 +188,10 @@ class ArchoApp(TerminalApp):
         await self._handle(event, repeated)
 
     def stop_now(self, event: events.Key) -> None:
-        self.repeated = self._repeats(event)
+        before, self.repeated = self.repeated, self._repeats(event)
         with self.stops.at(typed_after(event)):
             self.action_command("stop", counted=True)
+        self.repeated = before  # of the key that is being handled
 
     def _repeats(self, event: events.Event) -> bool:
         """True for a key that is held down: the same again, and soon."""

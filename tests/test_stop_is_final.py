@@ -82,7 +82,8 @@ def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[T
     terminal.write("g5\r")
     until_said("drives to 5")
     terminal.write("\x18")
-    until_said("stands: abort")
+    until_said("shelf 5 aborted")
+    terminal.until("ABORTED")
     terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert [text for text in said() if "drives" in text] == ["drives to 5"]

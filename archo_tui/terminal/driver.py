@@ -18,7 +18,7 @@ import termios
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol, cast
 
@@ -26,8 +26,7 @@ from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
-from archo_tui.robot.stops import Stops
-from archo_tui.terminal.typed import mark
+from archo_tui.terminal.typed import Stopping, hand_on
 
 assert sys.platform != "win32"  # Textual's own driver serves there
 
@@ -39,7 +38,7 @@ _PASTE_WAIT = 2.0  # s without input after which a paste is over whose end was l
 _PASTE_BEGIN, _PASTE_END = "\x1b[200~", "\x1b[201~"
 
 
-class SteadyApp(Protocol):
+class SteadyApp(Stopping, Protocol):
     """What the driver tells the app."""
 
     def hang_up(self) -> None:
@@ -48,15 +47,8 @@ class SteadyApp(Protocol):
     def repaint(self) -> None:
         """Frames were dropped: draw everything."""
 
-    def is_stop(self, message: Message) -> bool:
-        """True for the key of STOP. On the driver's thread."""
-
     def stop_typed(self, message: Message) -> None:
         """STOP at once, before whatever else waits."""
-
-    @property
-    def stops(self) -> Stops:
-        """Counts what is read."""
 
 
 class Writer(threading.Thread):
@@ -220,6 +212,7 @@ class SteadyDriver(LinuxDriver):
     def run_input_thread(self) -> None:
         """Read keys until told to end, or until there is nothing to read from any more."""
         parser, marked = XTermParser(self._debug), Markers()
+        app = cast(SteadyApp, self._app)
         decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
@@ -233,20 +226,11 @@ class SteadyDriver(LinuxDriver):
                 else:
                     text = marked.late(time.monotonic())
                 # of nothing the parser would think that it is the end
-                self.hand_on([*(parser.feed(text) if text else ()), *parser.tick()])
+                messages = [*(parser.feed(text) if text else ()), *parser.tick()]
+                hand_on(messages, app, self._stop, self.process_message)
 
-    def hand_on(self, messages: Iterable[Message]) -> None:
-        """What was read at once: each with the count of STOPs before it, and STOP first."""
-        app, others = cast(SteadyApp, self._app), list[Message]()
-        for message in messages:
-            if app.is_stop(message):
-                mark(message, app.stops.read())
-                self._tell(partial(app.stop_typed, message))
-            else:
-                mark(message, app.stops.count)
-                others.append(message)
-        for message in others:
-            self.process_message(message)
+    def _stop(self, message: Message) -> None:
+        self._tell(partial(cast(SteadyApp, self._app).stop_typed, message))
 
     def _read(self) -> bytes:
         try:

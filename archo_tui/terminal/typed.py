@@ -7,9 +7,23 @@ the types that `prevent` names: the count goes along among them.
 
 from __future__ import annotations
 
-from typing import NamedTuple, cast
+from collections.abc import Callable, Iterable
+from typing import NamedTuple, Protocol, cast
 
 from textual.message import Message
+
+from archo_tui.robot.stops import Stops
+
+
+class Stopping(Protocol):
+    """What knows the key of STOP, and counts."""
+
+    def is_stop(self, message: Message) -> bool:
+        """True for the key of STOP. Any thread."""
+
+    @property
+    def stops(self) -> Stops:
+        """Counts what is read."""
 
 
 class Typed(NamedTuple):
@@ -27,3 +41,22 @@ def typed_after(message: Message) -> int | None:
     """The STOPs that had been read before what it comes from; None: nobody typed it."""
     found: set[object] = {*message._prevent}
     return min((one.stops for one in found if isinstance(one, Typed)), default=None)
+
+
+def hand_on(
+    messages: Iterable[Message],
+    app: Stopping,
+    stop: Callable[[Message], object],
+    other: Callable[[Message], object],
+) -> None:
+    """What was read at once: each with the count of STOPs before it, and STOP first of all."""
+    others = []
+    for message in messages:
+        if app.is_stop(message):
+            mark(message, app.stops.read())
+            stop(message)
+        else:
+            mark(message, app.stops.count)
+            others.append(message)
+    for message in others:
+        other(message)
