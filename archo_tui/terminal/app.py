@@ -162,6 +162,10 @@ class TerminalApp(App[None]):
             self.screen.refresh(layout=True)
             self.refresh()
 
+    def on_paste_cut(self) -> None:
+        text = "The paste was cut off: nothing of it was taken. Paste it again."
+        self.notify(text, severity="warning", markup=False)
+
     def hang_up(self) -> None:
         """The terminal is gone."""
         self._ending.begin(HANG_UP)

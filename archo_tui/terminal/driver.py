@@ -9,7 +9,6 @@ Tested against the pinned version in tests/test_terminal.py.
 
 from __future__ import annotations
 
-import codecs
 import contextlib
 import os
 import selectors
@@ -22,10 +21,11 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Protocol, cast
 
-from textual._xterm_parser import XTermParser
+from textual import constants
 from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
+from archo_tui.terminal.keyboard import Keyboard
 from archo_tui.terminal.typed import Stopping, hand_on
 
 assert sys.platform != "win32"  # Textual's own driver serves there
@@ -33,9 +33,9 @@ assert sys.platform != "win32"  # Textual's own driver serves there
 MAX_WAITING = 64 * 1024  # bytes, or two frames of a large terminal; one of 160 x 48 has 20,000
 _MARKS = 4096  # bytes of what stands around a frame
 _STOP_TIMEOUT = 0.5  # s that the end waits for a terminal that does not read
-_MARKER_WAIT = 0.5  # s that the rest of a paste's marker is waited for, over a slow link
-_PASTE_WAIT = 2.0  # s without input after which a paste is over whose end was lost
-_PASTE_BEGIN, _PASTE_END = "\x1b[200~", "\x1b[201~"
+_READ = 64 * 1024  # bytes that are read before they are handed on: some thousand mouse moves
+_POLL, _POLL_SOON = 0.1, 0.03  # s; soon while an escape may be a key
+_ALTERNATE_KEYS = "\x1b[=4;2u"  # added to what Textual asks of kitty's protocol, and ends with it
 
 
 class SteadyApp(Stopping, Protocol):
@@ -131,38 +131,6 @@ class Writer(threading.Thread):
         self.join(_STOP_TIMEOUT)
 
 
-class Markers:
-    """Keeps the marks around a paste whole; without its begin a paste would be keys, STOP too."""
-
-    def __init__(self) -> None:
-        self._begun = ""  # what may be the first part of a mark
-        self._pasting = False
-        self._heard = 0.0  # monotonic s
-
-    def take(self, text: str, now: float) -> str:
-        """What was read: all but what may be a part of a mark."""
-        self._heard = now
-        text = self._begun + text
-        lengths = range(len(_PASTE_BEGIN) - 1, 1, -1)  # escape alone is a key
-        endings = (text[-length:] for length in lengths)
-        marks = (_PASTE_BEGIN, _PASTE_END)
-        self._begun = next((e for e in endings if any(m.startswith(e) for m in marks)), "")
-        text = text[: len(text) - len(self._begun)]
-        if _PASTE_BEGIN in text or _PASTE_END in text:
-            self._pasting = text.rfind(_PASTE_BEGIN) > text.rfind(_PASTE_END)
-        return text
-
-    def late(self, now: float) -> str:
-        """What to read while nothing comes: a part of a mark that was none, the lost end."""
-        if self._begun and now - self._heard > _MARKER_WAIT:
-            text, self._begun = self._begun, ""
-            return text
-        if self._pasting and now - self._heard > _PASTE_WAIT:
-            self._pasting = False
-            return _PASTE_END
-        return ""
-
-
 class SteadyDriver(LinuxDriver):
     """Never blocks the loop, and knows when the terminal is gone."""
 
@@ -190,6 +158,8 @@ class SteadyDriver(LinuxDriver):
         self._modes = True
         # in the background it returns without having begun
         super().start_application_mode()  # type: ignore[no-untyped-call]
+        if not constants.DISABLE_KITTY_KEY:
+            self.write(_ALTERNATE_KEYS)
         self._started, self._modes = self._writer is not None, False
 
     def stop_application_mode(self) -> None:
@@ -211,32 +181,33 @@ class SteadyDriver(LinuxDriver):
 
     def run_input_thread(self) -> None:
         """Read keys until told to end, or until there is nothing to read from any more."""
-        parser, marked = XTermParser(self._debug), Markers()
+        keyboard = Keyboard(self._debug)
         app = cast(SteadyApp, self._app)
-        decode = codecs.getincrementaldecoder("utf-8")(errors="replace").decode
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():
-                if selector.select(0.1):
-                    data = self._read()
+                if selector.select(_POLL_SOON if keyboard.waiting else _POLL):
+                    data = self._read(selector)
                     if not data:
                         self._dead()
                         return
-                    text = marked.take(decode(data), time.monotonic())
+                    messages = keyboard.take(data, time.monotonic())
                 else:
-                    text = marked.late(time.monotonic())
-                # of nothing the parser would think that it is the end
-                messages = [*(parser.feed(text) if text else ()), *parser.tick()]
+                    messages = keyboard.late(time.monotonic())
                 hand_on(messages, app, self._stop, self.process_message)
 
     def _stop(self, message: Message) -> None:
         self._tell(partial(cast(SteadyApp, self._app).stop_typed, message))
 
-    def _read(self) -> bytes:
-        try:
-            return os.read(self.fileno, 4096)
-        except OSError:
-            return b""
+    def _read(self, selector: selectors.BaseSelector) -> bytes:
+        """All that is there, within bounds; a terminal hands out a few thousand bytes at once."""
+        data = b""
+        with contextlib.suppress(OSError):
+            while part := os.read(self.fileno, _READ - len(data)):
+                data += part
+                if len(data) == _READ or not selector.select(0):
+                    break
+        return data
 
     def _dead(self) -> None:
         self.exit_event.set()

@@ -1,0 +1,25 @@
+"""What a terminal sends that is no key: what Textual reads of it, and what is dropped."""
+
+from __future__ import annotations
+
+import re
+
+from archo_tui.terminal.mouse import REPORT
+
+# mouse, focus, size, modes, cursor: the forms that Textual's parser expects, and no longer ones
+FOR_TEXTUAL = re.compile(
+    rf"{REPORT.pattern}"
+    r"|\x1b\[\d{1,5};\d{1,5};\d{1,5}M"  # urxvt's mouse
+    r"|\x1b\[M[^\x00-\x1f]{3}"  # X10's
+    r"|\x1b\[48(?=.{1,28}\Z)(?:;[1-9]\d{0,3}(?::\d{1,5})?){2}(?:;\d{1,6}(?::\d{1,5})?){2}t"
+    r"|\x1b\[\?20(?:26|48);\d\$y"
+    r"|\x1b\[\d{1,5};\d{1,5}R"
+)
+# the control sequences that answer a question: attributes, modes, states, sizes
+ANSWER = re.compile(r"\x1b\[(?:[?>=][\d;]+[ -/]*[@-~]|[\d;]+(?:[cnRtx]|\$y))")
+# the start of a string that answers, without its escape: colours, clipboard, DCS reports, graphics
+ANSWERS = re.compile(r"\]\d+;|P(?:[>!]\||[01][+$]r)|_G")
+# what may become one, or is one that only its end tells: titles, PM, SOS
+_ANY = r"(?:\][lL]|[\^X])[^\x00-\x1f\x7f-\x9f]*"
+MAY_ANSWER = re.compile(rf"\]\d{{0,4}}|P[01>!]?|P[01][+$]|_|{_ANY}\x1b?")
+WHOLE_ANSWER = re.compile(rf"{_ANY}(?:\x07|\x9c|\x1b\\)")

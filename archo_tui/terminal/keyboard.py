@@ -1,0 +1,97 @@
+"""What a terminal sends, as Textual's messages: keys, pastes, the mouse; and never anything else.
+
+Textual's own parser (8.2.8) takes answers of the terminal for keys, and so it does with a sequence
+or a paste that comes in pieces; it eats the key behind an escape, and raises on some sequences.
+It only gets whole sequences of the forms that it knows, here.
+"""
+
+from __future__ import annotations
+
+from textual import events
+from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
+from textual._xterm_parser import XTermParser
+from textual.message import Message
+
+from archo_tui.terminal.answers import FOR_TEXTUAL
+from archo_tui.terminal.decoding import Decoder
+from archo_tui.terminal.keys import alt_key, keys_of
+from archo_tui.terminal.mouse import apart, last_moves
+from archo_tui.terminal.paste import Over, Paste, PasteCut
+from archo_tui.terminal.sequences import ESCAPE, PASTE_BEGIN, PASTE_END, PAUSE, Sequences
+
+
+class Keyboard:
+    """Takes bytes with the time they were read at; it reads no clock itself."""
+
+    def __init__(self, debug: bool = False) -> None:
+        self._debug = debug
+        self._parser = XTermParser(debug)
+        self._decoder = Decoder()
+        self._sequences = Sequences()
+        self._paste: Paste | None = None
+        self._heard = 0.0  # monotonic s
+
+    @property
+    def waiting(self) -> bool:
+        """True while silence would soon tell something, like what an escape means."""
+        return self._sequences.waiting or (self._paste is not None and self._paste.waiting)
+
+    def take(self, data: bytes, now: float) -> list[Message]:
+        """What was read at once: all that was there."""
+        messages = self.late(now)
+        text = self._decoder.decode(data, after_a_pause=now - self._heard >= PAUSE)
+        self._heard = now
+        return messages + self._read(last_moves(text), now)
+
+    def late(self, now: float) -> list[Message]:
+        """What silence tells; to be called while nothing comes."""
+        messages: list[Message] = []
+        if self._paste is not None:
+            if self._paste.breaks(now):
+                messages.append(PasteCut())
+            if over := self._paste.late(now):
+                messages += self._after(over, self._heard)
+        return messages + self._messages(self._sequences.late(now))
+
+    def _read(self, text: str, now: float) -> list[Message]:
+        messages: list[Message] = []
+        while text:
+            if self._paste is not None:
+                inside, mark, behind = text.partition(PASTE_END)
+                reports, inside = apart(inside)  # a mouse moves while a paste has stalled
+                text = inside + mark + behind
+                over = self._paste.take(text, now) if text else None
+                return self._messages(reports) + (self._after(over, now) if over else [])
+            pieces, text = self._sequences.cut(text, now)
+            messages += self._messages(pieces)
+            if pieces[-1:] == [PASTE_BEGIN]:
+                self._paste = Paste(now)
+        return messages
+
+    def _after(self, over: Over, now: float) -> list[Message]:
+        """What comes of a paste that is over, and of what was read behind it."""
+        self._paste = None
+        return ([over.message] if over.message else []) + self._read(over.rest, now)
+
+    def _messages(self, pieces: list[str]) -> list[Message]:
+        return [message for piece in pieces for message in self._of(piece)]
+
+    def _of(self, piece: str) -> list[Message]:
+        """What comes of a whole piece; of what is no key, and nothing for Textual, nothing does."""
+        if piece == ESCAPE:
+            return [events.Key("escape", ESCAPE)]
+        if len(piece) == 1 or FOR_TEXTUAL.fullmatch(piece):
+            return self._parse(piece)
+        keys = keys_of(piece)
+        # its table has characters for some: alt+1 is none
+        if len(piece) == 2 and not isinstance(ANSI_SEQUENCES_KEYS.get(piece), tuple):
+            keys = [alt_key(piece[1])]
+        return [*(keys or [])]
+
+    def _parse(self, piece: str) -> list[Message]:
+        """By Textual; whatever it stumbles over, the keys go on."""
+        try:
+            return list(self._parser.feed(piece))
+        except Exception:
+            self._parser = XTermParser(self._debug)
+            return []
