@@ -287,8 +287,9 @@ class AlarmBoard:
         known = self._alarms.get(alarm.name, alarm)._replace(reason=reason)
         if known.state == State.SHELVED:
             return self._change(known, Change.UNSHELVE, now)
-        ends = {"shelf_ends": monotonic + SHELF_TIME, "shelved_until": now + SHELF_TIME}
-        return self._change(known._replace(**ends), Change.SHELVE, now)
+        ends, until = monotonic + SHELF_TIME, now + SHELF_TIME
+        shelved = known._replace(shelf_ends=ends, shelved_until=until)
+        return self._change(shelved, Change.SHELVE, now)
 
     def all(self) -> tuple[Alarm, ...]:
         """Unacknowledged first, then active, then by priority; shelved last."""

@@ -107,6 +107,8 @@ async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
             ("0", "Shelf: at least 1, not 0"),
             ("99999999999", "Shelf: at most 2147483647, not 99999999999"),
             ("９", "Shelf: not a whole number: ９"),
+            ("1_2", "Shelf: not a whole number: 1_2"),
+            ("٣", "Shelf: not a whole number: ٣"),
         ):
             op.app.query_one("#goal-0", Input).value = typed
             await op.press("enter")
