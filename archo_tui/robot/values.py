@@ -6,7 +6,7 @@ import math
 import re
 from typing import Any
 
-# as people write them: Python's own int() and float() also take `1_2` and the digits of every script
+# as people write them: int() and float() also take `1_2`, and the digits of every script
 _WHOLE = re.compile(r"[+-]?[0-9]+")
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 _DIGITS = 30  # more than any type has room for: what follows makes no number fit

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import re
 
+import pytest
+from textual import events
 from textual.widgets import Input
 
 from archo_tui.paths import journal_file
@@ -175,3 +177,38 @@ async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
     assert [e["text"] for e in kept if e["kind"] == "goal"] == [
         "shelf 12 arrived: Arrived at shelf 12"
     ]
+
+
+@pytest.mark.parametrize("typed", ["1ox5", "o15", "1r", "1rcq", "12s", "0x10", "15a", "1_2"])
+@pytest.mark.parametrize("together", [True, False])
+async def test_letters_in_a_number_are_shown_and_refused_not_dropped_or_done(
+    typed: str, together: bool
+) -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        if together:  # in one write: a letter is read before the digit ahead of it is in the field
+            op.send(*typed, "enter")
+        else:
+            await op.press(*typed, "enter")
+        await op.until(f"Shelf: not a whole number: {typed}")
+        assert op.app.query_one("#goal-0", Input).value == typed
+        await op.press("backspace", "r")  # what was refused can be mended, and is still text
+        assert op.app.query_one("#goal-0", Input).value == f"{typed[:-1]}r"
+        assert op.app.screen is op.app.main
+        assert op.app.view.snapshot.goal is None
+        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
+
+
+async def test_a_letter_behind_a_paste_in_one_write_is_text() -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        op.app.post_message(events.Paste("12"))
+        op.send("r", "enter")
+        await op.until("Shelf: not a whole number: 12r")
+
+
+async def test_a_field_that_was_emptied_takes_commands_again() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", "1", "r", "backspace", "backspace", "c")
+        await op.until("charge: Charging")
+        assert op.app.query_one("#goal-0", Input).value == ""
