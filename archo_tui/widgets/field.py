@@ -89,7 +89,8 @@ class Field(Input):
 
     def answered(self) -> None:
         """Whoever heard that it was submitted has cleared it, or has not."""
-        self._coming -= 1
+        if self._takes:
+            self._coming -= 1
 
     async def _on_key(self, event: events.Key) -> None:
         if event.key in ("up", "down"):
