@@ -205,16 +205,3 @@ async def test_quitting_cancels_a_goal_that_is_accepted_after_the_question() -> 
         await op.press("g", *"12", "enter", "q", "tab", "enter")
         await op.until(lambda: not op.app.is_running)
         assert (made[0].goals, made[0].cancelled) == ([12], 1)
-
-
-@pytest.mark.parametrize("turns", [0, 2, 5, 10, 20])
-async def test_quitting_right_behind_enter_leaves_no_goal_running(turns: int) -> None:
-    made: list[Late] = []
-    async with console(node_makers=[maker(made)], wait=False) as op:
-        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
-        op.send("g", *"12", "enter")
-        for _ in range(turns):  # of the screen's tasks
-            await asyncio.sleep(0)
-        op.send("q", "right", "enter")  # it is asked about once it is seen
-        await op.until(lambda: not op.app.is_running)
-        assert made[0].cancelled == len(made[0].goals)
