@@ -168,6 +168,17 @@ def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
     assert shown(board).startswith("▲ was: STOPPED, since ")
 
 
+def test_an_alarm_that_stands_comes_before_a_graver_one_that_is_over() -> None:
+    board = AlarmBoard()
+    board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 0, 100)
+    board.update({STOPPED: "STOPPED: look"}, 1, 101)
+    assert [(alarm.name, alarm.is_over) for alarm in board.all()] == [
+        (STOPPED, False),
+        (CONTACT_LOST, True),
+    ]
+    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
+
+
 def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
     board = AlarmBoard()
     board.update({STOPPED: "stop"}, 0, 100)

@@ -10,6 +10,7 @@ from textual import events
 from textual.widgets import Input
 
 from archo_tui.paths import journal_file
+from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, console
 
 
@@ -212,3 +213,17 @@ async def test_a_field_that_was_emptied_takes_commands_again() -> None:
         await op.press("g", "1", "r", "backspace", "backspace", "c")
         await op.until("charge: Charging")
         assert op.app.query_one("#goal-0", Input).value == ""
+
+
+async def test_a_held_ctrl_c_cancels_once_and_then_says_nothing() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("m left of")
+        begin = seconds()
+        for number in range(60):  # as a keyboard repeats
+            await op.at(begin + 0.03 * number)
+            op.send("ctrl+c")
+        await op.until("✗ CANCELLED")
+        assert "No goal is running" not in op.text
+        said = [event.text for event in op.app.view.snapshot.events if event.level == "YOU"]
+        assert said.count("cancel: cancelling") == len(said) - 1 == 1  # and that it was sent
