@@ -219,7 +219,7 @@ FAULTS = [
     Fault("robot/values.py", "if not _NUMBER.fullmatch(text.strip()):", "if False:", ROBOT + "/test_forms.py"),
     Fault("robot/values.py", 'lstrip("+-0")', 'lstrip("+-")', ROBOT + "/test_forms.py"),
     Fault("widgets/field.py", "return self._will_hold if self._coming else", "return", CONSOLE + "/test_field.py"),
-    Fault("widgets/field.py", "            self._coming += 1  # until `answered`\n", "            pass\n", CONSOLE + "/test_field.py"),
+    Fault("widgets/field.py", "                self._will_hold = False\n", "                pass\n", CONSOLE + "/test_field.py"),
     Fault("widgets/field.py", "return self._holds_text or", "return", CONSOLE + "/test_goals.py"),
     Fault("cli.py", ', "stderr": sys.__stderr__}', "}", "tests/test_cli.py"),
     Fault("shutdown.py", "goal.phase == Phase.SENT:", "False:", "tests/test_shutdown.py"),

@@ -125,7 +125,8 @@ async def test_stopping_what_only_serves_stop_is_asked_about_in_a_move() -> None
         await op.press("escape")
         await select(op, "/brake")
         await op.press("s")
-        await op.until("brake serves emergency_stop")
+        await op.until("and /brake serves")
+        await op.until("emergency_stop. Stop the node?")
         await op.press("enter")  # the safe answer
         await op.settle()
         assert "stopped by you" not in op.text
