@@ -44,6 +44,7 @@ class Change(Enum):
     ACKNOWLEDGE = "acknowledge"
     SHELVE = "shelve"
     UNSHELVE = "unshelve"  # by the operator, or because its time is over
+    REPLACED = "replaced"  # by a graver alarm of the same cause
 
 
 _NORMAL, _UNSEEN, _SEEN = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
@@ -55,8 +56,10 @@ TRANSITIONS: dict[tuple[State, Change], State] = {
     (_UNSEEN, Change.CLEARED): _OVER,
     (_UNSEEN, Change.ACKNOWLEDGE): _SEEN,
     (_UNSEEN, Change.SHELVE): _SHELVED,
+    (_UNSEEN, Change.REPLACED): _NORMAL,
     (_SEEN, Change.CLEARED): _NORMAL,
     (_SEEN, Change.SHELVE): _SHELVED,
+    (_SEEN, Change.REPLACED): _NORMAL,
     (_OVER, Change.RAISED): _UNSEEN,
     (_OVER, Change.ACKNOWLEDGE): _NORMAL,
     (_OVER, Change.SHELVE): _SHELVED,
@@ -67,7 +70,9 @@ CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "batter
 STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
 WORD, MIXED, TWICE = "battery health", "several publishers", "name twice"
 SILENT, UNWRITTEN, GAUGE = "motor silent", "journal not written", "gauge"
+OUTLIVED = "moves after stop"
 _PRIORITIES = {
+    OUTLIVED: Priority.HIGH,
     UNCONFIRMED: Priority.HIGH,
     CONTACT_LOST: Priority.HIGH,
     EMPTY: Priority.HIGH,
@@ -96,14 +101,15 @@ SHELF_TIME = 600.0  # s
 
 
 class Alarm(NamedTuple):
-    """One alarm; `text` says what and what to do, `since` and `until` are Unix times."""
+    """One alarm; `text` says what and what to do. Times are Unix times, but for `shelf_ends`."""
 
     name: str  # its kind, and of which node where there are several
     text: str
     since: float
     state: State = State.UNACKNOWLEDGED
     until: float | None = None  # when its condition was over
-    shelved_until: float | None = None
+    shelved_until: float | None = None  # as a time of day, for people
+    shelf_ends: float | None = None  # monotonic s: a clock that is set must not silence it longer
     reason: str = ""  # why it was shelved
 
     @property
@@ -161,6 +167,12 @@ def conditions(
         waited = now - snapshot.stop_asked
         found[UNCONFIRMED] = (
             f"STOP SENT, no answer for {waited:.0f} s (not confirmed by the robot): "
+            "use the hardware stop"
+        )
+    if snapshot.outlived:
+        runs = "RUNS" if len(snapshot.outlived) == 1 else "RUN"
+        found[OUTLIVED] = (
+            f"STOP WAS ANSWERED, BUT {', '.join(snapshot.outlived)} STILL {runs}: "
             "use the hardware stop"
         )
     if unwritten:
@@ -235,8 +247,12 @@ class AlarmBoard:
         """Take the conditions that hold now (`conditions`); `now` is a Unix time."""
         changed: list[Alarm] = []
         for alarm in list(self._alarms.values()):
-            if alarm.shelved_until is not None and now >= alarm.shelved_until:
+            if alarm.shelf_ends is not None and monotonic >= alarm.shelf_ends:
                 changed += self._change(alarm, Change.UNSHELVE, now)
+            elif alarm.shelf_ends is not None:
+                until = now + alarm.shelf_ends - monotonic
+                if abs(until - (alarm.shelved_until or 0.0)) > 1.0:  # the time of day was set
+                    self._alarms[alarm.name] = alarm._replace(shelved_until=until)
         self._pending = {name: self._pending.get(name, monotonic) for name in found}
         for name, text in found.items():
             known = self._alarms.get(name)
@@ -245,8 +261,15 @@ class AlarmBoard:
             elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
                 raised = known or Alarm(name, text, now, State.NORMAL)
                 changed += self._change(raised._replace(text=text), Change.RAISED, now)
+        low = self._alarms.get(LOW)
+        if low is not None and low.is_over and EMPTY in found and not self._stands(EMPTY):
+            changed += self._change(low, Change.RAISED, now)  # until it is sure that it is empty
         for alarm in list(self._alarms.values()):
             if alarm.name in found or alarm.is_over:
+                continue
+            if alarm.name == LOW and EMPTY in found:  # one cause, one alarm, and no gap between
+                if self._stands(EMPTY):
+                    changed += self._change(alarm, Change.REPLACED, now)
                 continue
             if CONTACT_LOST in found and _kind(alarm.name) in _HEARD:
                 text = alarm.text.removesuffix(_LAST_KNOWN) + _LAST_KNOWN
@@ -259,26 +282,32 @@ class AlarmBoard:
         """Somebody has seen it."""
         return self._change(self._alarms.get(alarm.name, alarm), Change.ACKNOWLEDGE, now)
 
-    def shelve(self, alarm: Alarm, now: float, reason: str = "") -> list[Alarm]:
+    def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
         """Silence it for SHELF_TIME, or take it off the shelf."""
         known = self._alarms.get(alarm.name, alarm)._replace(reason=reason)
-        change = Change.UNSHELVE if known.state == State.SHELVED else Change.SHELVE
-        return self._change(known, change, now)
+        if known.state == State.SHELVED:
+            return self._change(known, Change.UNSHELVE, now)
+        ends, until = monotonic + SHELF_TIME, now + SHELF_TIME
+        shelved = known._replace(shelf_ends=ends, shelved_until=until)
+        return self._change(shelved, Change.SHELVE, now)
 
     def all(self) -> tuple[Alarm, ...]:
         """Unacknowledged first, then active, then by priority; shelved last."""
         return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
 
+    def _stands(self, name: str) -> bool:
+        return name in self._alarms and not self._alarms[name].is_over
+
     def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
         state = TRANSITIONS.get((alarm.state, change), alarm.state)
         new = alarm._replace(state=state)
-        if change == Change.CLEARED:
+        if change in (Change.CLEARED, Change.REPLACED):
             new = new._replace(until=now)
         elif change == Change.RAISED:
             since = alarm.since if alarm.state == State.SHELVED else now
             new = new._replace(since=since, until=None)
-        shelved = alarm.shelved_until if alarm.state == State.SHELVED else now + SHELF_TIME
-        new = new._replace(shelved_until=shelved if state == State.SHELVED else None)
+        if state != State.SHELVED:
+            new = new._replace(shelf_ends=None, shelved_until=None)
         if state == State.NORMAL:
             self._alarms.pop(alarm.name, None)
         else:
@@ -287,21 +316,21 @@ class AlarmBoard:
 
 
 class Ringer:
-    """Says of which alarms somebody is to be told: grave ones, each once while it stands."""
+    """Says of which alarms somebody is to be told: grave ones, once each time that they come."""
 
     def __init__(self) -> None:
-        self._told: set[str] = set()
+        self._told: set[tuple[str, float]] = set()  # name, and since when
 
     def news(self, alarms: Iterable[Alarm]) -> list[Alarm]:
         """Those of all the alarms that are new and grave."""
-        standing = {alarm.name: alarm for alarm in alarms}
+        standing = {(alarm.name, alarm.since): alarm for alarm in alarms}
         self._told &= standing.keys()
-        found = [
-            alarm
-            for name, alarm in standing.items()
+        found = {
+            which: alarm
+            for which, alarm in standing.items()
             if alarm.priority == Priority.HIGH
             and alarm.state == State.UNACKNOWLEDGED
-            and name not in self._told
-        ]
-        self._told.update(alarm.name for alarm in found)
-        return found
+            and which not in self._told
+        }
+        self._told |= found.keys()
+        return list(found.values())

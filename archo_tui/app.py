@@ -269,7 +269,7 @@ class ArchoApp(TerminalApp):
     def _is_text(self, command: Command, field: Input) -> bool:
         """True when the command's key is text, or moves or edits, in the field."""
         key = self._shown_keys[command.id]
-        return not isinstance(field, Field) or len(key) > 1 or field.takes(key)
+        return not isinstance(field, Field) or len(key) > 1 or field.is_text(key)
 
     def _command(self, name: str) -> Command:
         return next(c for c in self.registry if c.id == name)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
+from archo_tui.robot.state import Goal, Phase
 from archo_tui.system import END_SIGNALS
 
 if TYPE_CHECKING:
@@ -21,24 +22,37 @@ _LOOK = 0.02  # s between two looks at a goal that is being cancelled
 
 
 async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
-    """Cancel the running goal and wait for its end, or leave it running; the events say which."""
-    goal = robot.snapshot.goal
-    if goal is None or not goal.is_running or not goal.mine:
-        return  # another client's is not ours to end
-    if on_disconnect == LEAVE:
-        robot.note("WARN", "console", f"{why}: the goal to {goal.name} is left running")
-        return
-    robot.note("WARN", "console", f"{why}: cancelling the goal to {goal.name}")
+    """Send no more goals, and cancel the running one and wait for its end, or leave it running.
+
+    The events say which.
+    """
     try:
-        await clock.wait_for(_cancel(robot, clock), WAIT)
+        await clock.wait_for(_let_go(robot, clock, on_disconnect, why), WAIT)
     except TimeoutError:
         robot.note("ERROR", "console", f"no answer in {WAIT:g} s: the goal may be running")
 
 
-async def _cancel(robot: Robot, clock: Clock) -> None:
-    outcome = await robot.cancel()
-    while outcome.ok and robot.snapshot.goal is not None and robot.snapshot.goal.is_running:
+async def _let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
+    await robot.send_no_more()  # whatever has left is in the snapshot from here on
+    goal = _ours(robot)
+    if goal is None:
+        return
+    if on_disconnect == LEAVE:
+        robot.note("WARN", "console", f"{why}: the goal to {goal.name} is left running")
+        return
+    robot.note("WARN", "console", f"{why}: cancelling the goal to {goal.name}")
+    while goal is not None and goal.phase == Phase.SENT:  # none is cancelled before its acceptance
         await clock.sleep(_LOOK)
+        goal = _ours(robot)
+    outcome = None if goal is None else await robot.cancel()
+    while outcome is not None and outcome.ok and _ours(robot) is not None:
+        await clock.sleep(_LOOK)
+
+
+def _ours(robot: Robot) -> Goal | None:
+    """The goal that runs; another client's is not ours to end."""
+    goal = robot.snapshot.goal
+    return goal if goal is not None and goal.is_running and goal.mine else None
 
 
 class Shutdown:

@@ -161,7 +161,8 @@ class Station:
 
     def shelve(self, alarm: Alarm, reason: str = "") -> None:
         """Silence an alarm for a while and say why, or take it off the shelf."""
-        self._record(self._board.shelve(alarm, self.clock.now(), reason))
+        times = self.clock.monotonic(), self.clock.now()
+        self._record(self._board.shelve(alarm, *times, reason))
         self.view = self._view()
 
     async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:

@@ -11,6 +11,7 @@ from archo_tui.alarms import (
     CRASHED,
     EMPTY,
     LOW,
+    OUTLIVED,
     SHELF_TIME,
     SILENT,
     STOPPED,
@@ -18,11 +19,14 @@ from archo_tui.alarms import (
     UNCONFIRMED,
     AlarmBoard,
     Change,
+    Ringer,
     State,
     conditions,
 )
+from archo_tui.clock import time_of_day
 from archo_tui.history import History
 from archo_tui.robot.state import Hosted, Life
+from archo_tui.screens.alarms import alarm_lines
 from archo_tui.station import View
 from archo_tui.widgets.bars import banner, header
 from tests.console.states import BATTERY, MOTOR, NORMAL, STATES
@@ -54,6 +58,24 @@ def test_a_crashed_node_is_an_alarm_of_its_own() -> None:
     assert list(conditions(NORMAL, NOW, hosted)) == [f"{CRASHED} /a"]
 
 
+@pytest.mark.parametrize(
+    ("goals", "said"),
+    [
+        (("shelf 12",), "shelf 12 STILL RUNS: use the hardware stop"),
+        (("shelf 12", "another client's goal"), "shelf 12, another client's goal STILL RUN: "),
+    ],
+)
+def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
+    goals: tuple[str, ...], said: str
+) -> None:
+    board = AlarmBoard()
+    found = conditions(NORMAL._replace(outlived=goals, stop_asked=NOW - 3), NOW)
+    board.update(found, 0, 100)
+    board.update(found, 3, 103)
+    assert [alarm.name for alarm in board.all()] == [OUTLIVED, UNCONFIRMED]
+    assert shown(board).startswith(f"✗ STOP WAS ANSWERED, BUT {said}")
+
+
 def test_lost_contact_hides_what_was_last_heard() -> None:
     snapshot = NORMAL._replace(
         battery=BATTERY._replace(health="warning", received=NOW - 9),
@@ -67,8 +89,8 @@ N, U, A = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
 O, S = State.OVER, State.SHELVED  # noqa: E741
 TABLE = {
     N: {Change.RAISED: U},
-    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S},
-    A: {Change.CLEARED: N, Change.SHELVE: S},
+    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S, Change.REPLACED: N},
+    A: {Change.CLEARED: N, Change.SHELVE: S, Change.REPLACED: N},
     O: {Change.RAISED: U, Change.ACKNOWLEDGE: N, Change.SHELVE: S},
     S: {Change.UNSHELVE: N},
 }
@@ -89,7 +111,7 @@ def reach(state: State) -> AlarmBoard:
     if state == State.ACKNOWLEDGED:
         board.acknowledge(board.all()[0], 100)
     if state == State.SHELVED:
-        board.shelve(board.all()[0], 100)
+        board.shelve(board.all()[0], 0, 100)
     if state == State.OVER:
         board.update({}, 1, 101)
     return board
@@ -101,6 +123,8 @@ def test_the_board_keeps_to_the_machine(state: State) -> None:
         return board.all()[0].state if board.all() else State.NORMAL
 
     for change, after in TABLE[state].items():
+        if change == Change.REPLACED:
+            continue  # of a low battery only: see there
         board = reach(state)
         assert now(board) == state
         if change == Change.RAISED:
@@ -110,7 +134,7 @@ def test_the_board_keeps_to_the_machine(state: State) -> None:
         elif change == Change.ACKNOWLEDGE:
             changed = board.acknowledge(board.all()[0], 102)
         else:
-            changed = board.shelve(board.all()[0], 102)
+            changed = board.shelve(board.all()[0], 2, 102)
         assert now(board) == after, change
         assert [alarm.state for alarm in changed] == [after]
 
@@ -133,7 +157,7 @@ def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
     assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
     board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 3, 103)
     assert shown(board) == "▲ STOPPED: look (last known)   +1 more   (a acknowledge)"
-    board.shelve(next(alarm for alarm in board.all() if alarm.name == STOPPED), 104)
+    board.shelve(next(alarm for alarm in board.all() if alarm.name == STOPPED), 4, 104)
     assert shown(board) == "✗ CONTACT LOST: wait   shelved: stopped"
 
 
@@ -142,6 +166,17 @@ def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
     board.update({STOPPED: "STOPPED: look"}, 0, 100)
     board.update({}, 1, 101)
     assert shown(board).startswith("▲ was: STOPPED, since ")
+
+
+def test_an_alarm_that_stands_comes_before_a_graver_one_that_is_over() -> None:
+    board = AlarmBoard()
+    board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 0, 100)
+    board.update({STOPPED: "STOPPED: look"}, 1, 101)
+    assert [(alarm.name, alarm.is_over) for alarm in board.all()] == [
+        (STOPPED, False),
+        (CONTACT_LOST, True),
+    ]
+    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
 
 
 def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
@@ -192,9 +227,21 @@ def test_the_text_follows_without_a_new_alarm() -> None:
 
 def test_a_shelved_alarm_comes_back_after_its_time_if_it_still_holds() -> None:
     board = reach(State.SHELVED)
-    board.update({STOPPED: "stop"}, 5, 100 + SHELF_TIME - 1)
+    board.update({STOPPED: "stop"}, SHELF_TIME - 1, 100 + SHELF_TIME - 1)
     assert [alarm.state for alarm in board.all()] == [State.SHELVED]
-    board.update({STOPPED: "stop"}, 6, 100 + SHELF_TIME)
+    board.update({STOPPED: "stop"}, SHELF_TIME, 100 + SHELF_TIME)
+    assert [alarm.state for alarm in board.all()] == [State.UNACKNOWLEDGED]
+
+
+@pytest.mark.parametrize("by", [-90_000, 90_000])
+def test_a_clock_that_is_set_leaves_an_alarm_shelved_for_its_time(by: int) -> None:
+    board = reach(State.SHELVED)
+    board.update({STOPPED: "stop"}, SHELF_TIME - 60, 100 + by + SHELF_TIME - 60)
+    (shelved,) = board.all()
+    assert shelved.state == State.SHELVED
+    lines = [text for text, _ in alarm_lines(shelved, 80, ())]
+    assert f"until {time_of_day(100 + by + SHELF_TIME)}" in lines[0]
+    board.update({STOPPED: "stop"}, SHELF_TIME, 100 + by + SHELF_TIME)
     assert [alarm.state for alarm in board.all()] == [State.UNACKNOWLEDGED]
 
 
@@ -204,7 +251,7 @@ def test_a_shelved_alarm_that_is_over_goes_after_its_time() -> None:
     assert [alarm.state for alarm in board.all()] == [State.SHELVED]
     board.update({STOPPED: "again"}, 6, 106)  # does not disturb
     board.update({}, 7, 107)
-    board.update({}, 8, 100 + SHELF_TIME)
+    board.update({}, SHELF_TIME, 100 + SHELF_TIME)
     assert board.all() == ()
 
 
@@ -225,3 +272,57 @@ def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
     assert "▲ motor_status silent, 4 s" in header(view, 80).plain
     assert "online" not in header(view, 80).plain
     assert "● online" in header(view._replace(snapshot=NORMAL), 80).plain
+
+
+def test_a_low_battery_stays_an_alarm_until_it_counts_as_empty() -> None:
+    board = AlarmBoard()
+    low, empty = {LOW: "LOW BATTERY 0.1 %: dock"}, {EMPTY: "BATTERY EMPTY: charge it"}
+    board.update(low, 0, 100)
+    board.update(low, 2, 102)
+    board.acknowledge(board.all()[0], 103)
+    for later in (3, 4):
+        board.update(empty, later, 100 + later)
+        assert [(alarm.name, alarm.is_over) for alarm in board.all()] == [(LOW, False)]
+    changed = board.update(empty, 5, 105)
+    assert [alarm.name for alarm in board.all()] == [EMPTY]
+    assert [(alarm.name, alarm.state) for alarm in changed] == [
+        (EMPTY, State.UNACKNOWLEDGED),
+        (LOW, State.NORMAL),
+    ]
+
+
+def test_a_low_battery_that_was_over_is_one_again_when_it_falls_empty() -> None:
+    board = AlarmBoard()
+    low, empty = {LOW: "LOW BATTERY 0.1 %: dock"}, {EMPTY: "BATTERY EMPTY: charge it"}
+    board.update(low, 0, 100)
+    board.update(low, 2, 102)
+    board.update({}, 3, 103)  # it is being charged
+    assert shown(board).startswith("▲ was: LOW BATTERY")
+    board.update(empty, 4, 104)
+    assert shown(board).startswith("▲ LOW BATTERY 0.1 %")
+    board.update(empty, 6, 106)
+    assert [alarm.name for alarm in board.all()] == [EMPTY]
+
+
+@pytest.mark.parametrize("acknowledged", [True, False])
+def test_a_grave_alarm_that_comes_again_rings_again(acknowledged: bool) -> None:
+    board, ringer = AlarmBoard(), Ringer()
+    board.update({CONTACT_LOST: "lost"}, 0, 100)
+    assert len(ringer.news(board.all())) == 1
+    if acknowledged:
+        board.acknowledge(board.all()[0], 101)
+    board.update({CONTACT_LOST: "lost for 2 s"}, 2, 102)
+    assert ringer.news(board.all()) == []
+    board.update({}, 3, 103)
+    board.update({CONTACT_LOST: "lost"}, 4, 104)  # before anybody looked
+    assert [alarm.name for alarm in ringer.news(board.all())] == [CONTACT_LOST]
+
+
+def test_a_grave_alarm_whose_shelf_ends_while_it_holds_rings_again() -> None:
+    board, ringer = AlarmBoard(), Ringer()
+    board.update({CONTACT_LOST: "lost"}, 0, 100)
+    assert len(ringer.news(board.all())) == 1
+    board.shelve(board.all()[0], 1, 101, "a test")
+    for later, rings in ((2, 0), (SHELF_TIME, 0), (SHELF_TIME + 1, 1), (SHELF_TIME + 2, 0)):
+        board.update({CONTACT_LOST: "lost"}, later, 100 + later)
+        assert len(ringer.news(board.all())) == rings

@@ -157,6 +157,23 @@ def test_stdout_must_be_a_terminal_too() -> None:
     )
 
 
+def test_stderr_must_be_a_terminal_for_the_screen_is_drawn_there() -> None:
+    master, slave = pty.openpty()
+    command = [sys.executable, "-m", "archo_tui"]
+    try:
+        done = subprocess.run(
+            command, stdin=slave, stdout=slave, stderr=subprocess.PIPE, check=False, timeout=60
+        )
+    finally:
+        os.close(master)
+        os.close(slave)
+    assert done.returncode == 2
+    assert (
+        done.stderr
+        == b"archo-tui: stderr is not a terminal: run archo-tui in one, or use --plain\n"
+    )
+
+
 def test_a_missing_parameter_file(refused: Refused) -> None:
     said = refused("--params-file", "/no/such.yaml")
     assert said == "/no/such.yaml: cannot read the parameter file: No such file or directory"

@@ -133,6 +133,8 @@ async def test_what_cannot_be_done_is_one_line_and_exit_code_1() -> None:
     wrong = {
         "go 99": "failed: go: shelf 99 is not in 1 .. 40",
         "go there": "failed: go: Shelf: not a whole number: there",
+        "go 1_2": "failed: go: Shelf: not a whole number: 1_2",
+        "set motor_controller max_speed 1_0.5": "failed: set: not a number: 1_0.5",
         "go": "failed: go: Shelf: type a value",
         "jump": "failed: jump: no command 'jump' (help lists them)",
         "set motor_controller max_speed 9": "failed: set: allowed 0.05 .. 2, not 9",

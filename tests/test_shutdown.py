@@ -6,13 +6,21 @@ import asyncio
 from typing import Any
 
 import pytest
+from archo_interfaces.action import MoveToShelf
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
 
 from archo_tui.clock import Clock
-from archo_tui.robot.state import Outcome, Snapshot
+from archo_tui.robot.state import Outcome, Phase, Snapshot
 from archo_tui.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
 from tests.console.states import MOVING, NORMAL, STATES
 from tests.support import clock
-from tests.support.quiet import ended
+from tests.support.archo import go
+from tests.support.console import console
+from tests.support.quiet import ended, until
+from tests.support.robot import robot as robot_of
 
 
 class Robot:
@@ -25,6 +33,9 @@ class Robot:
 
     def note(self, level: str, source: str, text: str) -> None:
         self.said.append(f"{level} {text}")
+
+    async def send_no_more(self) -> None:
+        pass
 
     async def cancel(self) -> Outcome:
         self.cancelled = True
@@ -82,3 +93,115 @@ async def test_a_second_signal_does_not_begin_again() -> None:
         await asyncio.sleep(0)
     assert codes == [143]
     assert len(it.said) == 1
+
+
+class Late(Node):
+    """Answers to a goal after a while, and drives until it is cancelled."""
+
+    answer, end = GoalResponse.ACCEPT, "canceled"
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("late", **options)
+        self.goals: list[int] = []
+        self.cancelled = 0
+        self.group = ReentrantCallbackGroup()  # time passes while it makes up its mind
+        ActionServer(
+            self,
+            MoveToShelf,
+            "move_to_shelf",
+            self.execute,
+            goal_callback=self.on_goal,
+            cancel_callback=self.on_cancel,
+            callback_group=self.group,
+        )
+        self.create_timer(0.02, lambda: None)  # an awaited future is noticed when something wakes
+
+    async def on_goal(self, request: Any) -> GoalResponse:
+        self.goals.append(request.shelf_number)
+        passed: Future[bool] = Future()
+        timer = self.create_timer(0.3, lambda: passed.set_result(True), self.group)
+        await passed
+        timer.cancel()
+        return self.answer
+
+    def on_cancel(self, request: Any) -> CancelResponse:
+        self.cancelled += 1
+        self.ending.set_result(True)
+        return CancelResponse.ACCEPT
+
+    async def execute(self, goal: Any) -> Any:
+        self.ending: Future[bool] = Future()
+        await self.ending
+        getattr(goal, self.end)()
+        return MoveToShelf.Result(success=self.end == "succeed")
+
+
+def maker(made: list[Late], **changes: Any) -> Any:
+    """Makes a node that is changed so."""
+
+    def make(**options: Any) -> Node:
+        made.append(Late(**options))
+        for name, value in changes.items():
+            setattr(made[-1], name, value)
+        return made[-1]
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("answer", "phase", "cancelled"),
+    [(GoalResponse.ACCEPT, Phase.CANCELLED, 1), (GoalResponse.REJECT, Phase.REFUSED, 0)],
+)
+async def test_a_goal_that_is_not_accepted_yet_is_waited_for_and_cancelled(
+    answer: GoalResponse, phase: Phase, cancelled: int
+) -> None:
+    made: list[Late] = []
+    async with robot_of(maker(made, answer=answer)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        going = asyncio.ensure_future(go(it, 12))
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.SENT)
+        await ended(let_go(it, clock.current or Clock(), CANCEL, "ended by SIGTERM"))
+        assert it.snapshot.goal is not None
+        assert (it.snapshot.goal.phase, made[0].cancelled) == (phase, cancelled)
+        await ended(going)
+
+
+async def test_a_goal_that_has_not_left_yet_when_the_console_ends_never_does() -> None:
+    made: list[Late] = []
+    async with robot_of(maker(made)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        going = asyncio.ensure_future(go(it, 12))
+        await ended(let_go(it, clock.current or Clock(), CANCEL, "ended by SIGTERM"))
+        await ended(going)
+        assert len(made[0].goals) == made[0].cancelled
+        assert (await ended(go(it, 7))).text == "not sent: the console ends"
+        assert 7 not in made[0].goals
+
+
+@pytest.mark.parametrize("keys", [[], ["q", "tab", "enter"]])
+async def test_a_goal_that_arrives_as_the_console_ends_is_the_last_that_is_sent(
+    keys: list[str],
+) -> None:
+    made: list[Late] = []
+    async with console(node_makers=[maker(made, end="succeed")], wait=False) as op:
+        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+        await op.press("g", *"12 7", "enter")
+        await op.until("MOVING to 12")
+        if keys:
+            await op.press(*keys)
+        else:
+            op.app._ending.begin(143)
+        await op.until(lambda: not op.app.is_running)
+        assert made[0].goals == [12]
+        goal = op.session.robot.snapshot.goal
+        assert goal is not None
+        assert (goal.target, goal.phase) == ("12", Phase.ARRIVED)
+
+
+async def test_quitting_cancels_a_goal_that_is_accepted_after_the_question() -> None:
+    made: list[Late] = []
+    async with console(node_makers=[maker(made)], wait=False) as op:
+        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+        await op.press("g", *"12", "enter", "q", "tab", "enter")
+        await op.until(lambda: not op.app.is_running)
+        assert (made[0].goals, made[0].cancelled) == ([12], 1)

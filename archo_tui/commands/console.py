@@ -117,14 +117,13 @@ class Quit(Command):
     id, key, footer = "quit", "q", "Quit"
     help = "Quit; while a goal runs asks, and cancels it first"
 
-    def run(self, console: Console) -> None:
+    def run(self, console: Console) -> Work | None:
         goal, station = console.view.snapshot.goal, console.station
         if goal is None or not goal.is_running:
-            console.leave()
-            return
+            return self._end(console, station.on_disconnect)  # one may be on its way to the robot
         if not goal.mine:
             self._leave_another(console)
-            return
+            return None
         answers = ["Stay", "Cancel it and quit"]
         if station.attached:
             answers.append("Leave it running and quit")
@@ -132,13 +131,15 @@ class Quit(Command):
         def then(answer: str) -> Work | None:
             if answer == answers[0]:
                 return None
-            return end(CANCEL if answer == answers[1] else LEAVE)
-
-        async def end(choice: str) -> None:
-            await let_go(station.robot, station.clock, choice, "quit")
-            console.leave()
+            return self._end(console, CANCEL if answer == answers[1] else LEAVE)
 
         console.ask(Confirm("Quit", f"The robot is {way(goal)}.", *answers), then)
+        return None
+
+    async def _end(self, console: Console, choice: str) -> None:
+        station = console.station
+        await let_go(station.robot, station.clock, choice, "quit")
+        console.leave()
 
     def _leave_another(self, console: Console) -> None:
         """Another client's goal is not ours to end, but our nodes may be driving it."""
@@ -146,9 +147,9 @@ class Quit(Command):
         what = "it keeps running" if attached else "the nodes of this console would end with it"
         question = Confirm("Quit", f"Another client's goal is running: {what}.", "Stay", "Quit")
 
-        def then(answer: str) -> None:
-            if answer == "Quit":
-                console.leave()
+        def then(answer: str) -> Work | None:
+            wanted = answer == "Quit"
+            return self._end(console, console.station.on_disconnect) if wanted else None
 
         console.ask(question, then)
 

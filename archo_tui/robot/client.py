@@ -191,6 +191,14 @@ class Robot:
 
         return await self._do(title, self._offers.goal_command(kind, values), go)
 
+    async def send_no_more(self) -> None:
+        """The console ends: goals that have not left yet never do."""
+
+        async def there() -> None:
+            self._goals.are_over = True
+
+        await self._thread.run(there, services.DEADLINE)
+
     async def call(self, service: str, type_name: str, values: Mapping[str, Any]) -> Outcome:
         """Call any service, with values by dotted path; the outcome holds what it answered."""
         srv_type = interfaces.load(type_name)

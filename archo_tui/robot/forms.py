@@ -13,9 +13,10 @@ from archo_tui.robot.values import parse_bool, parse_integer, parse_number, text
 from archo_tui.robots.model import Input
 
 _INTEGER = re.compile(r"(u?)int(8|16|32|64)")
+_ARRAY = re.compile(r"sequence<(.+?)(?:, *\d+)?>|(.+)\[\d+\]")
 _SHOWN = 20  # characters of a wrong text that are shown
 _LONGEST = 10_000  # characters of a typed value
-_DIGITS = 30  # more than any type has room for: what follows makes it no smaller
+_FARTHEST = 10**30  # beyond every type's range, which is said by itself
 
 
 def is_integer(leaf: Leaf) -> bool:
@@ -102,28 +103,29 @@ def _value(leaf: Leaf, text: str) -> Any:
     if len(text) > _LONGEST:
         raise ValueError
     if is_list(leaf):
-        return _list(text)
+        return _list(leaf, text)
     if "string" in leaf.type:
         return text
     stripped = text.strip()
     if leaf.type == "boolean":
         return parse_bool(stripped)
     if is_integer(leaf):
-        first, rest = stripped[:_DIGITS], stripped[_DIGITS:]
-        if not stripped.isascii() or (rest and not rest.isdecimal()):
-            raise ValueError
-        return parse_integer(first, -(10**_DIGITS), 10**_DIGITS)  # its range is said by itself
+        return parse_integer(stripped, -_FARTHEST, _FARTHEST)
     return parse_number(stripped)
 
 
-def _list(text: str) -> list[Any]:
+def _list(leaf: Leaf, text: str) -> list[Any]:
+    found = _ARRAY.fullmatch(leaf.type)
+    element = leaf._replace(type="" if found is None else found[1] or found[2])
+    # YAML has numbers of its own, such as 1_2 and 1:30
+    loader = yaml.BaseLoader if is_number(element) else yaml.SafeLoader
     try:
-        items = yaml.safe_load(text)
+        items = yaml.load(text, Loader=loader)
     except yaml.YAMLError:
         items = None
     if not isinstance(items, list):
         raise ValueError
-    return items
+    return [_value(element, text_of(item)) for item in items] if is_number(element) else items
 
 
 def default_text(leaf: Leaf) -> str:

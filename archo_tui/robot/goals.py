@@ -121,6 +121,7 @@ class Goals:
         self._last: Goal | None = None  # the one that ended last
         self._refusals: deque[str] = deque(maxlen=5)
         self.history: deque[Goal] = deque(maxlen=HISTORY)
+        self.are_over = False  # none is sent any more
 
     @property
     def goal(self) -> Goal | None:
@@ -182,6 +183,8 @@ class Goals:
         except ValueError as error:
             return Outcome(False, str(error))
         gate()
+        if self.are_over:
+            return Outcome(False, "not sent: the console ends")
         now, time = self._clock.monotonic(), self._clock.now()
         goal = Goal(kind, values, Phase.SENT, now, time, length=length, number=next(self._numbers))
         self._refusals.clear()

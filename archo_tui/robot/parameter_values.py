@@ -97,7 +97,7 @@ def _value(kind: str, text: str) -> Any:
 
 def _sequence(element: str, text: str) -> list[Any]:
     try:
-        items = yaml.safe_load(text)
+        items = yaml.load(text, Loader=yaml.BaseLoader)  # as typed: their type is declared
     except yaml.YAMLError:
         items = None
     if not isinstance(items, list):

@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
+
+# as people write them: int() and float() also take `1_2`, and the digits of every script
+_WHOLE = re.compile(r"[+-]?[0-9]+")
+_NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_DIGITS = 30  # more than any type has room for: what follows makes no number fit
 
 
 def text_of(value: Any) -> str:
@@ -25,10 +31,11 @@ def parse_bool(text: str) -> bool:
 
 def parse_integer(text: str, low: int = -(2**63), high: int = 2**63 - 1) -> int:
     """A whole number within low .. high."""
-    try:
-        value = int(text, 10)
-    except ValueError:
-        raise ValueError(f"not a whole number: {text}") from None
+    stripped = text.strip()
+    if not _WHOLE.fullmatch(stripped):
+        raise ValueError(f"not a whole number: {text}")
+    value = int(stripped.lstrip("+-0")[:_DIGITS] or "0")
+    value = -value if stripped.startswith("-") else value
     if not low <= value <= high:
         raise ValueError(f"too large for an integer: {text}")
     return value
@@ -42,4 +49,6 @@ def parse_number(text: str) -> float:
         raise ValueError(f"not a number: {text}") from None
     if not math.isfinite(value):
         raise ValueError(f"not a finite number: {text}")
+    if not _NUMBER.fullmatch(text.strip()):
+        raise ValueError(f"not a number: {text}")
     return value

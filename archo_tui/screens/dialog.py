@@ -50,6 +50,9 @@ class Leaving(Base[ScreenResultType]):
         """A second enter, or an answer that comes late, changes nothing."""
         if self._left is None:
             self._left = (result,)
+        if not self.is_mounted:  # its parts are looked for while it is built
+            self.call_later(self.dismiss)
+            return AwaitComplete()
         return super().dismiss(*self._left) if self.is_active else AwaitComplete()
 
     def on_screen_resume(self) -> None:

@@ -41,17 +41,56 @@ class Field(Input):
     def __init__(
         self, value: str = "", *, takes: str = "", placeholder: str = "", id: str | None = None
     ) -> None:
-        """`takes` are the characters that it can contain, empty for all."""
+        """`takes` are the characters that it is for, empty for all."""
         super().__init__(value, placeholder=placeholder, id=id, compact=True)
         self.cursor_blink = False  # a blinking cursor is traffic over SSH
         self._takes = takes
+        self._coming = 0  # what is on its way to it: keys, pastes, the answer to an enter
+        self._will_hold = False  # text, after all that
 
-    def takes(self, character: str) -> bool:
-        """True when that character is text here, and not a command."""
+    def is_text(self, character: str) -> bool:
+        """True when that character, typed now, is text here, and not a command.
+
+        Behind other text every character is: what is dropped or done makes `1ox5` a 15.
+        """
+        return self._holds_text or self._is_for(character)
+
+    @property
+    def _holds_text(self) -> bool:
+        """After all that is on its way, as far as that can be told."""
+        return self._will_hold if self._coming else self.value != ""
+
+    def _is_for(self, character: str) -> bool:
         return not self._takes or character in self._takes
 
     def check_consume_key(self, key: str, character: str | None) -> bool:
-        return super().check_consume_key(key, character) and self.takes(character or "")
+        return super().check_consume_key(key, character) and self.is_text(character or "")
+
+    def post_message(self, message: Message) -> bool:
+        is_queued = super().post_message(message)
+        if is_queued and isinstance(message, (events.Key, events.Paste)):
+            self._will_hold = self._holds_text
+            if isinstance(message, events.Paste) or message.is_printable:
+                self._will_hold = True
+            elif message.key == "enter":
+                self._will_hold = False
+            self._coming += 1
+        return is_queued
+
+    async def on_event(self, event: events.Event) -> None:
+        await super().on_event(event)
+        if isinstance(event, (events.Key, events.Paste)):
+            self._coming -= 1
+
+    async def action_submit(self) -> None:
+        if self._takes:
+            self._coming += 1  # until `answered`
+        await super().action_submit()
+
+    def answered(self) -> None:
+        """Whoever heard that it was submitted has cleared it, or has not."""
+        if self._takes:
+            self._coming -= 1
 
     async def _on_key(self, event: events.Key) -> None:
         if event.key in ("up", "down"):
@@ -64,11 +103,9 @@ class Field(Input):
             event.prevent_default()
             await self.run_action(binding.action)
             return
-        if event.is_printable and event.character and not self.takes(event.character):
-            event.prevent_default()
 
     def _on_paste(self, event: events.Paste) -> None:
-        odd = next((char for char in event.text.strip() if not self.takes(char)), "")
+        odd = next((char for char in event.text.strip() if not self._is_for(char)), "")
         if odd:
             event.stop()
             event.prevent_default()

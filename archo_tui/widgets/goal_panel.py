@@ -105,9 +105,11 @@ class GoalPanel(Panel):
         self.hint("")
 
     def on_input_submitted(self, event: Field.Submitted) -> None:
+        assert isinstance(event.input, Field)
         # the last one as it was: the keys behind enter may have changed it since
         behind = event.input.value.removeprefix(event.value)
         self.submit([*(field.value for field in self.fields[:-1]), event.value], behind)
+        event.input.answered()
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         if event.button.id == "go":

@@ -5,9 +5,16 @@ from __future__ import annotations
 import json
 from typing import Any
 
+import pytest
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.srv import EmergencyStop
+from rclpy.action import ActionClient, ActionServer, CancelResponse
 from rclpy.node import Node
+from rclpy.task import Future
 
 from archo_tui.paths import journal_file
+from archo_tui.robot.client import OBEYED
+from tests.support.clock import seconds
 from tests.support.console import FAST, console
 
 
@@ -83,3 +90,66 @@ async def test_a_grave_alarm_is_shelved_with_a_reason_that_the_journal_keeps() -
     kept = [json.loads(line) for line in journal_file().read_text().splitlines()]
     reasons = [e["reason"] for e in kept if e["kind"] == "alarm" and "reason" in e]
     assert reasons == ["a test", "again"]
+
+
+class DrivesOn(Node):
+    """Answers a STOP and drives on until its goal is cancelled; can send itself a goal."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("drives_on", **options)
+        self.answered = 0.0
+        self.cancelled: list[float] = []
+        self.create_service(EmergencyStop, "emergency_stop", self.stop)
+        self.client = ActionClient(self, MoveToShelf, "move_to_shelf")
+        ActionServer(
+            self, MoveToShelf, "move_to_shelf", self.execute, cancel_callback=self.on_cancel
+        )
+        self.create_timer(0.05, lambda: None)  # an awaited future is noticed when something wakes
+
+    def stop(self, request: Any, response: Any) -> Any:
+        self.answered = seconds()
+        response.success, response.message = True, "Stopped"
+        return response
+
+    def on_cancel(self, request: Any) -> CancelResponse:
+        self.cancelled.append(seconds())
+        self.end.set_result(True)
+        return CancelResponse.ACCEPT
+
+    async def execute(self, goal: Any) -> Any:
+        self.end: Future[bool] = Future()
+        await self.end
+        goal.canceled()
+        return MoveToShelf.Result(final_message="Cancelled at last")
+
+
+async def test_a_goal_that_outlives_a_stop_is_cancelled_and_the_operator_is_told() -> None:
+    async with console(node_makers=[DrivesOn], wait=False) as op:
+        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
+        (node,) = (hosted.node for hosted in op.session.host.nodes)
+        assert isinstance(node, DrivesOn)
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        await op.at(seconds() + 0.5)
+        await op.press("ctrl+x")
+        await op.until("✗ STOP WAS ANSWERED, BUT shelf 12 STILL RUNS: use the hardware stop")
+        await op.until(lambda: node.cancelled)
+        assert node.cancelled[0] - node.answered == pytest.approx(OBEYED, abs=0.5)
+        await op.until("Cancelled at last")
+        await op.until("✗ was: STOP WAS ANSWERED, BUT shelf 12 STILL RUNS, since ")
+        assert len(node.cancelled) == 1
+
+
+async def test_another_clients_goal_that_outlives_a_stop_is_told_and_left_alone() -> None:
+    async with console(node_makers=[DrivesOn], wait=False) as op:
+        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
+        (node,) = (hosted.node for hosted in op.session.host.nodes)
+        assert isinstance(node, DrivesOn)
+        node.client.send_goal_async(MoveToShelf.Goal(shelf_number=12))
+        await op.until("MOVING (another client's goal)")
+        await op.at(seconds() + 0.5)
+        await op.press("ctrl+x")
+        await op.until("✗ STOP WAS ANSWERED, BUT another client's goal STILL RUNS: use the")
+        await op.at(node.answered + 5 * OBEYED)
+        assert node.cancelled == []
+        assert "STILL RUNS" in op.text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import random
 import re
 
@@ -157,5 +158,38 @@ async def test_typing_lays_nothing_out(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(Compositor, "reflow", counted)
         await op.press("2", "backspace")
         assert laid_out == []
-        await op.press("h")
+        await op.press("escape", "h")
         assert laid_out != []
+
+
+async def pass_turns(number: int) -> None:
+    """Let the tasks of the screen have so many turns."""
+    for _ in range(number):
+        await asyncio.sleep(0)
+
+
+async def test_a_letter_is_text_behind_a_digit_at_whatever_moment_it_comes() -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        field = op.app.focused
+        assert isinstance(field, Field)
+        for turns in range(25):
+            op.send("1")
+            await pass_turns(turns)
+            op.send("r")
+            await op.settle()
+            assert field.value == "1r", turns
+            await op.press("ctrl+u")
+        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
+
+
+async def test_a_letter_is_a_command_behind_enter_at_whatever_moment_it_comes() -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        for turns in range(25):
+            op.send("9", "9", "enter")
+            await pass_turns(turns)
+            op.send("question_mark")
+            await op.until("Keys")
+            await op.press("escape")
+            assert op.app.main.goal.fields[0].value == "", turns

@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 import re
 
+import pytest
+from textual import events
 from textual.widgets import Input
 
 from archo_tui.paths import journal_file
+from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, console
 
 
@@ -107,6 +110,8 @@ async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
             ("0", "Shelf: at least 1, not 0"),
             ("99999999999", "Shelf: at most 2147483647, not 99999999999"),
             ("９", "Shelf: not a whole number: ９"),
+            ("1_2", "Shelf: not a whole number: 1_2"),
+            ("٣", "Shelf: not a whole number: ٣"),
         ):
             op.app.query_one("#goal-0", Input).value = typed
             await op.press("enter")
@@ -173,3 +178,52 @@ async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
     assert [e["text"] for e in kept if e["kind"] == "goal"] == [
         "shelf 12 arrived: Arrived at shelf 12"
     ]
+
+
+@pytest.mark.parametrize("typed", ["1ox5", "o15", "1r", "1rcq", "12s", "0x10", "15a", "1_2"])
+@pytest.mark.parametrize("together", [True, False])
+async def test_letters_in_a_number_are_shown_and_refused_not_dropped_or_done(
+    typed: str, together: bool
+) -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        if together:  # in one write: a letter is read before the digit ahead of it is in the field
+            op.send(*typed, "enter")
+        else:
+            await op.press(*typed, "enter")
+        await op.until(f"Shelf: not a whole number: {typed}")
+        assert op.app.query_one("#goal-0", Input).value == typed
+        await op.press("backspace", "r")  # what was refused can be mended, and is still text
+        assert op.app.query_one("#goal-0", Input).value == f"{typed[:-1]}r"
+        assert op.app.screen is op.app.main
+        assert op.app.view.snapshot.goal is None
+        assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
+
+
+async def test_a_letter_behind_a_paste_in_one_write_is_text() -> None:
+    async with console(*FAST) as op:
+        await op.press("g")
+        op.app.post_message(events.Paste("12"))
+        op.send("r", "enter")
+        await op.until("Shelf: not a whole number: 12r")
+
+
+async def test_a_field_that_was_emptied_takes_commands_again() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", "1", "r", "backspace", "backspace", "c")
+        await op.until("charge: Charging")
+        assert op.app.query_one("#goal-0", Input).value == ""
+
+
+async def test_a_held_ctrl_c_cancels_once_and_then_says_nothing() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", "1", "2", "enter")
+        await op.until("m left of")
+        begin = seconds()
+        for number in range(60):  # as a keyboard repeats
+            await op.at(begin + 0.03 * number)
+            op.send("ctrl+c")
+        await op.until("✗ CANCELLED")
+        assert "No goal is running" not in op.text
+        said = [event.text for event in op.app.view.snapshot.events if event.level == "YOU"]
+        assert said.count("cancel: cancelling") == len(said) - 1 == 1  # and that it was sent

@@ -17,7 +17,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.paths import config_file
 from archo_tui.terminal import themes
 from tests.support.clock import seconds
-from tests.support.console import FAST, Console, console
+from tests.support.console import FAST, LONG, Console, console
 
 
 class Nobody(Node):
@@ -56,13 +56,21 @@ async def test_letters_are_text_while_typing() -> None:
         assert op.app.screen is op.app.main
 
 
-async def test_letters_are_commands_in_a_field_for_numbers() -> None:
+async def test_letters_are_commands_in_an_empty_field_for_numbers() -> None:
     async with console(*FAST) as op:
-        await op.press("g", "1", "x", "2", "c")
+        await op.press("g", "c")
         await op.until("charge: Charging")
-        assert op.app.query_one("#goal-0", Input).value == "12"
+        assert op.app.query_one("#goal-0", Input).value == ""
         await op.press("question_mark")
         await op.until("Keys")
+
+
+async def test_letters_are_commands_again_behind_enter() -> None:
+    async with console(*LONG) as op:
+        op.send("g", *"12", "enter", "c")
+        await op.until("MOVING to 12")
+        await op.until("charge: ")
+        assert op.app.query_one("#goal-0", Input).value == ""
 
 
 async def test_letters_do_nothing_behind_a_dialog() -> None:

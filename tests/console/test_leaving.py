@@ -85,3 +85,19 @@ async def test_an_answer_is_chosen_by_arrows_or_by_its_first_letter() -> None:
         assert len(it.app.screen_stack) == 2
         await it.press("s")
         assert it.app.screen is it.app.main
+
+
+async def test_a_goal_that_left_just_before_quitting_is_cancelled() -> None:
+    it = Asked()
+    robot: Any = it.app.station.robot
+    moving, robot.snapshot = robot.snapshot, STATES["normal"]
+
+    async def send_no_more() -> None:
+        robot.snapshot = moving  # it is heard of only now
+
+    robot.send_no_more = send_no_more
+    async with it.app.run_test(size=(120, 36)):
+        await it.press("q")
+        assert not it.app.is_running
+    assert it.cancelled
+    assert it.said == ["quit: cancelling the goal to shelf 12"]

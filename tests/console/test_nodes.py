@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.srv import EmergencyStop
+from rclpy.action import ActionServer
 from rclpy.node import Node
+from rclpy.task import Future
 
 from archo_tui.robot.state import Life
 from archo_tui.session import _robots_nodes
@@ -92,6 +96,40 @@ async def test_stopping_what_drives_is_asked_about_and_the_goal_is_not_called_en
         await op.until("✗ LOST")
         await op.press("s")
         await op.until("the robot no longer knows this goal")
+
+
+class Driver(Node):
+    """Has a goal that never ends."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("driver", **options)
+        ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+
+    async def execute(self, goal: Any) -> Any:
+        await Future()
+
+
+class Brake(Node):
+    """Serves STOP, and nothing else."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("brake", **options)
+        self.create_service(EmergencyStop, "emergency_stop", lambda _, response: response)
+
+
+async def test_stopping_what_only_serves_stop_is_asked_about_in_a_move() -> None:
+    async with console(node_makers=[Driver, Brake], wait=False) as op:
+        await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
+        await op.press("g", "1", "2", "enter")
+        await op.until("MOVING to 12")
+        await op.press("escape")
+        await select(op, "/brake")
+        await op.press("s")
+        await op.until("and /brake serves")
+        await op.until("emergency_stop. Stop the node?")
+        await op.press("enter")  # the safe answer
+        await op.settle()
+        assert "stopped by you" not in op.text
 
 
 class Fragile(Node):

@@ -9,10 +9,11 @@ from typing import Any
 import pytest
 
 from archo_tui import recall
-from archo_tui.alarms import CONTACT_LOST, LOW, Alarm, State
+from archo_tui.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
 from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
 from archo_tui.targets import Target, Targets
 from tests.support.archo import ARCHO, SHELF
+from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.plain import plain
 
@@ -70,6 +71,9 @@ async def test_a_refused_target_holds_the_rest_until_it_is_continued() -> None:
         await op.until("held: 7, 3 (refused)")
         assert history(op) == ["12 ARRIVED", "99 REFUSED"]
         await op.until("queue held: 7, 3 (refused)")
+        await op.at(seconds() + 3.0)
+        (noted,) = (e for e in op.app.view.snapshot.events if e.text.startswith("queue held"))
+        assert noted.count == 1
         await op.press("escape", "k")
         await op.until("held: 3 (refused)")
         await op.press("n")
@@ -183,6 +187,7 @@ ARRIVED = Snapshot(robot=ARCHO, goal=ended(0))
         ({"stop_asked": 1.0}, [], "STOP"),
         ({"motion": Motion(stopped=True)}, [], "STOP"),
         ({}, [Alarm(LOW, "", 0.0)], LOW),
+        ({}, [Alarm(EMPTY, "", 0.0)], EMPTY),
         ({}, [Alarm(CONTACT_LOST, "", 0.0)], CONTACT_LOST),
     ],
 )

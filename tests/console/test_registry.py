@@ -22,7 +22,7 @@ from tests.support.stub import StandingClock, stub_app
 COMMANDS = registry(ARCHO)
 README = Path(__file__).parent.parent.parent / "README.md"
 PLACES = [f"panel {number}" for number in range(1, 7)] + [
-    "shelf field", "filter field", "search field", "full screen",
+    "shelf field", "begun shelf field", "filter field", "search field", "full screen",
     "edit dialog", "question", "help", "file dialog", "palette",
 ]  # fmt: skip
 
@@ -31,6 +31,7 @@ async def go_to(app: ArchoApp, quiet: Quiet, place: str) -> int:
     """Bring the app to a place by keys; returns the number of the focused panel, 0 for none."""
     keys = {
         "shelf field": ["g"],
+        "begun shelf field": ["g"],
         "filter field": ["4", "slash"],
         "search field": ["6", "slash"],
         "full screen": ["6", "e"],
@@ -52,7 +53,7 @@ def works(command: Command, place: str, panel: int) -> bool:
     """What the table says."""
     if command.where == EVERYWHERE:
         return True
-    if place == "shelf field":  # a number: letters are commands
+    if place == "shelf field":  # a number: letters are commands while it is empty
         is_text = len(shown(command.key)) > 1 or shown(command.key) in INTEGER
         return command.where == NOT_TYPING and not is_text
     main = place.startswith("panel") or place == "full screen"
@@ -94,6 +95,9 @@ async def test_every_key_works_where_the_table_says_and_nowhere_else() -> None:
                     app.action_command = record  # type: ignore[assignment,method-assign]
                 ran.clear()
                 clock.passed += HELD  # another press of the same key
+                if isinstance(app.focused, Input) and "shelf" in place:
+                    app.focused.value = "5" if "begun" in place else ""
+                    await quiet.settle()
                 send(app, command.key)
                 await quiet.settle()
                 assert (command.id in ran) == works(command, place, panel), (place, command, ran)

@@ -27,7 +27,7 @@ from archo_tui.robot.client import Robot
 from archo_tui.robot.state import Phase
 from archo_tui.state_text import plain
 from tests.support import chosen, clock
-from tests.support.archo import go, reset
+from tests.support.archo import SHELF, go, reset
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
 
@@ -549,6 +549,15 @@ async def test_a_goal_that_is_sent_after_an_unanswered_stop_and_accepted_ends_it
         node.answer(node.goal_answer)
         assert (await ended(go(it, 3))).ok
         await until(lambda: it.snapshot.stop_asked is None)
+
+
+async def test_a_queued_goal_is_not_sent_behind_a_stop_that_nobody_answered() -> None:
+    async with stoppable() as (it, node):
+        assert not (await ended(it.emergency_stop())).ok
+        outcome = await ended(it.send(SHELF, {"shelf_number": 3}, queued=True))
+        assert (outcome.ok, outcome.text) == (False, "held: STOP")
+        assert it.snapshot.goal is None
+        assert node.goals_seen == 0
 
 
 async def test_a_cancel_before_the_goal_was_accepted_says_so() -> None:
