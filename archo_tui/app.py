@@ -23,13 +23,13 @@ from archo_tui.robot.state import WATCHING, Outcome, Snapshot
 from archo_tui.robot.stops import NOT_SENT
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
-from archo_tui.screens.dialog import COMMANDS, Leaving
+from archo_tui.screens.dialog import Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.palette import Palette
 from archo_tui.screens.text import ShowText
 from archo_tui.station import Station, View
 from archo_tui.targets import Target
-from archo_tui.terminal.app import TerminalApp
+from archo_tui.terminal.app import COMMANDS, TerminalApp
 from archo_tui.terminal.typed import mark, typed_after
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.field import Field
@@ -424,15 +424,10 @@ class ArchoApp(TerminalApp):
             self.run_worker(self._leave(), group="leave")
 
     async def _leave(self) -> None:
+        if self.unanswered:
+            self.say("Ending, as soon as the robot has answered.")
         await self.answers()
         self.exit()
-
-    async def answers(self) -> None:
-        """Wait for those that were given before."""
-        given = [worker.wait() for worker in self.workers if worker.group == COMMANDS]
-        if given:
-            self.say("Ending, as soon as the robot has answered.")
-            await asyncio.gather(*given, return_exceptions=True)
 
     # what the panels ask for
 

@@ -365,8 +365,9 @@ def _need_terminal() -> None:
     if term in ("", "dumb", "unknown"):
         said = f"TERM is {term}" if term else "TERM is not set"
         raise ArchoError(f"{said}: this terminal cannot show a screen, use --plain")
-    # the screen is drawn on the last
-    streams = {"stdin": sys.stdin, "stdout": sys.stdout, "stderr": sys.__stderr__}
+    streams = {"stdin": sys.stdin, "stdout": sys.stdout}
+    if sys.platform != "win32":  # Textual's driver of POSIX draws on it
+        streams["stderr"] = sys.__stderr__
     for name, stream in streams.items():
         if stream is None or not stream.isatty():  # None: it is closed
             raise ArchoError(f"{name} is not a terminal: run archo-tui in one, or use --plain")

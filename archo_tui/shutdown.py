@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import signal
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
@@ -59,10 +59,19 @@ class Shutdown:
     """Ends the console in order on a signal or a lost terminal: exit code 128 + the signal's."""
 
     def __init__(
-        self, robot: Robot, clock: Clock, on_disconnect: str, end: Callable[[int], None]
+        self,
+        robot: Robot,
+        clock: Clock,
+        on_disconnect: str,
+        end: Callable[[int], None],
+        answers: Callable[[], Awaitable[None]] | None = None,
     ) -> None:
-        """`end(code)` is called on the loop when the running goal has been seen to."""
+        """`end(code)` is called on the loop when the running goal has been seen to.
+
+        `answers()` is awaited before, for WAIT at most: what was commanded is not lost.
+        """
         self._robot, self._clock = robot, clock
+        self._answers = answers
         self._on_disconnect, self._end = on_disconnect, end
         self._task: asyncio.Task[None] | None = None
 
@@ -89,6 +98,9 @@ class Shutdown:
     async def _leave(self, code: int) -> None:
         why = f"ended by {signal.Signals(code - 128).name}" if code > 128 else "ended"
         await let_go(self._robot, self._clock, self._on_disconnect, why)
+        if self._answers is not None:
+            with contextlib.suppress(TimeoutError):
+                await self._clock.wait_for(self._answers(), WAIT)
         self._end(code)
 
 

@@ -18,6 +18,7 @@ from textual.binding import BindingsMap
 from textual.command import CommandList, CommandPalette
 from textual.drivers.linux_driver import LinuxDriver
 from textual.keys import Keys
+from textual.message import Message
 from textual.screen import Screen
 from textual.widget import Widget
 
@@ -37,6 +38,10 @@ METHODS = [
     ("screens/main.py", Screen, "_compositor_refresh"),
     ("screens/base.py", Screen, "_on_resize"),
     ("screens/palette.py", CommandPalette, "_on_click"),
+    ("screens/palette.py", CommandPalette, "_cancel_gather_commands"),
+    ("screens/palette.py", CommandPalette, "_stop_no_matches_countdown"),
+    ("screens/palette.py", CommandPalette, "_dispatch_message"),
+    ("screens/palette.py", CommandPalette, "_watch__show_busy"),
     ("screens/palette.py", CommandList, "_move_page"),
     ("screens/palette.py", CommandList, "_on_click"),
     ("terminal/compositor.py", Compositor, "_get_renders"),
@@ -50,6 +55,7 @@ METHODS = [
 # set in a constructor or function: the source says so
 ATTRIBUTES = [
     ("terminal/app.py", App, "_exit"),
+    ("terminal/typed.py", Message, "_prevent"),
     ("terminal/app.py", App, "_driver"),
     ("terminal/app.py", App, "_return_code"),
     ("app.py", BindingsMap, "key_to_bindings"),

@@ -16,8 +16,6 @@ from archo_tui.screens.main import MainScreen
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 
-COMMANDS = "commands"  # the group of workers that the end of the console waits for
-
 
 class Below(Line):
     """The keys that work in dialogs too, STOP's first of all, where the footer is."""

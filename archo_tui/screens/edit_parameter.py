@@ -15,7 +15,8 @@ from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
-from archo_tui.screens.dialog import COMMANDS, Form
+from archo_tui.screens.dialog import Form
+from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
 
 

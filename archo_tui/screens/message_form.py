@@ -16,7 +16,8 @@ from textual.widgets import Button, Label, Static
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.state import Leaf, Outcome
 from archo_tui.robots.model import Input
-from archo_tui.screens.dialog import COMMANDS, Dialog
+from archo_tui.screens.dialog import Dialog
+from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
 
 MOST_FIELDS = 12  # beyond that it is one YAML text

@@ -8,6 +8,7 @@ import gc
 import sys
 import traceback
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 from rich.segment import Segment
 from textual import events
@@ -17,7 +18,7 @@ from textual.color import Color
 from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.message import Message
-from textual.worker import WorkerFailed
+from textual.worker import Worker, WorkerFailed
 
 from archo_tui.alarms import Alarm
 from archo_tui.robot.stops import Stops
@@ -30,6 +31,7 @@ from archo_tui.terminal.notice import notice
 from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, grey, remember, tones
 from archo_tui.terminal.typed import typed_after
 
+COMMANDS = "commands"  # the group of workers that the end waits for
 _STANDS = 1.0  # s after which a screen is made, and looking for garbage pays again
 
 
@@ -68,6 +70,7 @@ class TerminalApp(App[None]):
             station.clock,
             station.on_disconnect,
             lambda code: self.exit(return_code=code),
+            self.answers,
         )
         changes = [safe_in_place, in_ascii] if ascii_only() else [safe_in_place]
         self._of_text = [TextFilter(change) for change in changes]
@@ -94,6 +97,16 @@ class TerminalApp(App[None]):
 
     def get_line_filters(self) -> Sequence[LineFilter]:
         return [*super().get_line_filters(), *self._of_text]
+
+    @property
+    def unanswered(self) -> list[Worker[Any]]:
+        """The commands that were given and have no answer yet."""
+        return [w for w in self.workers if w.group == COMMANDS and not w.is_finished]
+
+    async def answers(self) -> None:
+        """Wait for those that were given before."""
+        given = (worker.wait() for worker in self.unanswered)
+        await asyncio.gather(*given, return_exceptions=True)
 
     def on_load(self) -> None:
         message_hook.set(self._carry)  # before the tasks of all widgets, which take it along

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
+import signal
 from typing import Any
+
+import pytest
 
 from archo_tui.app import ArchoApp
 from archo_tui.robot.state import Outcome
@@ -101,3 +105,24 @@ async def test_a_goal_that_left_just_before_quitting_is_cancelled() -> None:
         assert not it.app.is_running
     assert it.cancelled
     assert it.said == ["quit: cancelling the goal to shelf 12"]
+
+
+@pytest.mark.parametrize("end", ["ctrl+q", "SIGTERM", "SIGHUP"])
+async def test_the_end_waits_for_the_answer_to_a_stop(end: str) -> None:
+    app = stub_app(STATES["normal"])
+    answer = asyncio.get_running_loop().create_future()
+    robot: Any = app.station.robot
+    robot.emergency_stop = lambda: answer
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        if end == "ctrl+q":
+            send(app, "ctrl+x", "ctrl+q")  # at once
+        else:
+            send(app, "ctrl+x")
+            await quiet.settle()
+            app._ending.begin(128 + signal.Signals[end])
+        await quiet.settle()
+        assert app.is_running
+        answer.set_result(Outcome(True, "stopped"))
+        await quiet.settle()
+        assert not app.is_running
