@@ -70,10 +70,11 @@ CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "batter
 STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
 WORD, MIXED, TWICE = "battery health", "several publishers", "name twice"
 SILENT, UNWRITTEN, GAUGE = "motor silent", "journal not written", "gauge"
-OUTLIVED = "moves after stop"
+OUTLIVED, STOPS = "moves after stop", "several stops"
 _PRIORITIES = {
     OUTLIVED: Priority.HIGH,
     UNCONFIRMED: Priority.HIGH,
+    STOPS: Priority.HIGH,
     CONTACT_LOST: Priority.HIGH,
     EMPTY: Priority.HIGH,
     SILENT: Priority.HIGH,
@@ -96,7 +97,16 @@ _CHARGER = "the command that charges"
 _REMEDIES = {STOPPED: ("release", ", then {} to release"), LOW: (_CHARGER, ", or {} to charge")}
 # s that a condition must hold before it counts; a node that was killed lingers on a ROS 2 graph
 # for about 20 s
-ON_DELAY = {LOW: 2.0, EMPTY: 2.0, WORD: 2.0, GAUGE: 2.0, UNCONFIRMED: 1.0, MIXED: 30.0, TWICE: 30.0}
+ON_DELAY = {
+    LOW: 2.0,
+    EMPTY: 2.0,
+    WORD: 2.0,
+    GAUGE: 2.0,
+    UNCONFIRMED: 1.0,
+    STOPS: 2.0,
+    MIXED: 30.0,
+    TWICE: 30.0,
+}
 SHELF_TIME = 600.0  # s
 
 
@@ -164,11 +174,16 @@ def conditions(
     battery, motion = snapshot.battery, snapshot.motion
     found: dict[str, str] = {}
     if snapshot.stop_asked is not None:
-        waited = now - snapshot.stop_asked
-        found[UNCONFIRMED] = (
-            f"STOP SENT, no answer for {waited:.0f} s (not confirmed by the robot): "
-            "use the hardware stop"
+        found[UNCONFIRMED] = f"{stop_so_far(snapshot, now)}: use the hardware stop"
+    stop = snapshot.robot.stop
+    if stop is not None and stop.service in snapshot.several:
+        nodes = snapshot.several[stop.service]
+        found[STOPS] = (
+            f"{len(nodes)} NODES SERVE {stop.service}: {', '.join(nodes)}: STOP must be confirmed "
+            "by all of them; keep the hardware stop at hand"
         )
+    if _moves_on(snapshot, now):
+        found[OUTLIVED] = "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"
     if snapshot.outlived:
         runs = "RUNS" if len(snapshot.outlived) == 1 else "RUN"
         found[OUTLIVED] = (
@@ -187,7 +202,7 @@ def conditions(
             f"{len(names)} PUBLISHERS of {topic}: {', '.join(names)}: their readings come mixed"
         )
     for name in snapshot.twice:
-        found[f"{TWICE} {name}"] = f"TWO NODES NAMED {name}: a call may reach only one of them"
+        found[f"{TWICE} {name}"] = f"TWO NODES NAMED {name}: a call reaches both of them"
     if (battery.received is not None or motion.received is not None) and (
         (battery.received is None or battery.is_old(now))
         and (motion.received is None or motion.is_old(now))
@@ -220,6 +235,24 @@ def conditions(
                 f"{name.upper()} {reading.value:g} {unit}".rstrip() + f": {reading.warns}"
             )
     return found
+
+
+def stop_so_far(snapshot: Snapshot, now: float) -> str:
+    """What came of a STOP that the robot has not confirmed."""
+    waited = now - (now if snapshot.stop_asked is None else snapshot.stop_asked)
+    if snapshot.stop_why.startswith("no answer"):
+        return f"STOP SENT, {snapshot.stop_why} for {waited:.0f} s, sent again every second"
+    if snapshot.stop_why:
+        return f"STOP {snapshot.stop_why}"
+    return f"STOP SENT, no answer for {waited:.0f} s (not confirmed by the robot)"
+
+
+def _moves_on(snapshot: Snapshot, now: float) -> bool:
+    """True when the robot says that it moves, a while after a STOP that it has not confirmed."""
+    asked, motion = snapshot.stop_asked, snapshot.motion
+    if asked is None or motion.received is None or motion.is_old(now):
+        return False
+    return bool(motion.moving) and motion.received - asked >= 1.0
 
 
 def is_low(snapshot: Snapshot) -> bool:

@@ -118,6 +118,8 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     """IDLE, MOVING, STOPPED, or a STOP that the robot has not confirmed."""
     motion, described = snapshot.motion, snapshot.robot.motion
     if snapshot.stop_asked is not None:
+        if snapshot.stop_why and not snapshot.stop_why.startswith("no answer"):
+            return ((f"STOP {snapshot.stop_why}"[:width], BAD),)
         return ((stop_unconfirmed(now - snapshot.stop_asked, width), BAD),)
     if described is None:
         return (("the robot file names no motion", OLD),)

@@ -26,6 +26,7 @@ def registry(described: Robot) -> tuple[Command, ...]:
         robot.Continue(),
         robot.Drop(),
         robot.StopNow(described.stop),
+        robot.GiveUpStop(),
         robot.Release(described.stop),
         *(robot.Give(command) for command in described.commands),
         *(robot.SendGoal(kind) for kind in others if kind is not None),

@@ -94,9 +94,9 @@ class Copy(_InNodes):
         if not hosted.serves:
             return self._do(console, "copy", copy, hosted)
         names = ", ".join(_short(hosted))
-        stop = " STOP may not stop the robot." if _stop(console) in _short(hosted) else ""
+        stop = " STOP must then be confirmed by both." if _stop(console) in _short(hosted) else ""
         question = (
-            f"{row.name} serves {names}: a call may reach only one of the two.{stop} "
+            f"{row.name} serves {names}: a call reaches both of the two, and both act.{stop} "
             "Run another copy?"
         )
 

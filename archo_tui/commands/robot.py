@@ -153,6 +153,25 @@ class StopNow(Command):
         console.tell(await console.station.robot.emergency_stop())
 
 
+class GiveUpStop(Command):
+    acts = True
+    id = "give_up_stop"
+    help = "Give up a STOP that the robot does not confirm; it is sent no more (asks first)"
+
+    def blocked(self, console: Console) -> str:
+        asked = console.view.snapshot.stop_asked
+        return "" if asked is not None else "no STOP is waiting to be confirmed"
+
+    def run(self, console: Console) -> None:
+        question = "The robot has not confirmed the STOP and may be driving. Stop asking for it?"
+
+        async def give_up() -> None:
+            console.tell(await console.station.robot.give_up_stop())
+
+        ask = Confirm("Give up STOP", question, "Keep asking", "Give up")
+        console.ask(ask, lambda answer: give_up() if answer == "Give up" else None)
+
+
 class Release(Command):
     acts = True
     id, key = "release", "R"

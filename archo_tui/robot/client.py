@@ -13,7 +13,6 @@ from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.task import Future
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
@@ -29,6 +28,7 @@ from archo_tui.robot.others import Others
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import WATCHING, Event, Leaf, Outcome, Snapshot, linked, target
+from archo_tui.robot.stopping import Stopping
 from archo_tui.robot.stops import NOT_SENT, Gate, Stops, Void
 from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.telemetry import Telemetry
@@ -39,9 +39,7 @@ from archo_tui.robots import check, model
 
 FLUSH_PERIOD = 0.125  # s between two snapshots while data streams in: 8 a second
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
-OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
-_FIND_PERIOD = 0.1  # s between two looks for a server that STOP needs
 _LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 
 
@@ -69,9 +67,6 @@ class Robot:
         self._log = EventLog()
         self._dirty = False
         self._unseen = False  # something was heard that differs in its time only
-        self._stop_asked: float | None = None
-        self._stop_answered: tuple[float, float] | None = None  # when it was sent, and answered
-        self._releasing: Future[bool] | None = None  # done when a release has its answer
         self._outlived: tuple[str, ...] = ()  # goals that go on in spite of it
         self._faults: dict[str, str] = {}
         self._consoles: set[str] | None = None  # the others, at the last look
@@ -85,11 +80,21 @@ class Robot:
         )
         self._graph = Graph(node, description)
         self._offers = Offers(node, description, self._graph)
+        self._stopping = Stopping(
+            node,
+            description.stop,
+            clock,
+            self._services,
+            self._graph,
+            self._offers,
+            self._look,
+            self._flush,
+        )
         subscribe(node, Log, "/rosout", self._on_log, 1000)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
         self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
         self._flusher.cancel()
-        node.create_timer(LOOK_PERIOD, self._look, clock=steady)
+        node.create_timer(LOOK_PERIOD, self._look_again, clock=steady)
         self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._watcher.cancel()
         for kind in description.goals:
@@ -128,22 +133,8 @@ class Robot:
         if stop is None:
             return Outcome(False, f"{self.description.name} {model.NO_STOP}")
 
-        async def call(_: Gate) -> Outcome:
-            sent = self._stop_asked = self._clock.monotonic()
-            self._flush()
-            await self._found(stop.service)
-            releasing = self._releasing
-            outcome = await self._call(stop.service, {})
-            if releasing is not None:  # it left before: which one the robot took last is not known
-                await releasing
-                outcome = await self._call(stop.service, {})
-            if outcome.ok:
-                self._stop_asked = None
-                self._stop_answered = sent, self._clock.monotonic()
-                return outcome
-            return Outcome(False, f"{outcome.text}: use the hardware stop")
-
-        return await self._do("STOP", self._offers.call_command(stop.service, {}), call)
+        command = self._offers.call_command(stop.service, {})
+        return await self._do("STOP", command, lambda _: self._stopping.send())
 
     async def release_emergency_stop(self) -> Outcome:
         """Allow moves again; none resumes by itself."""
@@ -153,13 +144,7 @@ class Robot:
         name = stop.release
 
         async def call(gate: Gate) -> Outcome:
-            answered: Future[bool] = Future(executor=self._node.executor)
-            self._releasing = answered
-            try:
-                return await self._call(name, {}, gate)
-            finally:
-                self._releasing = None
-                answered.set_result(True)
+            return await self._stopping.release(lambda: self._call(name, {}, gate))
 
         return await self._do("release stop", self._offers.call_command(name, {}), call)
 
@@ -180,13 +165,16 @@ class Robot:
 
         async def go(gate: Gate) -> Outcome:
             sent = self._clock.monotonic()
-            if queued and (self._stop_asked is not None or self._telemetry.motion.stopped):
+            if queued and (self._stopping.asked is not None or self._telemetry.motion.stopped):
                 return Outcome(False, "held: STOP")
+            rivals = self._graph.rivals(kind.action)
+            if rivals:  # of another one than the robot file's as well
+                return Outcome(False, check.several(kind.action, rivals))
             if kind.action in self._faults:
                 return Outcome(False, self._faults[kind.action])
             outcome = await self._goals.send(kind, values, length, gate)
-            if outcome.ok and self._stop_asked is not None and sent > self._stop_asked:
-                self._stop_asked = None  # sent after it and accepted: the stop is past
+            if outcome.ok:
+                self._stopping.accepted(sent)
             return outcome
 
         return await self._do(title, self._offers.goal_command(kind, values), go)
@@ -227,6 +215,15 @@ class Robot:
         if found is None:
             return None
         return tuple(messages.leaves(found.Goal() if "/action/" in type_name else found.Request()))
+
+    async def give_up_stop(self) -> Outcome:
+        """Ask no more for a STOP that the robot does not confirm."""
+
+        async def call(_: Gate) -> Outcome:
+            self._stopping.over()
+            return Outcome(True, "not asked for any more; the robot has not confirmed it")
+
+        return await self._do("give up STOP", "", call)
 
     async def cancel(self, *, another: bool = False) -> Outcome:
         """Ask to cancel the running goal; another client's only when that is meant."""
@@ -279,13 +276,6 @@ class Robot:
             lambda gate: self._call(name, fields, gate),
         )
 
-    async def _found(self, name: str) -> None:
-        """Wait up to DEADLINE for a server, at the start or after a restart of its node."""
-        end = self._clock.monotonic() + services.DEADLINE
-        while name not in self._graph.offered and self._clock.monotonic() < end:
-            await self._services.pause(_FIND_PERIOD)
-            self._look()
-
     async def _call(
         self, name: str, fields: Mapping[str, Any], gate: Gate | None = None
     ) -> Outcome:
@@ -337,6 +327,26 @@ class Robot:
             self.note("YOU", "console", f"{title}: {outcome.text}", command)
             return outcome
 
+    def _look_again(self) -> None:
+        """Every second."""
+        self._look()
+        if self._stopping.is_to_be_repeated and self._is_heard:
+            self._thread.submit(self._stop_again)
+
+    @property
+    def _is_heard(self) -> bool:
+        """True while battery or motion is; a robot without them is as long as it is there."""
+        now, told = self._clock.monotonic(), (self._telemetry.battery, self._telemetry.motion)
+        if self.description.battery is None and self.description.motion is None:
+            return True
+        return any(one.received is not None and not one.is_old(now) for one in told)
+
+    async def _stop_again(self) -> None:
+        """A STOP that was not answered, while the robot is heard: it may drive on."""
+        outcome = await self._stopping.send()
+        if outcome.ok:
+            self._say("YOU", f"STOP, sent again: {outcome.text}")
+
     def _look(self) -> None:
         changed = self._graph.look()
         self._tell_of_consoles()
@@ -344,6 +354,10 @@ class Robot:
         for said in self._others.unexplained(self._clock.monotonic()):
             self._say("PEER", said)
         faults = {**self._telemetry.faults, **self._offers.misfits()}
+        for kind in self.description.goals:
+            if kind.action in self._graph.several:
+                said = check.several(kind.action, self._graph.several[kind.action])
+                faults[kind.action] = said
         if changed or faults != self._faults or self._unseen:
             self._faults = faults
             self._mark()
@@ -358,8 +372,9 @@ class Robot:
         now = self._clock.monotonic()
         self._goals.way_is(self._way)
         self._goals.check(now, self._telemetry.motion)
-        if self._stop_answered is not None and now - self._stop_answered[1] >= OBEYED:
-            self._outlived = self._goals.cancel_older(self._stop_answered[0])
+        stopped = self._stopping.obeyed_since
+        if stopped is not None:
+            self._outlived = self._goals.cancel_older(stopped)
             self._mark()
 
     def _goal_changed(self) -> None:
@@ -373,8 +388,8 @@ class Robot:
         if motion is not None and topic == motion.topic:
             self._goals.heard()
             self._others.motion(self._telemetry.motion, self._clock.monotonic())
-            if self._telemetry.motion.stopped:
-                self._stop_asked = None
+            if self._telemetry.motion.stopped and self._stopping.asked is not None:
+                self._stopping.over()
         self._unseen = True
         if news:
             self._mark()
@@ -448,12 +463,14 @@ class Robot:
                 offered=self._graph.offered,
                 events=self._log.all(),
                 charge=self._telemetry.charge,
-                stop_asked=self._stop_asked,
+                stop_asked=self._stopping.asked,
+                stop_why=self._stopping.why,
                 outlived=self._outlived,
                 namespace=self._graph.namespace,
                 faults=self._faults,
                 publishers=self._graph.publishers,
                 twice=self._graph.twice,
+                several=self._graph.several,
                 elsewhere=self._graph.elsewhere,
                 consoles=self._graph.consoles,
                 forms=self._offers.forms,

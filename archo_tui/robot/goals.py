@@ -63,7 +63,7 @@ class _Action:
 
         `since` is the time now, in s since the epoch.
         """
-        self.kind, self.since = kind, since
+        self._node, self.kind, self.since = node, kind, since
         self.told: set[bytes] | None = None  # the goals in its last status
         self.type = interfaces.load(kind.type)  # None: not installed here, all else works
         if self.type is None:
@@ -93,7 +93,15 @@ class _Action:
     def ask_result(self, goal_id: bytes) -> Any:
         """The future of how a goal ends."""
         request = self.type.Impl.GetResultService.Request(goal_id=UUID(uuid=list(goal_id)))
-        return self._results.call_async(request)
+        future = self._results.call_async(request)
+        known = lambda answer: answer.status != GoalStatus.STATUS_UNKNOWN  # noqa: E731
+        services.hold_open(future, self.servers, known)  # another server knows nothing of it
+        return future
+
+    @property
+    def servers(self) -> int:
+        """How many nodes serve it: one request reaches them all."""
+        return int(self._node.count_services(f"{self.kind.action}/_action/cancel_goal"))
 
 
 class Goals:
@@ -244,7 +252,9 @@ class Goals:
             return Outcome(False, "the goal has ended")
         before = one.goal.phase
         one.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
-        answer = await self._in_time(one.handle.cancel_goal_async())
+        future = one.handle.cancel_goal_async()
+        services.hold_open(future, one.action.servers, lambda a: len(a.goals_canceling) > 0)
+        answer = await self._in_time(future)
         if answer is not None and len(answer.goals_canceling):
             return Outcome(True, "cancelling")
         if one.goal.phase == Phase.CANCELLING:

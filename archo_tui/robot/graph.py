@@ -27,10 +27,14 @@ class Graph:
         self._topics = robot.topics
         self._services = robot.services
         self._actions = tuple(dict.fromkeys(kind.action for kind in robot.goals))
+        stop = () if robot.stop is None else (robot.stop.service,)
+        self._alone = (*stop, *self._actions)
         self.namespace = node.get_namespace()
         self._below = in_namespace(self.namespace, "")
         self.publishers: dict[str, tuple[str, ...]] = {}  # nodes, by topic, where there are several
         self.twice: tuple[str, ...] = ()  # names that several nodes have
+        # the nodes of STOP's service and of the robot's actions, where one request reaches several
+        self.several: dict[str, tuple[str, ...]] = {}
         self.elsewhere: tuple[str, ...] = ()  # other namespaces with nodes
         self.consoles: tuple[str, ...] = ()  # other consoles of this namespace
         self.servers: dict[str, frozenset[str]] = {}  # the nodes that serve each action
@@ -76,11 +80,13 @@ class Graph:
             self._look_at_action(action)
         if services != self.services:
             self._look_at_services(services)
+        rivals = {name: self.rivals(name) for name in self._alone}
+        self.several = {name: nodes for name, nodes in rivals.items() if nodes}
         for name in set(self._last) - set(names):  # its rate starts over when it comes back
             del self._last[name]
             self._interval.pop(name, None)
         there = names, offered, self.actions, self.served, self.consoles
-        seen = there, self.publishers, self.twice, self.elsewhere
+        seen = there, self.publishers, self.twice, self.elsewhere, self.several
         changed = seen != self._seen
         self._seen = seen
         self.names, self.services, self.offered = names, services, frozenset(offered)
@@ -108,14 +114,30 @@ class Graph:
         """True for a node of the robot's namespace, or below it, that is not hidden."""
         return name.startswith(self._below) and not _is_hidden(name)
 
+    def rivals(self, name: str) -> tuple[str, ...]:
+        """The nodes that serve a service or an action, where there are several of them."""
+        found = []
+        for service in (name, f"{name}{_SEND}"):
+            count = self._node.count_services(service)
+            if count > 1:
+                nodes = [node for node, _ in self._servers(service)]
+                # of two nodes of one name ROS tells of one
+                found += [*nodes, *[nodes[-1] if nodes else name] * (count - len(nodes))]
+        return tuple(found)
+
     def served_types(self, name: str) -> list[str]:
-        """The types of a service's servers, by asking every node for what it serves."""
-        found: set[str] = set()
-        for node, namespace in self._node.get_node_names_and_namespaces():
+        """The types of a service's servers."""
+        return sorted({kind for _, kinds in self._servers(name) for kind in kinds})
+
+    def _servers(self, service: str) -> list[tuple[str, list[str]]]:
+        """The nodes that serve it, and as which types, by asking every node for what it serves."""
+        found, full = [], str(self._node.resolve_service_name(service))
+        for node, namespace in sorted(set(self._node.get_node_names_and_namespaces())):
             with contextlib.suppress(NodeNameNonExistentError):  # it has left meanwhile
-                served = self._node.get_service_names_and_types_by_node(node, namespace)
-                found.update(dict(served).get(name, ()))
-        return sorted(found)
+                served = dict(self._node.get_service_names_and_types_by_node(node, namespace))
+                if full in served:
+                    found.append((_full(node, namespace), served[full]))
+        return found
 
     def heard_topic(self, topic: str, now: float) -> None:
         """A message came on one of the console's topics at `now` (s)."""

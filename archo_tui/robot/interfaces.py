@@ -24,17 +24,27 @@ def fields(message_class: Any) -> set[str]:
     return set(message_class.get_fields_and_field_types()) - {EMPTY}
 
 
+def _verdict(answer: Any) -> bool | None:
+    """`success` of a service's answer, else its only bool; None where it has none."""
+    kinds = answer.get_fields_and_field_types()
+    bools = [name for name, kind in kinds.items() if kind == "boolean"]
+    name = "success" if "success" in bools else bools[0] if len(bools) == 1 else ""
+    return bool(getattr(answer, name)) if name else None
+
+
+def refuses(answer: Any) -> bool:
+    """True when a service's answer says no."""
+    return _verdict(answer) is False
+
+
 def outcome(answer: Any) -> Outcome:
     """What a service's answer says: `success`, else its only bool; and its words.
 
     They are `message`, else its only string.
     """
-    kinds = answer.get_fields_and_field_types()
-    bools = [name for name, kind in kinds.items() if kind == "boolean"]
-    name = "success" if "success" in bools else bools[0] if len(bools) == 1 else ""
-    if not name:
+    kinds, done = answer.get_fields_and_field_types(), _verdict(answer)
+    if done is None:
         return Outcome(False, "answered, not confirmed")
-    done = bool(getattr(answer, name))
     texts = [name for name, kind in kinds.items() if kind == "string"]
     words = "message" if "message" in texts else texts[0] if len(texts) == 1 else ""
     said = getattr(answer, words, "")

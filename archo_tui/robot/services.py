@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.clock import Clock as RosClock
@@ -15,6 +16,22 @@ from archo_tui.robot.stops import Gate
 
 DEADLINE = 2.0  # s; "no answer in 2 s"
 _EARLY = 1e-3  # s that a timer may fire before its time and still count
+
+
+def hold_open(future: Any, servers: int, good: Callable[[Any], bool]) -> None:
+    """Have a call to so many servers of one name end with the first good answer, or the last.
+
+    rclpy ends it with the first; one of a server that the question was not for says nothing.
+    """
+    finish, left = future.set_result, [servers]
+
+    def take(answer: Any) -> None:
+        left[0] -= 1
+        if left[0] <= 0 or good(answer):
+            finish(answer)
+
+    if servers > 1:
+        future.set_result = take
 
 
 class Services:
@@ -70,6 +87,33 @@ class Services:
         if once and answer is not None and self._clients.pop((name, srv_type), None) is not None:
             self._node.destroy_client(client)
         return answer
+
+    async def call_all(
+        self, srv_type: Any, name: str, request: Any, servers: int, wait: float
+    ) -> list[Any]:
+        """What so many servers of one name answered to one call within `wait` s.
+
+        rclpy ends a call with the first answer; this one is held open until all have come.
+        """
+        client = self.client(srv_type, name)
+        future = client.call_async(request)
+        answers: list[Any] = []
+        finish = future.set_result
+
+        def take(answer: Any) -> None:
+            answers.append(answer)
+            if len(answers) >= servers:
+                finish(answer)
+
+        def give_up() -> None:
+            client.remove_pending_request(future)
+            future.cancel()
+
+        future.set_result = take
+        timer = self._node.create_timer(wait, give_up, clock=self._steady)
+        await future
+        self._node.destroy_timer(timer)
+        return answers
 
     def watch(self, future: Any, client: Any = None) -> None:
         """Cancel the future when its deadline passes: awaiting it then gives None."""

@@ -276,11 +276,13 @@ class Snapshot(NamedTuple):
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     stop_asked: float | None = None  # a STOP was sent then, and the robot has not confirmed it
+    stop_why: str = ""  # what came of it; empty: its answer is waited for
     outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
     namespace: str = "/"  # of the robot that is operated
     faults: Mapping[str, str] = _NOTHING  # why one of these is not used
     publishers: Mapping[str, tuple[str, ...]] = _NOTHING  # nodes, by topic
     twice: tuple[str, ...] = ()  # names that several nodes have
+    several: Mapping[str, tuple[str, ...]] = _NOTHING  # nodes of a service or action with several
     elsewhere: tuple[str, ...] = ()  # namespaces with nodes, beside this one
     consoles: tuple[str, ...] = ()  # the others of this namespace: user_host_pid
     forms: Mapping[str, tuple[Leaf, ...]] = _NOTHING  # by id of the goal

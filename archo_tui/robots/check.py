@@ -14,6 +14,11 @@ def types_fault(name: str, found: Sequence[str], expected: Collection[str]) -> s
     return f"{name} has several types: {', '.join(found)}" if len(found) > 1 else ""
 
 
+def several(action: str, nodes: Sequence[str]) -> str:
+    """Why a goal is not sent: one request reaches all the servers of its action."""
+    return f"{action} is served by {' and '.join(nodes)}: each would drive; stop all but one"
+
+
 def missing(name: str, kind: str) -> str:
     """Of a type that cannot be imported."""
     return f"{name} is {kind}, which is not installed here"

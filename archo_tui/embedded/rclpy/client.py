@@ -56,6 +56,7 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self._use()
         message: Any = request
         future: Future[Any] = _Answer(self)
+        future.add_done_callback(self.remove_pending_request)
         with self._lock:
             self._sequence_number += 1
             number = self._sequence_number
@@ -126,8 +127,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         if self._events is not None:
             self._tell(RESPONSE_RECEIVED, self._gid, number, response=response)
         with self._lock:
-            future = self._pending_requests.pop(number, None)
-        if future is not None:
+            future = self._pending_requests.get(number)
+        if future is not None:  # until it is done: every server of the name answers
             future._set_executor(self._node.executor)
             future.set_result(response)
 

@@ -1,0 +1,151 @@
+"""The STOP that was asked for, until the robot has confirmed it. ROS thread only.
+
+One call of a service reaches every server of its name, and each answers; a client cannot choose.
+So the answers to one call are counted, and only when all say yes has the robot been stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.task import Future
+
+from archo_tui.clock import Clock
+from archo_tui.robot import interfaces, services
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.offers import Offers
+from archo_tui.robot.services import Services
+from archo_tui.robot.state import Outcome
+from archo_tui.robots import model
+
+ALL_ANSWERS = 3.0  # s that the answers of several servers are waited for
+OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
+NO_ANSWER = "no answer"
+UNCONFIRMED = "ANSWERED, NOT CONFIRMED"
+_FIND_PERIOD = 0.1  # s between two looks for a server
+
+
+class Stopping:
+    """Sends STOP, counts the answers, and remembers one that was not confirmed."""
+
+    def __init__(
+        self,
+        node: Node,
+        stop: model.Stop | None,
+        clock: Clock,
+        pending: Services,
+        graph: Graph,
+        offers: Offers,
+        look: Callable[[], None],
+        changed: Callable[[], None],
+    ) -> None:
+        """`look()` looks at the graph, `changed()` is called with each new state."""
+        self._node, self._stop, self._clock = node, stop, clock
+        self._services, self._graph, self._offers = pending, graph, offers
+        self._look, self._changed = look, changed
+        self.asked: float | None = None  # monotonic s of the first that is not confirmed
+        self.why = ""  # what came of it; empty: its answer is waited for
+        self._answered: tuple[float, float] | None = None  # when the last was sent, and confirmed
+        self._calls = 0  # that have no answer yet
+        self._releasing: Future[bool] | None = None  # done when a release has its answer
+
+    async def send(self) -> Outcome:
+        """Stop the robot; ends when all servers answered, or did not in time."""
+        assert self._stop is not None
+        sent = self._clock.monotonic()
+        if self.asked is None:
+            self.asked, self.why = sent, ""
+        self._changed()
+        self._calls += 1
+        try:
+            await self._found(self._stop.service)
+            releasing = self._releasing
+            outcome = await self._call(self._stop.service)
+            if releasing is not None:  # it left before: which one the robot took last is not known
+                await releasing
+                outcome = await self._call(self._stop.service)
+        finally:
+            self._calls -= 1
+        if outcome.ok:
+            self._answered = sent, self._clock.monotonic()
+            self.over()
+            return outcome
+        self._changed()
+        return Outcome(False, f"{outcome.text}: use the hardware stop")
+
+    async def release(self, call: Callable[[], Awaitable[Outcome]]) -> Outcome:
+        """Around the call that releases the stop: a STOP behind it is sent once more after it."""
+        answered: Future[bool] = Future(executor=self._node.executor)
+        self._releasing = answered
+        try:
+            outcome = await call()
+        finally:
+            self._releasing = None
+            answered.set_result(True)
+        if outcome.ok:
+            self.over()
+        return outcome
+
+    def over(self) -> None:
+        """It is confirmed, released, or past."""
+        self.asked, self.why = None, ""
+        self._changed()
+
+    def accepted(self, sent: float) -> None:
+        """A goal was accepted that was sent then: a STOP before it is past."""
+        if self.asked is not None and sent > self.asked:
+            self.over()
+
+    @property
+    def is_to_be_repeated(self) -> bool:
+        """True for one that not every server has answered: the robot may not have got it."""
+        return self.asked is not None and self.why.startswith(NO_ANSWER) and not self._calls
+
+    @property
+    def obeyed_since(self) -> float | None:
+        """When the last confirmed one was sent, once what ran before it must have ended."""
+        if self._answered is None:
+            return None
+        sent, confirmed = self._answered
+        return sent if self._clock.monotonic() - confirmed >= OBEYED else None
+
+    async def _found(self, name: str) -> None:
+        """Wait up to DEADLINE for a server, at the start or after a restart of its node."""
+        end = self._clock.monotonic() + services.DEADLINE
+        while name not in self._graph.offered and self._clock.monotonic() < end:
+            await self._services.pause(_FIND_PERIOD)
+            self._look()
+
+    async def _call(self, name: str) -> Outcome:
+        """One call, and what its servers said of it."""
+        srv_type, reason = None, f"{self._offers.full(name)} is not offered by any node"
+        if name in self._graph.offered:
+            srv_type, reason = self._offers.fitting(name, ())
+        if srv_type is None:
+            self.why = f"NOT SENT ({reason})"
+            return Outcome(False, reason)
+        servers = max(self._node.count_services(name), 1)
+        wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
+        answers = await self._services.call_all(srv_type, name, srv_type.Request(), servers, wait)
+        outcome, self.why = _said(answers, servers, wait)
+        return outcome
+
+
+def _said(answers: list[Any], servers: int, wait: float) -> tuple[Outcome, str]:
+    """What the answers of so many servers come to, and what is said of it until it is over."""
+    said = [(answer, interfaces.outcome(answer)) for answer in answers]
+    refused = [outcome.text for answer, outcome in said if interfaces.refuses(answer)]
+    of = f" by {len(refused)} of {servers}" if servers > 1 else ""
+    if refused:
+        return Outcome(False, f"REFUSED{of}: {refused[0]}"), f"REFUSED{of} ({refused[0]})"
+    if len(answers) < servers:
+        if servers == 1:
+            return Outcome(False, f"no answer in {wait:g} s"), NO_ANSWER
+        counted = f"{len(answers)} of {servers} answered"
+        return Outcome(False, f"{counted} in {wait:g} s"), f"{NO_ANSWER} from all: {counted}"
+    doubtful = next((outcome for _, outcome in said if not outcome.ok), None)
+    if doubtful is not None:
+        return doubtful, UNCONFIRMED
+    return said[0][1], ""
