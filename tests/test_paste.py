@@ -123,6 +123,14 @@ def test_escape_or_stop_alone_ends_any_paste_and_acts(state: str, sent: str) -> 
     assert keyboard.pastes == []
 
 
+@pytest.mark.parametrize("sent", ["\x1b", "\x1b[", "\x1bO", "\x1b]"])
+def test_the_silence_behind_what_is_not_complete_is_looked_at_soon(sent: str) -> None:
+    assert Typed().read(sent).keyboard.waiting
+    assert broken().read("\x1b").keyboard.waiting
+    assert not Typed().read("r").keyboard.waiting
+    assert not broken().keyboard.waiting
+
+
 @pytest.mark.parametrize("sent", ["\x1b", "\x18"])
 def test_amid_text_they_are_text(sent: str) -> None:
     assert typed(f"{BEGIN}1{sent}2", f"3{sent}", f"{sent}4{END}", gap=0.5).pastes == [

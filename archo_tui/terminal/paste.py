@@ -14,7 +14,7 @@ from textual import events
 from textual.message import Message
 
 from archo_tui.terminal.keys import keys_of
-from archo_tui.terminal.sequences import CANCEL, ESCAPE, PAUSE
+from archo_tui.terminal.sequences import ESCAPE, PAUSE
 
 PASTE_LIMIT = 1 << 20  # characters that are taken
 STALL = 2.0  # s of silence after which a paste is broken
@@ -82,7 +82,6 @@ class Paste:
         stalled = not self._broken and now - self._heard >= STALL
         if stalled:
             self._broken = True
-            self._text.clear()
         return stalled
 
     def _cut(self) -> list[Message]:
@@ -98,11 +97,8 @@ class Paste:
         if self._silence < PAUSE or self._burst == ESCAPE:
             return False
         keys = keys_of(self._burst) or []
-        if self._burst == CANCEL or any(key.key in ("escape", "ctrl+x") for key in keys):
+        if any(key.key in ("escape", "ctrl+x") for key in keys):
             return True
-        return (
-            self._broken
-            and self._silence >= STALL
-            # one byte: two may be the text of a paste that comes slowly
-            and (bool(keys) or (len(self._burst) == 1 and self._burst.isascii()))
-        )
+        # one byte: two may be the text of a paste that comes slowly
+        one_byte = len(self._burst) == 1 and self._burst.isascii()
+        return self._silence >= STALL and (one_byte or keys != [])

@@ -22,10 +22,10 @@ class Typed:
     def wait(self, seconds: float) -> Typed:
         """Nothing comes for so long."""
         end = self.now + seconds
-        while self.now < end:
-            self.now = min(end, self.now + (SOON if self.keyboard.waiting else IDLE))
-            if self.now < end:
-                self.messages += self.keyboard.late(self.now)
+        while (step := SOON if self.keyboard.waiting else IDLE) < end - self.now:
+            self.now += step
+            self.messages += self.keyboard.late(self.now)
+        self.now = end
         return self
 
     def read(self, data: bytes | str, after: float = 0.0) -> Typed:
