@@ -410,3 +410,19 @@ def test_whatever_comes_in_whatever_pieces_only_what_was_typed_acts(seed: int) -
     keyboard.wait(LONG)
     assert [key for key in keyboard.keys if key != "escape"] == pressed
     assert keyboard.pastes == pasted
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_whatever_came_before_stop_alone_is_stop(seed: int) -> None:
+    chance = random.Random(seed)
+    noise = [*SENT, *"\x1b\x1b\x1b[]P_^XOM20;~u<\\\x07\x18\x1aé\x9b\x9d", "\x1b[", "\x1bO"]
+    keyboard = Typed()
+    for _ in range(100):
+        data = "".join(chance.choices(noise, k=chance.randint(1, 6))).encode()
+        data = data[: chance.randint(1, len(data))] + chance.choice(
+            [b"", b"\xc3", b"\x9b", b"\xff"]
+        )
+        keyboard.read(data, after=chance.choice([0.0, 0.05, 0.3, 1.0, 2.5]))
+        keyboard.read("\x18", after=0.12)
+        assert keyboard.keys[-1:] == ["ctrl+x"], data
+        keyboard.messages.clear()
