@@ -38,7 +38,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 _POSIX = {
     *("test_terminal", "test_256_colours", "test_journal", "test_own_interfaces", "test_cli"),
     *("test_plain", "test_files", "test_save_load", "test_two_processes", "test_kill"),
-    "test_stop_is_final",
+    *("test_stop_is_final", "test_terminal_keys"),
 }
 
 

@@ -150,6 +150,17 @@ FAULTS = [
     Fault("terminal/compositor.py", "        if self._full_map_invalidated:\n", "        if False:\n", CONSOLE + "/test_compositor.py"),
     Fault("terminal/compositor.py", "            self._cuts = None\n", "", CONSOLE + "/test_compositor.py"),
     Fault("widgets/field.py", "virtual_size = Reactive(Size(0, 0))", "virtual_size = Reactive(Size(0, 0), layout=True)", CONSOLE + "/test_field.py"),
+    # what a terminal sends
+    Fault("terminal/sequences.py", "                self._rest_until = self._since + wait + SEQUENCE_WAIT\n", "", "tests/test_keyboard.py"),
+    Fault("terminal/sequences.py", "        elif char in (CANCEL, _SUBSTITUTE):\n            self._abort(char)\n", "", "tests/test_keyboard.py"),
+    Fault("terminal/sequences.py", "            self._wait(self._string_escape)", "            self._state = self._ground", "tests/test_keyboard.py"),
+    Fault("terminal/keyboard.py", "last_moves(text)", "text", "tests/test_keyboard.py tests/test_terminal_keys.py"),
+    Fault("terminal/keyboard.py", "        except Exception:", "        except OSError:", "tests/test_keyboard.py"),
+    Fault("terminal/keys.py", "_printable(base) or on_qwerty(character)", "character", "tests/test_keyboard.py"),
+    Fault("terminal/paste.py", "self._silence >= STALL and", "True and", "tests/test_paste.py"),
+    Fault("terminal/paste.py", "            self._broken = True\n", "            pass\n", "tests/test_paste.py"),
+    Fault("terminal/driver.py", "            self.write(_ALTERNATE_KEYS)", "            pass", "tests/test_terminal_keys.py"),
+    Fault("terminal/app.py", "        self.notify(text, severity=\"warning\", markup=False)", "        pass", "tests/test_terminal_keys.py"),
     # the engine's strictness
     Fault("embedded/fixed_array.py", "        if len(self) != 1:\n            raise ValueError(_AMBIGUOUS)\n        return bool(self[0])", "        return self.all()", CONTRACT),
     Fault("embedded/fixed_array.py", "    __add__ = __radd__ = __iadd__", "    __radd__ = __iadd__", "tests/embedded/test_fixed_arrays.py"),

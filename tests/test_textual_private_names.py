@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from textual import _ansi_sequences, keys
+from textual import _ansi_sequences, _keyboard_protocol, keys
 from textual._compositor import Compositor
 from textual._xterm_parser import XTermParser
 from textual.app import App
@@ -32,8 +32,8 @@ METHODS = [
     ("terminal/driver.py", LinuxDriver, "resume_application_mode"),
     ("terminal/driver.py", LinuxDriver, "run_input_thread"),
     ("terminal/driver.py", LinuxDriver, "process_message"),
-    ("terminal/driver.py", XTermParser, "feed"),
-    ("terminal/driver.py", XTermParser, "tick"),
+    ("terminal/keyboard.py", XTermParser, "feed"),
+    ("terminal/keys.py", keys, "_character_to_key"),
     ("widgets/rows.py", Widget, "_refresh_scrollbars"),
     ("screens/main.py", Screen, "_compositor_refresh"),
     ("screens/base.py", Screen, "_on_resize"),
@@ -93,6 +93,9 @@ def test_a_private_attribute_is_there(used_by: str, owner: type, name: str) -> N
     assert f"self.{name}" in source_of(owner), f"{used_by} needs {owner.__name__}.{name}"
 
 
-def test_the_table_of_what_terminals_send_is_there() -> None:
-    table = _ansi_sequences.ANSI_SEQUENCES_KEYS  # commands/keymap.py
+def test_the_tables_of_what_terminals_send_are_there() -> None:
+    table = _ansi_sequences.ANSI_SEQUENCES_KEYS  # commands/keymap.py, terminal/keys.py and others
     assert table["\x18"] == (Keys.ControlX,)
+    assert table["\x1bOp"] == "0"
+    assert _keyboard_protocol.FUNCTIONAL_KEYS["27u"] == "escape"  # terminal/keys.py
+    assert "left_shift" in _keyboard_protocol.MODIFIER_FUNCTIONAL_KEYS

@@ -27,3 +27,8 @@ class Decoder:
         if after_a_pause and data[:1].isascii():
             self._decoder.reset()  # what was begun will not be completed: the key stands alone
         return self._decoder.decode(data)
+
+    @property
+    def is_amid_a_character(self) -> bool:
+        """True when the last read ended there."""
+        return self._decoder.getstate()[0] != b""

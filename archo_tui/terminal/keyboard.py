@@ -16,7 +16,7 @@ from archo_tui.terminal.answers import FOR_TEXTUAL
 from archo_tui.terminal.decoding import Decoder
 from archo_tui.terminal.keys import alt_key, keys_of
 from archo_tui.terminal.mouse import apart, last_moves
-from archo_tui.terminal.paste import Over, Paste, PasteCut
+from archo_tui.terminal.paste import Paste, PasteCut
 from archo_tui.terminal.sequences import ESCAPE, PASTE_BEGIN, PASTE_END, PAUSE, Sequences
 
 
@@ -50,28 +50,33 @@ class Keyboard:
             if self._paste.breaks(now):
                 messages.append(PasteCut())
             if over := self._paste.late(now):
-                messages += self._after(over, self._heard)
+                self._paste = None
+                messages += over.messages + self._read(over.rest, self._heard)
         return messages + self._messages(self._sequences.late(now))
 
     def _read(self, text: str, now: float) -> list[Message]:
         messages: list[Message] = []
         while text:
             if self._paste is not None:
-                inside, mark, behind = text.partition(PASTE_END)
-                reports, inside = apart(inside)  # a mouse moves while a paste has stalled
-                text = inside + mark + behind
-                over = self._paste.take(text, now) if text else None
-                return self._messages(reports) + (self._after(over, now) if over else [])
+                of_it, text = self._pasted(self._paste, text, now)
+                messages += of_it
+                continue
             pieces, text = self._sequences.cut(text, now)
             messages += self._messages(pieces)
             if pieces[-1:] == [PASTE_BEGIN]:
                 self._paste = Paste(now)
         return messages
 
-    def _after(self, over: Over, now: float) -> list[Message]:
-        """What comes of a paste that is over, and of what was read behind it."""
+    def _pasted(self, paste: Paste, text: str, now: float) -> tuple[list[Message], str]:
+        """What comes of text in a paste, and what stands behind that."""
+        inside, mark, behind = text.partition(PASTE_END)
+        reports, inside = apart(inside)  # a mouse moves while a paste has stalled
+        messages, text = self._messages(reports), inside + mark + behind
+        over = paste.take(text, now, self._decoder.is_amid_a_character) if text else None
+        if over is None:
+            return messages, ""
         self._paste = None
-        return ([over.message] if over.message else []) + self._read(over.rest, now)
+        return messages + over.messages, over.rest
 
     def _messages(self, pieces: list[str]) -> list[Message]:
         return [message for piece in pieces for message in self._of(piece)]

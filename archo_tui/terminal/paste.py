@@ -14,7 +14,7 @@ from textual import events
 from textual.message import Message
 
 from archo_tui.terminal.keys import keys_of
-from archo_tui.terminal.sequences import CANCEL, ESCAPE, PAUSE
+from archo_tui.terminal.sequences import ESCAPE, PAUSE
 
 PASTE_LIMIT = 1 << 20  # characters that are taken
 STALL = 2.0  # s of silence after which a paste is broken
@@ -31,7 +31,7 @@ class PasteCut(Message):
 class Over(NamedTuple):
     """The paste is over."""
 
-    message: Message | None  # what comes of it; None when it has been told already
+    messages: list[Message]  # what comes of it, and has not been told already
     rest: str  # what was read and is not of the paste
 
 
@@ -51,8 +51,8 @@ class Paste:
         """True while silence would tell that an escape is the key."""
         return self._burst == ESCAPE and self._silence >= PAUSE
 
-    def take(self, text: str, now: float) -> Over | None:
-        """What was read at once."""
+    def take(self, text: str, now: float, more: bool) -> Over | None:
+        """What was read at once; there is more of it when that cannot be read yet."""
         if now - self._heard >= PAUSE:
             self._burst, self._silence = "", now - self._heard
         self._burst = (self._burst + text)[: _LONGEST_KEY + 1]
@@ -63,8 +63,8 @@ class Paste:
                 return Over(self._cut(), text[mark.start() :])
             self._keep(text[: mark.start()])
             pasted = events.Paste("".join(self._text).replace("\x00", ""))
-            return Over(None if self._broken else pasted, text[mark.end() :])
-        if self._is_key():
+            return Over([] if self._broken else [pasted], text[mark.end() :])
+        if not more and self._is_key():
             return Over(self._cut(), self._burst)
         begun = _BEGUN_MARK.search(text)
         self._tail = begun[0] if begun else ""
@@ -82,11 +82,10 @@ class Paste:
         stalled = not self._broken and now - self._heard >= STALL
         if stalled:
             self._broken = True
-            self._text.clear()
         return stalled
 
-    def _cut(self) -> Message | None:
-        return None if self._broken else PasteCut()
+    def _cut(self) -> list[Message]:
+        return [] if self._broken else [PasteCut()]
 
     def _keep(self, text: str) -> None:
         if self._room and not self._broken:
@@ -98,11 +97,8 @@ class Paste:
         if self._silence < PAUSE or self._burst == ESCAPE:
             return False
         keys = keys_of(self._burst) or []
-        if self._burst == CANCEL or any(key.key in ("escape", "ctrl+x") for key in keys):
+        if any(key.key in ("escape", "ctrl+x") for key in keys):
             return True
-        return (
-            self._broken
-            and self._silence >= STALL
-            # one byte: two may be the text of a paste that comes slowly
-            and (bool(keys) or (len(self._burst) == 1 and self._burst.isascii()))
-        )
+        # one byte: two may be the text of a paste that comes slowly
+        one_byte = len(self._burst) == 1 and self._burst.isascii()
+        return self._silence >= STALL and (one_byte or keys != [])

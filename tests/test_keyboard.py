@@ -1,0 +1,428 @@
+"""Keys, answers of the terminal and the mouse, from bytes to what acts; pastes: test_paste.py."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from textual import events
+from textual.message import Message
+
+from archo_tui.terminal.keyboard import Keyboard
+from archo_tui.terminal.sequences import STRING_LIMIT
+from tests.support.typed import LONG, Typed, typed
+
+BEGIN, END = "\x1b[200~", "\x1b[201~"
+ST = "\x1b\\"
+ANSWERS = [
+    *("\x1b]11;rgb:1e1e/1e1e/1e1e\a", f"\x1b]11;rgb:1e1e/1e1e/1e1e{ST}"),
+    *(f"\x1b]10;rgb:ffff/ffff/ffff{ST}", "\x1b]4;1;rgb:cdcd/0000/0000\a"),
+    *("\x1b]52;c;cm0gLXJmIC8K\a", f"\x1b]l a title gr7{ST}", f"\x1b]L an icon gr7{ST}"),
+    *(f"\x1bP>|XTerm(388){ST}", f"\x1bP!|00000000{ST}"),
+    *(f"\x1bP1+r544e=787465726d{ST}", f"\x1bP0+r{ST}", f"\x1bP1$r0m{ST}", f"\x1bP0$r{ST}"),
+    f"\x1b_Gi=31;OK{ST}",
+    *("\x1b[?1;2c", "\x1b[?64;1;2;6;22c", "\x1b[>41;388;0c", "\x1b[>0;276;0c"),
+    *("\x1b[?0u", "\x1b[?25u", "\x1b[?997;1n", "\x1b[0n"),
+    *("\x1b[8;24;80t", "\x1b[4;600;800t", "\x1b[9;50;160t"),
+]
+SENT = [*ANSWERS, BEGIN, END]
+GAPS = [0.02, 0.08, 0.12, 0.25, 0.4]  # s
+
+
+# escape
+
+
+def test_escape_acts_after_a_tenth_of_a_second() -> None:
+    keyboard = Typed().read("\x1b")
+    assert keyboard.wait(0.09).keys == []
+    assert keyboard.wait(0.06).keys == ["escape"]
+
+
+def test_a_letter_that_comes_later_is_a_letter() -> None:
+    keyboard = Typed().read("\x1b").read("n", after=0.12)
+    assert keyboard.keys == ["escape", "n"]
+    assert keyboard.text == "n"
+
+
+def test_so_it_is_when_nobody_looked_meanwhile() -> None:
+    keyboard = Keyboard()
+    messages = keyboard.take(b"\x1b", 7.0) + keyboard.take(b"n", 7.2)
+    assert [key.key for key in messages if isinstance(key, events.Key)] == ["escape", "n"]
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.05])
+@pytest.mark.parametrize(
+    ("char", "key"),
+    [
+        *(("n", "alt+n"), ("N", "alt+shift+n"), ("1", "alt+1"), ("/", "alt+slash")),
+        *((" ", "alt+space"), ("ж", "alt+ж"), ("Ж", "alt+shift+ж"), ("O", "alt+shift+o")),
+    ],
+)
+def test_a_character_directly_behind_an_escape_is_no_text(char: str, key: str, gap: float) -> None:
+    pressed = typed("\x1b", char, gap=gap)
+    assert pressed.keys == [key]
+    assert pressed.text == ""
+
+
+def test_words_are_skipped_as_on_a_mac() -> None:
+    assert typed("\x1bb\x1bf").keys == ["ctrl+left", "ctrl+right"]
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.05, 0.3])
+@pytest.mark.parametrize(
+    ("char", "key"),
+    [("\x18", "ctrl+x"), ("\x11", "ctrl+q"), ("\r", "enter"), ("\x1a", "ctrl+z")],
+)
+def test_a_control_character_behind_an_escape_is_a_key_of_its_own(
+    char: str, key: str, gap: float
+) -> None:
+    assert typed("\x1b", char, gap=gap).keys == ["escape", key]
+
+
+def test_shift_tab_of_the_linux_console_is_one_key() -> None:
+    assert typed("\x1b\t\x1b\x7f").keys == ["shift+tab", "ctrl+w"]
+
+
+def test_of_two_escapes_the_second_may_begin_a_sequence() -> None:
+    assert typed("\x1b\x1b[A\x18").keys == ["escape", "up", "ctrl+x"]
+    assert typed("\x1b\x1b").keys == ["escape", "escape"]
+    assert typed("\x1b\x1b", "n", gap=0.12).keys == ["escape", "escape", "n"]
+
+
+@pytest.mark.parametrize("char", list("[]P_^X"))
+def test_what_may_be_the_rest_of_a_sequence_is_a_key_when_nothing_follows(char: str) -> None:
+    keyboard = Typed().read("\x1b").read(char, after=0.3)
+    assert keyboard.wait(0.45).keys == ["escape"]
+    assert keyboard.wait(0.1).text == char
+    assert Typed().read("\x1b").read(char, after=0.65).text == char  # too late to be one
+
+
+@pytest.mark.parametrize("char", list("[]P_"))
+def test_what_cannot_be_the_rest_of_a_sequence_is_two_keys_at_once(char: str) -> None:
+    keyboard = Typed().read("\x1b").read(char, after=0.3).read("r", after=0.1)
+    assert keyboard.text == f"{char}r"
+    assert Typed().read("\x1b").read("g", after=0.2).read(char, after=0.1).text == f"g{char}"
+
+
+@pytest.mark.parametrize("char", list("[]P_^X"))
+def test_stop_behind_it_is_not_held(char: str) -> None:
+    keyboard = Typed().read("\x1b").read(char, after=0.3).read("\x18", after=0.1)
+    assert keyboard.keys[-1] == "ctrl+x"
+    assert keyboard.text == char
+
+
+def test_a_key_whose_escape_came_before_it_is_that_key() -> None:
+    assert typed("\x1b", "[A", gap=0.3).keys == ["escape", "up"]
+    assert typed("\x1b", "[[A", gap=0.3).keys == ["escape", "f1"]
+
+
+def test_an_incomplete_sequence_is_waited_for_and_dropped() -> None:
+    assert typed("\x1b[1;", "5A", gap=0.45).keys == ["ctrl+up"]
+    assert typed("\x1b[1;", "r", gap=0.55).keys == ["r"]
+    assert typed("\x1bO", "P", gap=0.4).keys == ["f1"]
+
+
+@pytest.mark.parametrize("gap", GAPS)
+@pytest.mark.parametrize("sent", SENT)
+def test_in_two_pieces_it_is_no_key_either(sent: str, gap: float) -> None:
+    """Cut anywhere: an escape may be read as the key, and no other."""
+    for at in range(1, len(sent)):
+        rest = f"x{END}r" if sent == BEGIN else "r"
+        pressed = typed(sent[:at], sent[at:] + rest, gap=gap)
+        assert pressed.keys in (["r"], ["escape", "r"]), (sent[:at], sent[at:])
+        assert pressed.pastes == (["x"] if sent == BEGIN else [])
+
+
+# answers
+
+
+@pytest.mark.parametrize("answer", ANSWERS)
+def test_an_answer_of_the_terminal_is_nothing_that_acts(answer: str) -> None:
+    pressed = typed(f"{answer}r{answer}{answer}g")
+    assert pressed.names == ["Key", "Key"]
+    assert pressed.keys == ["r", "g"]
+
+
+@pytest.mark.parametrize(
+    "answer",
+    [
+        *(b"\x9d11;rgb:1e1e/1e1e/1e1e\x9c", b"\x90>|XTerm(388)\x9c", b"\x9f4;r\x9c", b"\x9er\x9c"),
+        *(b"\x98gr7\x1b\\", b"\x9b?1;2c", b"\x1b]l gr7\x9c"),
+        *("\x9d11;rgb\x9c".encode(), "\x1b]l Müller \N{SNOWMAN} Ü\x1b\\".encode()),
+        *(b"\x1b^gr7\x1b\\", b"\x1bXgr7\x1b\\"),
+    ],
+)
+def test_so_is_one_with_controls_of_8_bits_or_beyond_ascii(answer: bytes) -> None:
+    assert typed(answer + b"r").keys == ["r"]
+
+
+def test_a_string_without_an_end_is_over_after_half_a_second() -> None:
+    assert typed("\x1b]52;c;AAAA", "gr7", "r", gap=0.45).keys == []
+    assert typed("\x1b]52;c;AAAA", "r", gap=0.55).keys == ["r"]
+
+
+def test_a_string_that_does_not_end_is_not_kept_and_a_pause_ends_it() -> None:
+    keyboard = Typed().read("\x1b]52;c;")
+    for _ in range(STRING_LIMIT // 0x10000 + 1):
+        keyboard.read("A" * 0x10000)
+    keyboard.read("\x1b\\gr7\r")
+    assert keyboard.keys == []
+    assert keyboard.read("r", after=0.12).keys == ["r"]
+
+
+def test_stop_in_a_flood_is_stop() -> None:
+    keyboard = Typed().read("\x1b]52;c;" + "A" * (STRING_LIMIT + 1))
+    assert keyboard.read("\x18").keys == ["ctrl+x"]
+    assert keyboard.read("gr7").keys == ["ctrl+x"]
+
+
+@pytest.mark.parametrize("begun", ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"])
+def test_stop_ends_a_sequence_and_acts(begun: str) -> None:
+    assert typed(f"{begun}\x18r").keys == ["ctrl+x", "r"]
+    assert typed(f"{begun}\x1ar").keys == ["r"]
+
+
+@pytest.mark.parametrize("begun", ["\x1b[1;", "\x1b]52;c;AAAA", "\x1bPabc", "\x1b_G", "\x1b[M!"])
+def test_an_escape_in_a_sequence_begins_another_one(begun: str) -> None:
+    assert typed(f"{begun}\x1b[Ar").keys == ["up", "r"]
+    assert typed(begun, "\x1b", "r", gap=0.6).keys == ["escape", "r"]
+
+
+def test_a_long_answer_whose_escape_came_before_it_is_nothing_that_is_typed() -> None:
+    assert typed("\x1b", "]l" + "gr7 " * 100, gap=0.3).keys == ["escape"]
+
+
+def test_a_control_sequence_ends_at_what_cannot_be_in_one() -> None:
+    assert typed("\x1b[1;\rr").keys == ["enter", "r"]
+    assert typed("\x1b[1;ör").text == "ör"
+
+
+def test_an_endless_control_sequence_is_no_key() -> None:
+    assert typed("\x1b[" + "1" * 100_000 + "ur").keys == ["r"]
+    assert typed("\x1b[1;" + "0" * 300 + "5Ar").keys == ["r"]
+
+
+@pytest.mark.parametrize(
+    ("sent", "name"),
+    [
+        *(("\x1b[I", "AppFocus"), ("\x1b[O", "AppBlur")),
+        *(("\x1b[<0;5;5M", "MouseDown"), ("\x1b[<0;5;5m", "MouseUp")),
+        *(("\x1b[<64;5;5M", "MouseScrollUp"), ("\x1b[<35;5;5M", "MouseMove")),
+        *(("\x1b[48;50;160;1000;1600t", "Resize"), ("\x1b[3;5R", "CursorPosition")),
+        *(
+            ("\x1b[?2026;2$y", "TerminalSupportsSynchronizedOutput"),
+            ("\x1b[?2048;2$y", "InBandWindowResize"),
+        ),
+    ],
+)
+def test_what_textual_reads_it_gets(sent: str, name: str) -> None:
+    for at in range(1, len(sent)):
+        assert typed(sent[:at], sent[at:], gap=0.05).names == [name]
+    assert typed("\x1b", sent[1:], gap=0.3).names == ["Key", name]
+
+
+def test_the_older_forms_of_mouse_reports_are_no_keys() -> None:
+    assert typed("\x1b[M !!r\x1b[35;10;10Mr").keys == ["r", "r"]
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        *("\x1b[1095::120;5:4u", "\x1b[55296;5u", "\x1b[1114112;5u", "\x1b[;u", "\x1b[u"),
+        *("\x1b[120;999u", "\x1b[27;5;~", "\x1b[99~", "\x1b[9;9Z", "\x1b[" + ";" * 50 + "u"),
+        *("\x1b[48;0;0;0;0t", "\x1b[48;99999;99999;1;1t", "\x1b[<999999;1;1M"),
+        "\x1b[48;999:99999;999:99999;9999:99999;9999:99999t",  # too long for Textual
+    ],
+)
+def test_nonsense_is_nothing(sent: str) -> None:
+    assert typed(sent + "r").names == ["Key"]
+    assert typed(sent + "r").keys == ["r"]
+
+
+def test_what_textual_stumbles_over_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    keyboard = Typed()
+
+    def fail(text: str) -> list[Message]:
+        raise ValueError(text)
+
+    monkeypatch.setattr(keyboard.keyboard._parser, "feed", fail)
+    assert keyboard.read("ab").keys == ["b"]
+
+
+# text
+
+
+def test_letters_of_several_bytes_come_in_pieces() -> None:
+    assert typed(*[bytes([byte]) for byte in "жß€\N{SNOWMAN}".encode()], gap=0.05).text == "жß€☃"
+
+
+def test_what_is_no_utf_8_is_unreadable_and_stop_behind_it_acts() -> None:
+    assert typed(b"\xe4r\xff\x18").keys[-1] == "ctrl+x"
+    assert typed(b"\xe4", b"\x18", gap=0.2).keys == ["ctrl+x"]
+
+
+def test_keys_of_all_terminals() -> None:
+    sent = {
+        **{"\x1b[A": "up", "\x1bOA": "up", "\x1b[1;5A": "ctrl+up", "\x1b[1;2A": "shift+up"},
+        **{"\x1bOP": "f1", "\x1b[11~": "f1", "\x1b[[A": "f1", "\x1b[P": "f1", "\x1b[24~": "f12"},
+        **{"\x1b[Z": "shift+tab", "\x1b[3~": "delete", "\x1b[3$": "shift+delete"},
+        **{"\x1b[H": "home", "\x1b[7~": "home", "\x1b[5^": "ctrl+pageup", "\x1bOM": "enter"},
+        **{"\x7f": "backspace", "\r": "enter", "\t": "tab", "\x18": "ctrl+x", " ": "space"},
+        **{"r": "r", "R": "R", "?": "question_mark", "\x1b[1;129B": "down"},
+    }
+    assert {one: typed(one).keys for one in sent} == {one: [key] for one, key in sent.items()}
+
+
+# kitty's protocol
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        *("\x1b[120;5u", "\x1b[1095;5u", "\x1b[1095::120;5u", "\x1b[967;5u", "\x1b[967::120;5u"),
+        *("\x1b[27;5;88~", "\x1b[27;5;120~", "\x1b[88;5u", "\x1b[120;69u", "\x1b[120;133u"),
+        *("\x1b[1063;5u", "\x1b[120:88;5:1u", "\x1b[120::98;5u", "\x1b[1095:1063:120;5:2;u"),
+    ],
+)
+def test_stop_is_stop_under_any_layout(sent: str) -> None:
+    assert typed(sent).keys == ["ctrl+x"]
+    assert typed(sent).text == ""
+
+
+@pytest.mark.parametrize(
+    ("letters", "keys"),
+    [("йячсмфывхэё", "qzxcvasd['`"), ("Чіїєґ", "xs]'\\"), ("ςερχψωβΧ", "werxcvbx")],
+)
+def test_letters_of_other_alphabets_are_keys_by_their_place(letters: str, keys: str) -> None:
+    pressed = [typed(f"\x1b[{ord(letter)};5u").keys for letter in letters]
+    assert pressed == [typed(f"\x1b[{ord(key)};5u").keys for key in keys]
+
+
+def test_the_base_layout_tells_where_the_alphabet_is_unknown() -> None:
+    assert typed("\x1b[1513::120;5u").keys == ["ctrl+x"]  # Hebrew
+    assert typed("\x1b[233::50;3u").keys == ["alt+2"]  # é of AZERTY
+
+
+@pytest.mark.parametrize(
+    ("sent", "key", "text"),
+    [
+        ("\x1b[1095::120;;1095u", "ч", "ч"),
+        ("\x1b[97;;97u", "a", "a"),
+        ("\x1b[97:65;2;65u", "A", "A"),
+        ("\x1b[97u", "a", "a"),  # a terminal that does not tell the text
+        ("\x1b[97:65;2u", "A", "A"),
+        ("\x1b[47:63;2;63u", "question_mark", "?"),
+        ("\x1b[113;3;64u", "at", "@"),  # option+q on a Mac
+        ("\x1b[32;2;32u", "shift+space", " "),
+        ("\x1b[57400;;49u", "1", "1"),
+        ("\x1b[114;65;82u", "r", "R"),  # caps lock
+        ("\x1b[114;66;114u", "r", "r"),  # and shift
+        ("\x1b[114;66;82u", "R", "R"),  # on a Mac
+        ("\x1b[49;65;49u", "1", "1"),
+        ("\x1b[114;129;114u", "r", "r"),  # num lock
+        ("\x1b[27;2;65~", "A", "A"),
+    ],
+)
+def test_what_is_typed_stays_text(sent: str, key: str, text: str) -> None:
+    pressed = typed(sent)
+    assert (pressed.keys, pressed.text) == ([key], text)
+
+
+@pytest.mark.parametrize(
+    ("sent", "key", "character"),
+    [
+        ("\x1b[13u", "enter", "\r"),
+        ("\x1b[13;65u", "enter", "\r"),
+        ("\x1b[9;2u", "shift+tab", None),
+        ("\x1b[27u", "escape", None),
+        ("\x1b[127;3u", "alt+backspace", None),
+        ("\x1b[27;2;13~", "shift+enter", None),
+        ("\x1b[120;6u", "ctrl+shift+x", None),
+        ("\x1b[110;3u", "alt+n", None),
+        ("\x1b[110;9u", "super+n", None),
+        ("\x1b[57441;2u", "left_shift", None),
+        ("\x1b[3;5:1~", "ctrl+delete", None),
+        ("\x1b[1;1:2A", "up", None),
+    ],
+)
+def test_keys_that_are_no_text(sent: str, key: str, character: str | None) -> None:
+    (message,) = typed(sent).messages
+    assert isinstance(message, events.Key)
+    assert (message.key, message.character) == (key, character)
+
+
+@pytest.mark.parametrize("sent", ["\x1b[120;5:3u", "\x1b[97;1:3;97u", "\x1b[1;1:3A", "\x1b[3;1:3~"])
+def test_a_key_that_is_let_go_is_none(sent: str) -> None:
+    assert typed(sent).messages == []
+
+
+# the mouse
+
+
+def moves(count: int, button: int = 35) -> str:
+    return "".join(f"\x1b[<{button};{number % 100 + 1};5M" for number in range(count))
+
+
+def test_of_many_moves_the_last_one_is_handed_on() -> None:
+    pressed = typed(moves(2000) + "\x18")
+    assert pressed.names == ["MouseMove", "Key"]
+    assert isinstance(pressed.messages[0], events.MouseMove)
+    assert pressed.messages[0].x == 99
+
+
+def test_clicks_and_drags_keep_their_order() -> None:
+    sent = f"{moves(9)}\x1b[<0;3;3M{moves(9, 32)}\x1b[<0;7;3m{moves(9)}\x1b[<0;7;3M\x1b[<0;7;3m"
+    move = "MouseMove"
+    assert typed(sent).names == [move, "MouseDown", move, "MouseUp", move, "MouseDown", "MouseUp"]
+
+
+def test_each_step_of_the_wheel_counts() -> None:
+    assert typed(moves(5, 65)).names == ["MouseScrollDown"] * 5
+    assert typed(moves(5, 97)).names == ["MouseScrollDown"] * 5
+
+
+# all of it
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_whatever_comes_in_whatever_pieces_only_what_was_typed_acts(seed: int) -> None:
+    """Keys among answers and pastes, cut anywhere: each acts once, and nothing else does."""
+    chance = random.Random(seed)
+    sent, pressed, pasted = "", [], []
+    for _ in range(200):
+        kind = chance.choice(["key", "stop", "paste", "answer"])
+        if kind == "key":
+            pressed.append(chance.choice("agrsyq7"))
+            sent += pressed[-1]
+        elif kind == "stop":
+            pressed.append("ctrl+x")
+            sent += chance.choice(["\x18", "\x1b[1095::120;5u", "\x1b[27;5;88~"])
+        elif kind == "paste":
+            pasted.append("".join(chance.choices("agrsy7\r \x18[]", k=chance.randint(0, 60))))
+            sent += BEGIN + pasted[-1] + END
+        else:
+            sent += chance.choice(ANSWERS)
+    keyboard = Typed()
+    while sent:
+        length = chance.randint(40, 120)  # so that nothing is cut twice
+        keyboard.read(sent[:length], after=chance.choice([0.0, *GAPS]))
+        sent = sent[length:]
+    keyboard.wait(LONG)
+    assert [key for key in keyboard.keys if key != "escape"] == pressed
+    assert keyboard.pastes == pasted
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_whatever_came_before_stop_alone_is_stop(seed: int) -> None:
+    chance = random.Random(seed)
+    noise = [*SENT, *"\x1b\x1b\x1b[]P_^XOM20;~u<\\\x07\x18\x1aé\x9b\x9d", "\x1b[", "\x1bO"]
+    keyboard = Typed()
+    for _ in range(100):
+        data = "".join(chance.choices(noise, k=chance.randint(1, 6))).encode()
+        data = data[: chance.randint(1, len(data))] + chance.choice(
+            [b"", b"\xc3", b"\x9b", b"\xff"]
+        )
+        keyboard.read(data, after=chance.choice([0.0, 0.05, 0.3, 1.0, 2.5]))
+        keyboard.read("\x18", after=0.12)
+        assert keyboard.keys[-1:] == ["ctrl+x"], data
+        keyboard.messages.clear()
