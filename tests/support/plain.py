@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import sys
 import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -23,8 +24,7 @@ class Typed:
     def __init__(self, station: Station) -> None:
         self._in, self._typing = os.pipe()
         self._reading, self._out = os.pipe()
-        self._plain = Plain(station, self._in, self._out)
-        self._running = asyncio.ensure_future(self._plain.run())
+        self._running = asyncio.ensure_future(Plain(station, self._in, self._out).run())
         self._said = b""
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -44,13 +44,35 @@ class Typed:
 
     async def until(self, text: str) -> None:
         """Wait until that is said."""
+        await self.is_read()
         await Quiet().until(lambda: text in self.said, lambda: f"{text!r}:\n{self.said}")
+
+    async def is_read(self) -> None:
+        """Wait until what was typed is read; only then a virtual clock may move."""
+        if sys.platform == "win32":
+            return
+        import fcntl
+        import termios
+
+        while any(fcntl.ioctl(self._in, termios.FIONREAD, bytes(4))) and not self.is_over:
+            await asyncio.sleep(clock.LOOK)
+
+    @property
+    def is_over(self) -> bool:
+        """True after the end."""
+        return self._running.done()
+
+    def type_last(self, text: str) -> None:
+        """Type it and close the input."""
+        self.type(text)
+        os.close(self._typing)
+        self._typing = -1
 
     async def end(self, typed: str = "") -> int:
         """Type the last lines, close the input, and wait for the end; returns the exit code."""
-        self.type(typed)
-        os.close(self._typing)
-        self._typing = -1
+        if self._typing >= 0:
+            self.type_last(typed)
+        await self.is_read()
         await Quiet().until(self._running.done, lambda: f"the end:\n{self.said}")
         self._read_all()
         return await self._running
