@@ -144,8 +144,9 @@ class Plain:
         while True:
             await self._hold(lambda: not self._are_answered())
             # of a flood only two a second reach the robot, unless something else left meanwhile
-            spared = max(sent[0] + _APART - self._clock.monotonic(), 0.0)
-            await self._until(lambda: self._has_run, spared)
+            spared = sent[0] + _APART - self._clock.monotonic()
+            if spared > 0:
+                await self._until(lambda: self._has_run, spared)
             await self._until(lambda: self._robot.snapshot.offered, _WAIT)
             sent.append(self._clock.monotonic())
             covered, self._has_run = self._robot.stops.count, False
@@ -180,7 +181,7 @@ class Plain:
 
     async def _line(self) -> Line | None:
         """The next one, once every STOP before it is answered; None at the end of the input."""
-        await asyncio.sleep(0)  # everything else has its turn, however much is typed
+        # this also gives everything else its turn, however much is typed
         await self._until(lambda: self._output.has_room, self._patience)
         self._patience = _SLOW if self._output.has_room else 0.0
         await self._hold(lambda: self._input.has_news)
@@ -283,8 +284,11 @@ class Plain:
         snapshot = self._robot.snapshot
         before, leaves = snapshot.goal, snapshot.forms[kind.id]
         several = len(leaves) == 1 and forms.is_number(leaves[0]) and "=" not in "".join(words)
+        rows = [[word] for word in words] if several and words else [words]
+        if len(self._station.targets.waiting) + len(rows) > _MOST_GOALS:
+            self._failed = True
+            return Outcome(False, f"more than {_MOST_GOALS} goals would wait")
         try:
-            rows = [[word] for word in words] if several and words else [words]
             targets = [
                 Target(
                     kind, forms.parse_all(leaves, kind.form, forms.named(leaves, kind.form, row))
@@ -316,9 +320,6 @@ class Plain:
     async def _send_all(self, targets: list[Target]) -> Outcome:
         """The first at once, or behind what runs; the others one after the other."""
         self._sent = None
-        if len(self._station.targets.waiting) + len(targets) > _MOST_GOALS:
-            self._failed = True
-            return Outcome(False, f"more than {_MOST_GOALS} goals would wait")
         going = self._station.targets.is_going
         goal = self._robot.snapshot.goal
         self._station.submit(targets)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +18,7 @@ from tests.support.plain import operated, typing
 from tests.support.quiet import Quiet, until
 from tests.support.script import SLOW, Script, shell
 from tests.support.stub import StubRobot, stub_station
+from tests.support.waiting import DEADLINE
 
 CART = Path(__file__).parent / "robots" / "cart.yaml"
 VOID = "not sent: STOP came after it"
@@ -147,6 +150,58 @@ async def test_stops_that_come_before_the_answer_are_covered_by_one_more() -> No
         robot.answers[1].set_result(Outcome(True, "Stopped"))
         assert await person.end() == 0
     assert robot.told == ["stop", "stop"]
+
+
+class Quick(Slow):
+    """Answers at once."""
+
+    async def emergency_stop(self) -> Outcome:
+        self.told.append("stop")
+        return Outcome(True, "Stopped")
+
+    async def release_emergency_stop(self) -> Outcome:
+        self.told.append("release")
+        return Outcome(True, "Released")
+
+
+async def in_no_time(holds: Callable[[], object]) -> None:
+    """Wait until it holds, while a virtual clock stands still."""
+    end = time.monotonic() + DEADLINE
+    while not holds():
+        assert time.monotonic() < end
+        await asyncio.sleep(clock.LOOK)
+
+
+async def test_every_stop_behind_a_release_is_sent_at_once() -> None:
+    robot: Any = Quick()
+    async with typing(stub_station(robot, clock.current)) as person:
+        for count in range(1, 6):
+            person.type("stop\nrelease\n")
+            await in_no_time(lambda: robot.told == ["stop", "release"] * count)
+
+
+async def test_of_a_flood_of_stops_two_a_second_reach_the_robot() -> None:
+    robot: Any = Quick()
+    async with typing(stub_station(robot, clock.current)) as person:
+        began = clock.seconds()
+        for count in range(1, 101):
+            person.type("stop\n")
+            await in_no_time(lambda: robot.stops.count == count)
+            await Quiet().settle()
+        assert len(robot.told) <= 2 + 2 * (clock.seconds() - began)
+        before = len(robot.told)
+        assert await person.end() == 0
+    assert len(robot.told) == before + 1
+
+
+async def test_more_than_a_thousand_goals_never_wait() -> None:
+    async with operated(Cart, robot=CART) as person:
+        person.type("go" + " 1" * 999 + "\n")
+        await person.until("driving to shelf 1")
+        person.type("go 2\ngo 3\ngo 4\n")
+        await person.until("failed: go: more than 1000 goals would wait")
+        assert await person.end("cancel\n") == 1
+    assert person.said.count("failed: go: more than 1000") == 1
 
 
 async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
