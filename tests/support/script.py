@@ -90,11 +90,17 @@ class Script:
             with contextlib.suppress(BrokenPipeError):
                 pipe.close()
 
+    def type_last(self, text: str) -> None:
+        """Type it and close the input."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(text.encode())
+        self._process.stdin.close()
+
     def end(self, typed: str = "") -> int:
         """Type the last lines, close the input, and wait for the end; returns the exit code."""
         assert self._process.stdin is not None
-        self._process.stdin.write(typed.encode())
-        self._process.stdin.close()
+        if not self._process.stdin.closed:
+            self.type_last(typed)
 
         def is_over() -> bool:
             self._read()
