@@ -5,10 +5,9 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import io
-import os
 import sys
-import threading
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from collections import deque
+from collections.abc import Awaitable, Callable, Coroutine
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -16,9 +15,13 @@ from archo_tui import goal_text, state_text
 from archo_tui.alarms import Alarm, advice, ways
 from archo_tui.clock import time_of_day
 from archo_tui.node_output import NodeOutput
+from archo_tui.plain_input import Input, Line
+from archo_tui.plain_lines import LONGEST
+from archo_tui.plain_output import Output
 from archo_tui.robot import forms
 from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.state import Goal, Outcome, Phase, Snapshot
+from archo_tui.robot.stops import NOT_SENT, Void
 from archo_tui.robot.text import safe
 from archo_tui.robot.values import text_of
 from archo_tui.robots.model import GoalKind, Robot
@@ -30,9 +33,11 @@ if TYPE_CHECKING:
     from archo_tui.station import Station
 
 _SHOWN_LEVELS = ("YOU", "PEER", "WARN", "ERROR", "FATAL")
-_STOP = ["stop"]
-_LONGEST = 64 * 1024  # bytes of a line that is read
 _WAIT = 5.0  # s for the robot to be there before a command is tried
+_APART = 1.0  # s between a STOP and the next but one, when they are all that is typed
+_SLOW = 2.0  # s for the reader to catch up before the next line; once, if it does not read at all
+_LAST = 0.5  # s after a signal for a STOP to be answered, and for what is not written yet
+_MOST_GOALS = 1000  # that wait in the queue
 
 
 def help_text(robot: Robot) -> str:
@@ -63,40 +68,15 @@ def help_text(robot: Robot) -> str:
     return "\n".join(f"{names:<25} {does[0].lower()}{does[1:]}" for names, does in lines)
 
 
-TOO_LONG = "\n"  # in place of a line that is; no line can be that
-
-
-class Lines:
-    """Cuts what is read into lines, at a cost that is linear whatever comes."""
-
-    def __init__(self) -> None:
-        self._rest = bytearray()
-        self._skips = False  # the rest of a line that is too long
-
-    def take(self, chunk: bytes) -> list[str]:
-        """The lines that this piece ends."""
-        first, *others = chunk.split(b"\n")
-        found: list[str] = []
-        self._keep(first)
-        for part in others:
-            text = TOO_LONG if self._skips else self._rest.decode(errors="replace")
-            found.append(text)
-            self._rest, self._skips = bytearray(), False
-            self._keep(part)
-        return found
-
-    def _keep(self, part: bytes) -> None:
-        self._skips = self._skips or len(self._rest) + len(part) > _LONGEST
-        self._rest = bytearray() if self._skips else self._rest + part
-
-
 class Plain:
     """Reads commands, prints what happens, one line each."""
 
     def __init__(self, station: Station, read: int | None, write: int) -> None:
         """Reads from and writes to file descriptors; `read` is None where there is no input."""
         self._station, self._robot, self._clock = station, station.robot, station.clock
-        self._read, self._write = read, write
+        self._changed = asyncio.Event()
+        self._input = Input(read, self._robot.stops, self._heard)
+        self._output = Output(write, self._written)
         self._ascii = ascii_only()
         names = ("release", *(command.id for command in station.robot.description.commands))
         self._ways = ways(station.robot.description, {name: f"type {name}" for name in names})
@@ -104,79 +84,111 @@ class Plain:
         self._goal: Goal | None = None
         self._failed = self._go_failed = False
         self._sent: Outcome | None = None  # how the robot answered what was sent last
-        self._stopping = 0  # stops that are not answered yet
-        self._tasks: list[asyncio.Future[None]] = []
+        self._answered = self._robot.stops.count  # so many STOPs are
+        self._has_run = False  # some other line since the last STOP
+        self._patience = _SLOW
+        self._overflows = 0  # of the input, that were said
+        self._tasks: set[asyncio.Future[None]] = set()
         self._shutdown = Shutdown(self._robot, self._clock, station.on_disconnect, self._finish)
-        self._changed = asyncio.Event()
-        self._typed: asyncio.Queue[str | None] = asyncio.Queue()
         self._end: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 
     async def run(self) -> int:
         """Until `quit`, the end of the input, or a signal; returns the exit code."""
         self._station.drive = self._drive
+        self._output.start()
         self._robot.subscribe(self._take)
-        loop = asyncio.get_running_loop()
         self._shutdown.on_signals()
-        threading.Thread(target=self._listen, args=(loop,), name="stdin", daemon=True).start()
-        for work in (self._serve, self._tick):
+        self._input.start()
+        for work in (self._serve, self._obey, self._tick):
             self._start(work())
         try:
-            return await self._end
+            code = await self._end
+            await self._until(lambda: self._are_answered() and self._output.is_done, _LAST)
+            return code
         finally:
+            self._input.close()
+            self._output.close()
             for task in self._tasks:
                 task.cancel()
 
     def _start(self, work: Coroutine[None, None, None]) -> None:
         """Do it beside the rest; what it raises ends everything."""
         task = asyncio.ensure_future(work)
-        self._tasks.append(task)
+        self._tasks.add(task)
 
         def ended(task: asyncio.Future[None]) -> None:
+            self._tasks.discard(task)
             error = None if task.cancelled() else task.exception()
             if error is not None and not self._end.done():
                 self._end.set_exception(error)
 
         task.add_done_callback(ended)
 
-    def _listen(self, loop: asyncio.AbstractEventLoop) -> None:
-        """On its own thread; no buffered reader, which would delay the end of the process."""
-        lines = Lines()
-        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody listens
-            while chunk := self._chunk():
-                loop.call_soon_threadsafe(self._heard, lines.take(chunk))
-            loop.call_soon_threadsafe(self._heard, [*lines.take(b"\n"), None])
+    def _heard(self) -> None:
+        """Something was typed."""
+        if self._input.overflows > self._overflows:
+            self._overflows = self._input.overflows
+            self._say("failed: more than 1 MB of lines wait: further ones are refused, stop is not")
+            self._failed = True
+        self._changed.set()
 
-    def _chunk(self) -> bytes:
-        try:
-            return b"" if self._read is None else os.read(self._read, 4096)
-        except OSError:
-            return b""
+    def _written(self) -> None:
+        """All that was said is written, or cannot be."""
+        if self._output.is_broken:
+            self._shutdown.begin(1)
+        self._changed.set()
 
-    def _heard(self, lines: Sequence[str | None]) -> None:
-        """What came in one go: a stop among it is sent before whatever was typed before it."""
-        for line in lines:
-            if line is not None and line.split() == _STOP:
-                self._start(self._run(_STOP))
-        for line in lines:
-            self._typed.put_nowait(line)
+    async def _obey(self) -> None:
+        """Send the STOPs: one that is sent covers all that were read before."""
+        sent = deque([-_APART] * 2, maxlen=2)  # when the last two were
+        while True:
+            await self._hold(lambda: not self._are_answered())
+            # of a flood only two a second reach the robot, unless something else left meanwhile
+            spared = sent[0] + _APART - self._clock.monotonic()
+            if spared > 0:
+                await self._until(lambda: self._has_run, spared)
+            await self._until(lambda: self._robot.snapshot.offered, _WAIT)
+            sent.append(self._clock.monotonic())
+            covered, self._has_run = self._robot.stops.count, False
+            outcome = await self._robot.emergency_stop()
+            self._answered = covered
+            if not outcome.ok:
+                self._say(f"failed: stop: {outcome.text}")
+                self._failed = True
+            self._changed.set()
+
+    def _are_answered(self) -> bool:
+        """True when the robot has answered every STOP that was read, or did not in time."""
+        return self._answered >= self._robot.stops.count
 
     async def _serve(self) -> None:
-        while (line := await self._typed.get()) is not None and line.split() != ["quit"]:
-            if line == TOO_LONG:
-                self._say(f"failed: a line of more than {_LONGEST} bytes")
-                self._failed = True
-            elif line.strip() and line.split() != _STOP:
-                await self._run(line.split())
-        await self._until(lambda: not self._stopping)
-        await self._until(self._is_over)
+        while (line := await self._line()) is not None and line.text.split() != ["quit"]:
+            with self._robot.stops.at(line.stops):
+                await self._run(line)
+        await self._hold(self._is_over)
+        last = self._robot.stops.count
+        await self._hold(lambda: self._answered >= last)
         held = self._station.targets.held
         if held:
             waiting = ", ".join(target.text for target in self._station.targets.waiting)
             self._say(f"not driven: {waiting} ({held})")
+        await self._hold(lambda: self._output.is_done)
         arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
         if not self._shutdown.has_begun:
             well = arrived and not self._failed and not self._go_failed
-            self._finish(0 if well and not self._station.targets.waiting else 1)
+            well = well and not self._station.targets.waiting and not self._output.is_broken
+            self._finish(0 if well else 1)
+
+    async def _line(self) -> Line | None:
+        """The next one, once every STOP before it is answered; None at the end of the input."""
+        # this also gives everything else its turn, however much is typed
+        await self._until(lambda: self._output.has_room, self._patience)
+        self._patience = _SLOW if self._output.has_room else 0.0
+        await self._hold(lambda: self._input.has_news)
+        line = self._input.take()
+        if line is not None:
+            await self._hold(lambda: self._answered >= line.stops)
+        return line
 
     def _is_over(self) -> bool:
         """No goal of ours runs, and none is to be sent."""
@@ -196,22 +208,26 @@ class Plain:
 
     def _out(self, text: str) -> None:
         lines = [safe(line) for line in text.splitlines()]
-        data = "".join(f"{in_ascii(line) if self._ascii else line}\n" for line in lines).encode()
-        try:
-            while data:
-                data = data[os.write(self._write, data) :]
-        except OSError:  # nobody reads any more, or there is no room
-            self._shutdown.begin(1)
+        self._output.put(
+            "".join(f"{in_ascii(line) if self._ascii else line}\n" for line in lines).encode()
+        )
 
-    async def _run(self, typed: list[str]) -> None:
-        verb, *rest = typed
-        self._stopping += typed == _STOP
-        outcome = await self._do(verb, rest)
-        self._stopping -= typed == _STOP
-        self._changed.set()
+    async def _run(self, line: Line) -> None:
+        if line.is_too_long:
+            self._say(f"failed: a line of more than {LONGEST} bytes")
+            self._failed = True
+            return
+        verb, *rest = line.text.split()
+        gate = self._robot.stops.gate()
+        self._has_run = self._has_run or not gate.is_shut
+        try:
+            outcome = await self._do(verb, rest)
+        except Void:
+            outcome = Outcome(False, NOT_SENT)
         if outcome is not None and not outcome.ok:
             self._say(f"failed: {verb}: {outcome.text}")
-            self._failed = self._failed or self._kind(verb) is None  # a goal may be tried again
+            again = self._kind(verb) is not None and not gate.is_shut  # a goal may be tried again
+            self._failed = self._failed or not again
 
     async def _do(self, verb: str, rest: list[str]) -> Outcome | None:
         robot = self._robot
@@ -223,8 +239,6 @@ class Plain:
         if rest:
             return Outcome(False, f"unknown: {' '.join([verb, *rest])} (help lists the commands)")
         simple: dict[str, Callable[[], Awaitable[Outcome]]] = {
-            "cancel": robot.cancel,
-            "stop": robot.emergency_stop,
             "release": robot.release_emergency_stop,
         }
         for command in robot.description.commands:
@@ -233,8 +247,11 @@ class Plain:
                 simple[command.off or f"{command.id}_off"] = partial(robot.command, command, False)
         if verb in ("continue", "skip"):
             return self._queue(verb)
-        if verb in simple:
+        if verb == "cancel":  # which no STOP voids
             await self._until(lambda: robot.snapshot.offered, _WAIT)
+            return await robot.cancel()
+        if verb in simple:
+            await self._for_robot(lambda: robot.snapshot.offered)
             return await simple[verb]()
         answers: dict[str, Callable[[], None]] = {
             "params": self._params,
@@ -267,8 +284,11 @@ class Plain:
         snapshot = self._robot.snapshot
         before, leaves = snapshot.goal, snapshot.forms[kind.id]
         several = len(leaves) == 1 and forms.is_number(leaves[0]) and "=" not in "".join(words)
+        rows = [[word] for word in words] if several and words else [words]
+        if len(self._station.targets.waiting) + len(rows) > _MOST_GOALS:
+            self._failed = True
+            return Outcome(False, f"more than {_MOST_GOALS} goals would wait")
         try:
-            rows = [[word] for word in words] if several and words else [words]
             targets = [
                 Target(
                     kind, forms.parse_all(leaves, kind.form, forms.named(leaves, kind.form, row))
@@ -278,7 +298,7 @@ class Plain:
         except ValueError as error:
             outcome = Outcome(False, str(error))
         else:
-            await self._until(lambda: kind.action in self._robot.snapshot.offered, _WAIT)
+            await self._for_robot(lambda: kind.action in self._robot.snapshot.offered)
             outcome = await self._send_all(targets)
         self._take(self._robot.snapshot)
         same = before is self._goal or (before and self._goal and before.sent == self._goal.sent)
@@ -316,7 +336,7 @@ class Plain:
             known = self._robot.snapshot.parameters
             return [p for p in known if (p.node, p.name) == (full, name)]
 
-        await self._until(found, _WAIT)
+        await self._for_robot(found)
         for parameter in self._robot.snapshot.parameters:
             if (parameter.node, parameter.name) == (full, name):
                 try:
@@ -374,6 +394,12 @@ class Plain:
     def _say(self, text: str, at: float | None = None) -> None:
         self._out(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
 
+    async def _for_robot(self, holds: Callable[[], object]) -> None:
+        """Wait for it to be there; raises Void when a STOP is read meanwhile."""
+        gate = self._robot.stops.gate()
+        await self._until(lambda: gate.is_shut or holds(), _WAIT)
+        gate()
+
     async def _until(self, condition: Callable[[], object], timeout: float | None = None) -> None:
         """Wait until the condition holds after a snapshot, or the time (s) has passed."""
         with contextlib.suppress(TimeoutError):
@@ -394,6 +420,7 @@ def run(station: Station) -> int:
     # None where they are closed: their descriptors may have become other files'
     read = None if sys.stdin is None else sys.stdin.fileno()
     write = sys.stdout.fileno()
+    sys.stdout.flush()  # later it would wait for a reader that stalls
     sys.stdin, sys.stdout = io.StringIO(), NodeOutput(sys.stdout, station.robot.note)
 
     async def operate() -> int:

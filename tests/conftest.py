@@ -37,7 +37,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 # these import what Windows lacks, and are all of POSIX
 _POSIX = {
     *("test_terminal", "test_256_colours", "test_journal", "test_own_interfaces", "test_cli"),
-    *("test_plain", "test_files", "test_save_load", "test_two_processes", "test_kill"),
+    *("test_plain", "test_plain_input", "test_plain_output", "test_plain_stops"),
+    *("test_files", "test_save_load", "test_two_processes", "test_kill"),
     *("test_stop_is_final", "test_terminal_keys"),
 }
 

@@ -39,7 +39,7 @@ FAULTS = [
     Fault("parameters/undo.py", "        if outcome.ok:\n            before", "        if True:\n            before", "tests/parameters"),
     Fault("parameters/undo.py", "[-LIMIT:]", "", "tests/parameters"),
     Fault("commands/console.py", "goal is None or not goal.is_running or console.station.attached:", "True:", CONSOLE + "/test_leaving.py"),
-    Fault("plain.py", "        await self._until(lambda: not self._stopping)\n", "", "tests/test_plain.py"),
+    Fault("plain.py", "        await self._hold(lambda: self._answered >= last)\n", "", "tests/test_plain_stops.py"),
     Fault("robot/parameters.py", "            if node in self._by_node:  #", "            if False:  #", ROBOT),
     Fault("robot/telemetry.py", "ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT", "ReliabilityPolicy.RELIABLE", ROBOT),
     Fault("robot/services.py", "                if client is not None:\n                    client.remove_pending_request(future)\n                future.cancel()\n", "                pass\n", ROBOT),

@@ -2,81 +2,16 @@
 
 from __future__ import annotations
 
-import asyncio
-import os
 import re
-import shlex
 import signal
 import subprocess
 import sys
-import time
-from typing import Any
 
 import pytest
 
-from archo_tui.plain import TOO_LONG, Lines, Plain
-from archo_tui.robot.state import Outcome
-from tests.console.states import NORMAL
-from tests.support import chosen
 from tests.support.console import FAST as QUICK
 from tests.support.plain import plain
-from tests.support.quiet import Quiet, ended, until
-from tests.support.stub import StubRobot, stub_station
-from tests.support.waiting import DEADLINE
-
-FAST = ("--ros-args", "-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
-SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
-
-
-class Script:
-    """A script that operates the robot."""
-
-    def __init__(self, *words: str) -> None:
-        environ = {
-            "ROS_DOMAIN_ID": str(chosen.next_domain()),
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
-        }
-        command = [sys.executable, "-m", "archo_tui", "--engine", chosen.ENGINE, "--plain", *words]
-        self._process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            env=os.environ | environ,
-        )
-        assert self._process.stdout is not None
-        os.set_blocking(self._process.stdout.fileno(), False)
-        self.said = ""
-
-    def type(self, text: str) -> None:
-        assert self._process.stdin is not None
-        self._process.stdin.write(text.encode())
-        self._process.stdin.flush()
-
-    def _read(self) -> None:
-        assert self._process.stdout is not None
-        self.said += (self._process.stdout.read() or b"").decode()
-
-    def until(self, text: str) -> None:
-        end = time.monotonic() + 2 * DEADLINE
-        while text not in self.said:
-            assert time.monotonic() < end, f"waited for {text!r}:\n{self.said}"
-            time.sleep(0.01)
-            self._read()
-
-    def signal(self, number: int) -> None:
-        self._process.send_signal(number)
-
-    def end(self, typed: str = "") -> int:
-        """Type the last lines, close the input, and wait for the end; returns the exit code."""
-        assert self._process.stdin is not None
-        self._process.stdin.write(typed.encode())
-        self._process.stdin.close()
-        code = self._process.wait(2 * DEADLINE)
-        self._read()
-        assert self._process.stdout is not None
-        self._process.stdout.close()
-        return code
+from tests.support.script import FAST, SLOW, Script, shell
 
 
 def test_a_goal_that_arrives_is_exit_code_0() -> None:
@@ -112,15 +47,6 @@ def test_stop_ends_the_goal_and_is_released() -> None:
     assert script.end("go 3\nrelease\ngo 7\ncancel\n") == 1
     assert "failed: go: emergency stop: release it first" in script.said
     assert "go to shelf 7: accepted" in script.said
-
-
-def test_stop_does_not_wait_for_what_was_typed_before() -> None:
-    script = Script(*SLOW)
-    script.type("reset\n")
-    script.until("Encoder reset to zero")
-    assert script.end("go 12\nreset\nreset\nstop\n") == 1
-    said = script.said
-    assert said.index("STOP: Stopped") < said.rindex("reset encoder: Encoder reset to zero")
 
 
 async def test_a_refused_goal_may_be_tried_again() -> None:
@@ -176,40 +102,6 @@ def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:
     assert script.end() == 128 + signal.SIGTERM
 
 
-async def test_the_end_waits_for_the_answer_to_a_stop() -> None:
-    """In this process, with a robot that takes its time."""
-    robot: Any = StubRobot(NORMAL)
-    answer = asyncio.get_running_loop().create_future()
-    robot.emergency_stop = lambda: answer
-    read, write = os.pipe()
-    heard, out = os.pipe()
-    os.write(write, b"stop\n")
-    os.close(write)
-    running = asyncio.ensure_future(Plain(stub_station(robot), read, out).run())
-    await until(lambda: robot.listening)
-    for _ in range(20):
-        await Quiet().settle()
-    assert not running.done()
-    answer.set_result(Outcome(False, "no answer in 2 s"))
-    assert await ended(running) == 1
-    assert b"failed: stop: no answer in 2 s" in os.read(heard, 65536)
-    for descriptor in (read, heard, out):
-        os.close(descriptor)
-
-
-def shell(command: str, **environ: str) -> subprocess.CompletedProcess[bytes]:
-    """Run a line of shell with `archo` in it."""
-    archo = f"{shlex.quote(sys.executable)} -m archo_tui --engine {chosen.ENGINE}"
-    given = {"ROS_DOMAIN_ID": str(chosen.next_domain()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
-    return subprocess.run(
-        ["sh", "-c", command.replace("archo", archo)],
-        capture_output=True,
-        check=False,
-        timeout=120,
-        env=os.environ | given | environ,
-    )
-
-
 @pytest.mark.parametrize(
     ("command", "code", "said"),
     [
@@ -252,12 +144,3 @@ def test_a_user_without_a_home_is_no_traceback(option: str) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
-
-
-def test_lines_are_cut_at_any_place_and_a_long_one_is_counted_out() -> None:
-    text = b"one\n\ntwo \xc3\xbc\n" + b"x" * 100_000 + b"\nafter\n"
-    for size in (1, 7, 4096, len(text)):
-        lines, found = Lines(), []
-        for start in range(0, len(text), size):
-            found += lines.take(text[start : start + size])
-        assert found == ["one", "", "two ü", TOO_LONG, "after"]

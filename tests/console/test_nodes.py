@@ -69,7 +69,7 @@ async def test_one_more_node_that_serves_is_asked_about_first() -> None:
     async with console(*FAST) as op:
         await select(op, "/motor_controller")
         await op.press("plus")
-        await op.until("STOP may not stop")
+        await op.until("STOP must")
         await op.press("enter")  # the safe answer
         await op.until(lambda: op.app.screen is op.app.main)
         await op.press("plus")
@@ -184,8 +184,8 @@ async def test_keys_that_come_in_one_packet_act_on_the_row_that_they_lead_to() -
 async def test_a_copy_of_a_node_without_stop_does_not_warn_of_stop() -> None:
     async with console(*FAST) as op:
         await op.press("5", "home", "plus")
-        await op.until("/battery_monitor serves set_charging: a call may")
-        assert "STOP may" not in op.text
+        await op.until("/battery_monitor serves set_charging: a call reaches both")
+        assert "STOP must" not in op.text
         await op.press("escape")
 
 

@@ -362,60 +362,68 @@ async def test_a_goal_that_was_lost_is_followed_again_when_it_is_heard() -> None
             assert it.snapshot.goal.remaining != before.remaining
 
 
-class Late(Node):
-    """Offers the action; answers to a goal only when somebody spins it at last."""
+class Sluggish(Node):
+    """Answers the first goal only at last, and knows nothing of it meanwhile; the next at once."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("late", **options)
+        super().__init__("sluggish", **options)
+        self.asked: list[bytes] = []
+        self.at_last, self.never = Future(), Future()
         self.answered = 0
         impl: Any = MoveToShelf.Impl
-        prefix = "move_to_shelf/_action"
-        self.create_service(impl.SendGoalService, f"{prefix}/send_goal", self.accept)
-        self.others = [
-            self.create_service(impl.CancelGoalService, f"{prefix}/cancel_goal", self.accept),
-            self.create_service(impl.GetResultService, f"{prefix}/get_result", self.accept),
-        ]
-        self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
+        self.impl, prefix = impl, "move_to_shelf/_action"
+        group = ReentrantCallbackGroup()
+        for kind, name, answer in (
+            (impl.SendGoalService, "send_goal", self.accept),
+            (impl.GetResultService, "get_result", self.result),
+            (impl.CancelGoalService, "cancel_goal", self.result),
+        ):
+            self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
+        self.feedback = self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
+        self.create_timer(0.2, self.tell)
 
-    def accept(self, request: Any, response: Any) -> Any:
+    async def accept(self, request: Any, response: Any) -> Any:
+        self.asked.append(bytes(request.goal_id.uuid))
+        if len(self.asked) == 1:
+            await self.at_last
         self.answered += 1
         response.accepted = True
         return response
 
-    def wake_up(self) -> None:
-        """What was asked beside the goals is never answered."""
-        for service in self.others:
-            self.destroy_service(service)
+    async def result(self, request: Any, response: Any) -> Any:
+        if bytes(request.goal_id.uuid) != self.asked[0]:
+            await self.never
+        return response  # its status is UNKNOWN
+
+    def tell(self) -> None:
+        if len(self.asked) > 1:
+            message = self.impl.FeedbackMessage()
+            message.goal_id.uuid = list(self.asked[1])
+            message.feedback.distance_remaining = 5.0
+            self.feedback.publish(message)
 
 
 async def test_a_late_answer_to_an_old_goal_changes_nothing_about_the_new_one() -> None:
-    made: list[Any] = []
+    made: list[Sluggish] = []
 
     def make(**options: Any) -> Node:
-        made.extend([Late(**options), quiet(**options)])
-        node: Node = made[1]
-        return node
+        made.append(Sluggish(**options))
+        return made[0]
 
-    async with robot(make, nodes=2) as it:
+    async with robot(make) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         assert not (await ended(go(it, 3))).ok
-        reborn = slow_server()(context=made[1].context)
-        executor = made[1].executor
-        executor.create_task(executor.add_node, reborn)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
         assert (await ended(go(it, 7))).ok
         before: Any = it.snapshot.goal
-        made[0].wake_up()
-        executor.create_task(executor.add_node, made[0])
+        made[0].executor.create_task(lambda: made[0].at_last.set_result(True))
         await until(lambda: made[0].answered == 2)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.heard > before.heard)
         goal: Any = it.snapshot.goal
         assert (goal.target, goal.phase, goal.started) == ("7", Phase.MOVING, before.started)
         assert [g.target for g in it.snapshot.history] == ["3"]
-        made[0].destroy_node()
-        reborn.destroy_node()
 
 
 async def test_values_of_a_node_that_was_restarted_under_its_name_are_read_again() -> None:

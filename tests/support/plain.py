@@ -1,31 +1,120 @@
-"""`--plain` in the test's own process: what is typed all at once, and what is said."""
+"""`--plain` in the test's own process: what is typed, and what is said."""
 
 from __future__ import annotations
 
 import asyncio
 import os
+import sys
+import threading
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
 from archo_tui.plain import Plain
 from archo_tui.session import Options, Session
+from archo_tui.station import Station
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet
 
 
-async def plain(typed: str, *makers: Any, robot: Path | None = None, **options: Any) -> Any:
-    """The exit code and the output."""
+class Typed:
+    """A person at standard input and output."""
+
+    def __init__(self, station: Station) -> None:
+        self._in, self._typing = os.pipe()
+        self._reading, self._out = os.pipe()
+        self._running = asyncio.ensure_future(Plain(station, self._in, self._out).run())
+        self._said = b""
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        while chunk := os.read(self._reading, 65536):
+            self._said += chunk
+
+    def type(self, text: str) -> None:
+        """In one go."""
+        os.write(self._typing, text.encode())
+
+    @property
+    def said(self) -> str:
+        """All that was printed so far."""
+        return self._said.decode(errors="replace")  # a letter may be half there
+
+    async def until(self, text: str) -> None:
+        """Wait until that is said."""
+        await self.is_read()
+        await Quiet().until(lambda: text in self.said, lambda: f"{text!r}:\n{self.said}")
+
+    async def is_read(self) -> None:
+        """Wait until what was typed is read; only then a virtual clock may move."""
+        if sys.platform == "win32":
+            return
+        import fcntl
+        import termios
+
+        while any(fcntl.ioctl(self._in, termios.FIONREAD, bytes(4))) and not self.is_over:
+            await asyncio.sleep(clock.LOOK)
+
+    @property
+    def is_over(self) -> bool:
+        """True after the end."""
+        return self._running.done()
+
+    def type_last(self, text: str) -> None:
+        """Type it and close the input."""
+        self.type(text)
+        os.close(self._typing)
+        self._typing = -1
+
+    async def end(self, typed: str = "") -> int:
+        """Type the last lines, close the input, and wait for the end; returns the exit code."""
+        if self._typing >= 0:
+            self.type_last(typed)
+        await self.is_read()
+        await Quiet().until(self._running.done, lambda: f"the end:\n{self.said}")
+        self._read_all()
+        return await self._running
+
+    def _read_all(self) -> None:
+        if self._out >= 0:
+            os.close(self._out)
+            self._out = -1
+            self._reader.join()
+
+    async def close(self) -> None:
+        """Leave nothing behind."""
+        if not self._running.done():
+            self._running.cancel()
+            await asyncio.wait([self._running])
+        self._read_all()
+        for descriptor in (self._typing, self._in, self._reading):
+            if descriptor >= 0:
+                os.close(descriptor)
+
+
+@asynccontextmanager
+async def typing(station: Station) -> AsyncIterator[Typed]:
+    """Around what a person types to a station, and reads."""
+    person = Typed(station)
+    try:
+        yield person
+    finally:
+        await person.close()
+
+
+@asynccontextmanager
+async def operated(*makers: Any, robot: Path | None = None, **options: Any) -> AsyncIterator[Typed]:
+    """The same with a robot of these nodes, or the usual one."""
     given = {"domain_id": chosen.next_domain(), "node_makers": makers, **options}
-    in_, writes = os.pipe()
-    said, out = os.pipe()
     with Session(Options(engine=chosen.ENGINE, robot=robot, **given), clock.current) as session:
-        running = asyncio.ensure_future(Plain(session.station, in_, out).run())
-        os.write(writes, typed.encode())
-        os.close(writes)
-        await Quiet().until(running.done, lambda: "the end")
-        code = await running
-    os.close(out)
-    text = os.read(said, 100_000).decode()
-    for descriptor in (in_, said):
-        os.close(descriptor)
-    return code, text
+        async with typing(session.station) as person:
+            yield person
+
+
+async def plain(typed: str, *makers: Any, robot: Path | None = None, **options: Any) -> Any:
+    """The exit code and the output of what is typed all at once."""
+    async with operated(*makers, robot=robot, **options) as person:
+        code = await person.end(typed)
+        return code, person.said

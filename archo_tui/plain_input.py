@@ -1,0 +1,124 @@
+"""What is typed into `--plain`: read without a pause, since a STOP may come behind it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+import select
+import threading
+from collections.abc import Callable
+from typing import NamedTuple
+
+from archo_tui.plain_lines import TOO_LONG, Lines, is_stop
+from archo_tui.robot.stops import Stops
+
+MOST = 1024 * 1024  # bytes of lines that wait
+_CHUNK = 64 * 1024  # bytes: what a pipe holds, so that what is written in one go is read in one go
+
+
+class Line(NamedTuple):
+    """One that is to be carried out."""
+
+    text: str
+    stops: int  # that had been read before it
+    is_too_long: bool = False
+
+
+class Input:
+    """Reads a file descriptor on a thread of its own, and counts the STOPs among the lines.
+
+    It does so there, for the loop may be at work on what was typed before. The other lines wait
+    here, each with the count at its place, until they are taken.
+    """
+
+    def __init__(self, descriptor: int | None, stops: Stops, heard: Callable[[], None]) -> None:
+        """`heard()` is called on the running loop after something came, or the end.
+
+        `descriptor` is None where there is no input.
+        """
+        self._descriptor, self._stops, self._heard = descriptor, stops, heard
+        self._loop = asyncio.get_running_loop()
+        self._lock = threading.Lock()
+        # the counts and the lines: as objects they would take many times the room
+        self._waiting = bytearray()
+        self._size = 0  # bytes of the lines alone
+        self._is_full = False
+        self._told = False  # the loop, and it has not looked yet
+        self._closed = False
+        self.has_ended = False  # lines may wait still
+        self.overflows = 0  # how often it has begun to refuse lines
+
+    def start(self) -> None:
+        """Begin to read; no buffered reader, which would delay the end of the process."""
+        threading.Thread(target=self._listen, name="stdin", daemon=True).start()
+
+    def close(self) -> None:
+        """What is read from now on is left alone."""
+        self._closed = True
+
+    @property
+    def has_news(self) -> bool:
+        """True when a line waits, or none comes any more."""
+        return bool(self._waiting) or self.has_ended
+
+    def take(self) -> Line | None:
+        """The line that has waited longest; None when there is none."""
+        with self._lock:
+            end = self._waiting.find(b"\n")
+            entry = bytes(self._waiting[: max(end, 0)])
+            del self._waiting[: end + 1]
+            stops, mark, text = entry.partition(b" ")
+            self._size -= len(text)
+            self._is_full = self._is_full and self._size > MOST // 2
+        return Line(text.decode(errors="replace"), int(stops), not mark) if entry else None
+
+    # on the thread
+
+    def _listen(self) -> None:
+        lines = Lines()
+        while (chunk := self._chunk()) and not self._closed:
+            self._keep(lines.take(chunk))
+        self._keep(lines.take(b"\n"))
+        self.has_ended = True
+        self._tell()
+
+    def _chunk(self) -> bytes:
+        while self._descriptor is not None:
+            try:
+                return os.read(self._descriptor, _CHUNK)
+            except BlockingIOError:  # whoever else has it has made it so
+                select.select([self._descriptor], [], [])
+            except OSError:
+                break
+        return b""
+
+    def _keep(self, lines: list[bytes]) -> None:
+        stops = self._stops.count
+        entries = []
+        for line in lines:
+            if is_stop(line):
+                stops = self._stops.read()
+            elif line == TOO_LONG:
+                entries.append((b"%d\n" % stops, 0))
+            elif line.strip():
+                entries.append((b"%d %b\n" % (stops, line), len(line)))
+        with self._lock:
+            for entry, size in entries:
+                if not self._is_full and self._size + size > MOST:
+                    self._is_full = True
+                    self.overflows += 1
+                if not self._is_full:
+                    self._waiting += entry
+                    self._size += size
+        self._tell()
+
+    def _tell(self) -> None:
+        if not self._told:
+            self._told = True
+            with contextlib.suppress(RuntimeError):  # the loop is closed: nobody listens
+                self._loop.call_soon_threadsafe(self._look)
+
+    def _look(self) -> None:
+        self._told = False
+        self._heard()

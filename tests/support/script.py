@@ -1,0 +1,133 @@
+"""`--plain` in a process of its own, with real pipes."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shlex
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from archo_tui.paths import journal_file
+from tests.support import chosen
+from tests.support.waiting import DEADLINE
+
+FAST = ("--ros-args", "-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
+SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
+
+
+class Script:
+    """A script that operates the robot."""
+
+    def __init__(self, *words: str) -> None:
+        environ = {
+            "ROS_DOMAIN_ID": str(chosen.next_domain()),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+        }
+        command = [sys.executable, "-m", "archo_tui", "--engine", chosen.ENGINE, "--plain", *words]
+        self._process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            env=os.environ | environ,
+        )
+        assert self._process.stdout is not None
+        os.set_blocking(self._process.stdout.fileno(), False)
+        self._said = b""
+
+    @property
+    def said(self) -> str:
+        """All that was read of what it printed."""
+        return self._said.decode(errors="replace")  # a letter may be half there
+
+    @property
+    def memory(self) -> int:
+        """The bytes that it holds."""
+        pages = Path(f"/proc/{self._process.pid}/statm").read_text().split()[1]
+        return int(pages) * os.sysconf("SC_PAGE_SIZE")
+
+    def type(self, text: str) -> None:
+        assert self._process.stdin is not None
+        self._process.stdin.write(text.encode())
+        self._process.stdin.flush()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        self._said += self._process.stdout.read() or b""
+
+    def until(self, text: str) -> None:
+        """Read until that is said."""
+
+        def is_said() -> bool:
+            self._read()
+            return text in self.said
+
+        _until(is_said, lambda: f"{text!r}:\n{self.said[-10_000:]}")
+
+    def until_done(self, text: str) -> None:
+        """Wait, without reading, until that is in the journal."""
+        file = journal_file()
+        _until(lambda: file.exists() and text in file.read_text(), lambda: f"{text!r} in {file}")
+
+    def signal(self, number: int) -> None:
+        """As `kill` sends it."""
+        self._process.send_signal(number)
+
+    def ends_within(self, seconds: float) -> int:
+        """The exit code, without reading what it still wants to say."""
+        return self._process.wait(seconds)
+
+    def close(self) -> None:
+        """Leave nothing behind."""
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            assert pipe is not None
+            with contextlib.suppress(BrokenPipeError):
+                pipe.close()
+
+    def type_last(self, text: str) -> None:
+        """Type it and close the input."""
+        assert self._process.stdin is not None
+        self._process.stdin.write(text.encode())
+        self._process.stdin.close()
+
+    def end(self, typed: str = "") -> int:
+        """Type the last lines, close the input, and wait for the end; returns the exit code."""
+        assert self._process.stdin is not None
+        if not self._process.stdin.closed:
+            self.type_last(typed)
+
+        def is_over() -> bool:
+            self._read()
+            return self._process.poll() is not None
+
+        _until(is_over, lambda: f"the end:\n{self.said[-10_000:]}")
+        self._read()
+        assert self._process.stdout is not None
+        self._process.stdout.close()
+        return self._process.returncode
+
+
+def _until(holds: Callable[[], object], what: Callable[[], str]) -> None:
+    end = time.monotonic() + 2 * DEADLINE
+    while not holds():
+        assert time.monotonic() < end, f"waited for {what()}"
+        time.sleep(0.01)
+
+
+def shell(command: str, **environ: str) -> subprocess.CompletedProcess[bytes]:
+    """Run a line of shell with `archo` in it."""
+    archo = f"{shlex.quote(sys.executable)} -m archo_tui --engine {chosen.ENGINE}"
+    given = {"ROS_DOMAIN_ID": str(chosen.next_domain()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
+    return subprocess.run(
+        ["sh", "-c", command.replace("archo", archo)],
+        capture_output=True,
+        check=False,
+        timeout=120,
+        env=os.environ | given | environ,
+    )
