@@ -343,7 +343,7 @@ class Robot:
 
     async def _stop_again(self) -> None:
         """A STOP that was not answered, while the robot is heard: it may drive on."""
-        outcome = await self._stopping.send()
+        outcome = await self._stopping.send_again()
         if outcome.ok:
             self._say("YOU", f"STOP, sent again: {outcome.text}")
 

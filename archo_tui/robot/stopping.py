@@ -48,7 +48,6 @@ class Stopping:
         self.asked: float | None = None  # monotonic s of the first that is not confirmed
         self.why = ""  # what came of it; empty: its answer is waited for
         self._answered: tuple[float, float] | None = None  # when the last was sent, and confirmed
-        self._calls = 0  # that have no answer yet
         self._releasing: Future[bool] | None = None  # done when a release has its answer
 
     async def send(self) -> Outcome:
@@ -58,22 +57,26 @@ class Stopping:
         if self.asked is None:
             self.asked, self.why = sent, ""
         self._changed()
-        self._calls += 1
-        try:
-            await self._found(self._stop.service)
-            releasing = self._releasing
-            outcome = await self._call(self._stop.service)
-            if releasing is not None:  # it left before: which one the robot took last is not known
-                await releasing
-                outcome = await self._call(self._stop.service)
-        finally:
-            self._calls -= 1
+        await self._found(self._stop.service)
+        releasing = self._releasing
+        outcome, why = await self._call(self._stop.service)
+        if releasing is not None:  # it left before: which one the robot took last is not known
+            await releasing
+            outcome, why = await self._call(self._stop.service)
         if outcome.ok:
             self._answered = sent, self._clock.monotonic()
             self.over()
             return outcome
-        self._changed()
+        if self.asked is not None:  # else another one was confirmed meanwhile
+            self.why = why
+            self._changed()
         return Outcome(False, f"{outcome.text}: use the hardware stop")
+
+    async def send_again(self) -> Outcome:
+        """The same, for one that was not answered; those that wait still may be answered, too."""
+        if self.asked is None:
+            return Outcome(False, "it is over")
+        return await self.send()
 
     async def release(self, call: Callable[[], Awaitable[Outcome]]) -> Outcome:
         """Around the call that releases the stop: a STOP behind it is sent once more after it."""
@@ -101,7 +104,7 @@ class Stopping:
     @property
     def is_to_be_repeated(self) -> bool:
         """True for one that not every server has answered: the robot may not have got it."""
-        return self.asked is not None and self.why.startswith(NO_ANSWER) and not self._calls
+        return self.asked is not None and self.why.startswith(NO_ANSWER)
 
     @property
     def obeyed_since(self) -> float | None:
@@ -118,19 +121,17 @@ class Stopping:
             await self._services.pause(_FIND_PERIOD)
             self._look()
 
-    async def _call(self, name: str) -> Outcome:
-        """One call, and what its servers said of it."""
+    async def _call(self, name: str) -> tuple[Outcome, str]:
+        """One call: what its servers said of it, and what that leaves to be said."""
         srv_type, reason = None, f"{self._offers.full(name)} is not offered by any node"
         if name in self._graph.offered:
             srv_type, reason = self._offers.fitting(name, ())
         if srv_type is None:
-            self.why = f"NOT SENT ({reason})"
-            return Outcome(False, reason)
+            return Outcome(False, reason), f"NOT SENT ({reason})"
         servers = max(self._node.count_services(name), 1)
         wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
         answers = await self._services.call_all(srv_type, name, srv_type.Request(), servers, wait)
-        outcome, self.why = _said(answers, servers, wait)
-        return outcome
+        return _said(answers, servers, wait)
 
 
 def _said(answers: list[Any], servers: int, wait: float) -> tuple[Outcome, str]:

@@ -73,7 +73,7 @@ async def test_one_more_node_that_serves_is_asked_about_first() -> None:
         await op.press("enter")  # the safe answer
         await op.until(lambda: op.app.screen is op.app.main)
         await op.press("plus")
-        await op.until("Run another copy?")
+        await op.until("Run another")
         await op.press("tab", "enter")
         await op.until("● motor_controller_2")
 

@@ -368,7 +368,8 @@ class Sluggish(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("sluggish", **options)
         self.asked: list[bytes] = []
-        self.at_last, self.never = Future(), Future()
+        self.at_last: Future[bool] = Future()
+        self.never: Future[bool] = Future()
         self.answered = 0
         impl: Any = MoveToShelf.Impl
         self.impl, prefix = impl, "move_to_shelf/_action"
@@ -418,6 +419,7 @@ async def test_a_late_answer_to_an_old_goal_changes_nothing_about_the_new_one() 
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.ABORTED)
         assert (await ended(go(it, 7))).ok
         before: Any = it.snapshot.goal
+        assert made[0].executor is not None
         made[0].executor.create_task(lambda: made[0].at_last.set_result(True))
         await until(lambda: made[0].answered == 2)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.heard > before.heard)

@@ -1,0 +1,201 @@
+"""Several servers of one name: a stale launch, two robots. And a STOP that is not confirmed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.srv import EmergencyStop
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+from std_msgs.msg import Float32
+
+from archo_tui.alarms import OUTLIVED, STOPS, UNCONFIRMED, conditions
+from archo_tui.robot.state import Phase
+from tests.console.states import STATES
+from tests.support import clock
+from tests.support.archo import go
+from tests.support.clock import NOW
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
+
+
+class Brake(Node):
+    """Serves STOP: says yes, no, or nothing before it is woken."""
+
+    def __init__(self, name: str, says: str = "yes", **options: Any) -> None:
+        super().__init__(name, **options)
+        self.says, self.asked = says, 0
+        self.awake: Future[bool] = Future()
+        group = ReentrantCallbackGroup()
+        self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=group)
+        self.battery = self.create_publisher(Float32, "battery_level", 10)
+        self.create_timer(0.5, lambda: self.battery.publish(Float32(data=80.0)))
+
+    async def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        self.asked += 1
+        if self.says == "nothing":
+            await self.awake
+        response.success, response.message = self.says != "no", f"{self.get_name()} {self.says}"
+        return response
+
+
+class Drive(Node):
+    """Serves the action; its goals run until they are cancelled."""
+
+    def __init__(self, name: str, **options: Any) -> None:
+        super().__init__(name, **options)
+        self.shelves: list[int] = []
+        self.over: Future[bool] = Future()
+        self.action = ActionServer(
+            self, MoveToShelf, "move_to_shelf", self.drive, cancel_callback=self.cancel
+        )
+
+    def cancel(self, _: Any) -> CancelResponse:
+        self.over.set_result(True)
+        return CancelResponse.ACCEPT
+
+    async def drive(self, goal: Any) -> MoveToShelf.Result:
+        self.shelves.append(goal.request.shelf_number)
+        await self.over
+        goal.canceled()
+        return MoveToShelf.Result(final_message="called back")
+
+
+def making(made: list[Any], kind: Any, *given: Any) -> Callable[..., Node]:
+    """A maker of such a node, which keeps it."""
+
+    def make(**options: Any) -> Node:
+        made.append(kind(*given, **options))
+        node: Node = made[-1]
+        return node
+
+    return make
+
+
+def alarms(it: Any) -> dict[str, str]:
+    return conditions(it.snapshot, clock.seconds())
+
+
+@pytest.mark.parametrize(
+    ("says", "ok", "said"),
+    [
+        ("yes", True, "yes"),
+        ("no", False, "REFUSED by 1 of 2: b no: use the hardware stop"),
+        ("nothing", False, "1 of 2 answered in 3 s: use the hardware stop"),
+    ],
+)
+async def test_one_stop_counts_the_answers_of_all_its_servers(
+    says: str, ok: bool, said: str
+) -> None:
+    made: list[Brake] = []
+    makers = making(made, Brake, "a"), making(made, Brake, "b", says)
+    async with robot(*makers) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.several)
+        outcome = await ended(it.emergency_stop())
+        assert outcome.ok == ok
+        assert said in outcome.text
+        assert all(brake.asked for brake in made)
+        assert (it.snapshot.stop_asked is None) == ok
+        for brake in made:
+            brake.awake.set_result(True)
+
+
+async def test_two_servers_of_stop_are_an_alarm_that_names_them() -> None:
+    made: list[Brake] = []
+    async with robot(making(made, Brake, "a"), making(made, Brake, "b")) as it:
+        await until(lambda: STOPS in alarms(it))
+        assert "2 NODES SERVE emergency_stop: /a, /b:" in alarms(it)[STOPS]
+        assert "hardware stop" in alarms(it)[STOPS]
+
+
+async def test_a_stop_without_an_answer_is_sent_again_until_there_is_one() -> None:
+    made: list[Brake] = []
+    async with robot(making(made, Brake, "a", "nothing")) as it:
+        await until(lambda: it.snapshot.battery.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        await until(lambda: made[0].asked >= 3)
+        assert "STOP SENT, no answer for" in alarms(it)[UNCONFIRMED]
+        made[0].says = "yes"
+        await until(lambda: it.snapshot.stop_asked is None)
+        asked = made[0].asked
+        await until(lambda: any("STOP, sent again" in e.text for e in it.snapshot.events))
+        later = clock.seconds() + 3.0
+        await until(lambda: clock.seconds() > later)
+        assert made[0].asked == asked  # it is over
+        made[0].awake.set_result(True)
+
+
+async def test_a_stop_that_was_refused_says_why_and_is_not_sent_again() -> None:
+    made: list[Brake] = []
+    async with robot(making(made, Brake, "a", "no")) as it:
+        await until(lambda: it.snapshot.battery.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        assert alarms(it)[UNCONFIRMED] == "STOP REFUSED (a no): use the hardware stop"
+        later = clock.seconds() + 3.0
+        await until(lambda: clock.seconds() > later)
+        assert made[0].asked == 1
+
+
+async def test_a_stop_that_cannot_be_sent_says_so() -> None:
+    async with robot(lambda **options: Node("none", **options)) as it:
+        assert not (await ended(it.emergency_stop())).ok
+        said = "STOP NOT SENT (/emergency_stop is not offered by any node): use the hardware stop"
+        assert alarms(it)[UNCONFIRMED] == said
+
+
+async def test_a_stop_is_given_up_when_the_operator_says_so() -> None:
+    made: list[Brake] = []
+    async with robot(making(made, Brake, "a", "nothing")) as it:
+        await until(lambda: it.snapshot.battery.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        assert (await ended(it.give_up_stop())).ok
+        assert UNCONFIRMED not in alarms(it)
+        asked, later = made[0].asked, clock.seconds() + 3.0
+        await until(lambda: clock.seconds() > later)
+        assert made[0].asked <= asked + 1  # one may have been on its way
+        made[0].awake.set_result(True)
+
+
+async def test_a_goal_is_not_sent_to_an_action_with_two_servers() -> None:
+    made: list[Drive] = []
+    async with robot(making(made, Drive, "a"), making(made, Drive, "b")) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.several)
+        outcome = await ended(go(it, 3))
+        assert not outcome.ok
+        assert outcome.text == (
+            "move_to_shelf is served by /a and /b: each would drive; stop all but one"
+        )
+        assert it.snapshot.faults["move_to_shelf"] == outcome.text
+        assert [drive.shelves for drive in made] == [[], []]
+
+
+async def test_a_server_that_does_not_know_the_goal_is_not_believed_beside_another() -> None:
+    made: list[Drive] = []
+    async with robot(making(made, Drive, "a")) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 3))).ok
+        executor = made[0].executor
+        assert executor is not None
+        late: Any = Drive("b", context=made[0].context)
+        executor.create_task(executor.add_node, late)
+        await until(lambda: "move_to_shelf" in it.snapshot.several)
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
+        later = clock.seconds() + 5.0
+        await until(lambda: clock.seconds() > later)
+        assert it.snapshot.goal is not None
+        assert it.snapshot.goal.is_running, it.snapshot.goal
+        assert (await ended(it.cancel())).ok
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.CANCELLED)
+        executor.create_task(late.destroy_node)
+
+
+async def test_moving_behind_a_stop_that_is_not_confirmed_is_an_alarm() -> None:
+    moving = STATES["motor moving"]._replace(stop_asked=NOW - 3, stop_why="no answer")
+    assert OUTLIVED in conditions(moving, NOW)
+    assert OUTLIVED not in conditions(moving._replace(stop_asked=NOW), NOW)
+    assert OUTLIVED not in conditions(moving._replace(stop_asked=None), NOW)
