@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import os
 import select
+import sys
 import threading
 from collections.abc import Callable
 from typing import NamedTuple
@@ -61,6 +62,15 @@ class Input:
     def has_news(self) -> bool:
         """True when a line waits, or none comes any more."""
         return bool(self._waiting) or self.has_ended
+
+    @property
+    def is_quiet(self) -> bool:
+        """True when nothing is there to be read."""
+        if self._descriptor is None or self.has_ended or self._closed:
+            return True
+        if sys.platform == "win32":  # its select knows no pipes
+            return True
+        return not select.select([self._descriptor], [], [], 0)[0]
 
     def take(self) -> Line | None:
         """The line that has waited longest; None when there is none."""

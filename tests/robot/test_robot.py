@@ -130,9 +130,9 @@ async def test_a_server_that_nobody_spins_gives_no_answer() -> None:
 
 
 async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
-    made: list[Node] = []
+    made: list[Any] = []
 
-    def make(**options: Any) -> Node:
+    def make(**options: Any) -> Any:
         made.append(server()(**options))  # never spun, as good as dead
         made.append(quiet(**options))
         return made[1]
@@ -140,6 +140,7 @@ async def test_a_goal_that_a_new_server_does_not_know_has_ended() -> None:
     async with robot(make, nodes=2) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         await ended(go(it, 3))
+        made[0].action.destroy()  # rclpy leaves it on the graph when its node is destroyed
         made[0].destroy_node()
         reborn = server()(context=made[1].context)
         executor = made[1].executor
