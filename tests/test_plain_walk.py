@@ -6,9 +6,9 @@ import random
 from typing import Any
 
 import pytest
-
 from archo_bringup.battery_monitor import BatteryMonitor
 from archo_bringup.motor_controller import MotorController
+
 from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.console import LONG
@@ -22,10 +22,10 @@ _LINES = [
     *("charge", "go 7\r", '"open', "params", "x" * 300),
 ]
 _STOPS = ["stop", "STOP!", "Stop.", " stop now", '"stop"', "stop\r", "\ufeffstop"]
-ROUNDS = 10
+ROUNDS, FAR = 10, 80
 
 
-async def walk(person: Typed, seed: int, made: list[Any], stands: Any) -> None:
+async def walk(person: Typed, seed: int, rounds: int, made: list[Any], stands: Any) -> None:
     """Rounds of lines that end with STOP; `stands()` is what must hold then."""
     choose = random.Random(seed)
     await Quiet().until(lambda: made, lambda: "the robot")
@@ -36,7 +36,7 @@ async def walk(person: Typed, seed: int, made: list[Any], stands: Any) -> None:
         await person.is_read()
         await Quiet().until(lambda: clock.seconds() >= end, lambda: f"{seconds} s")
 
-    for number in range(ROUNDS):
+    for number in range(rounds):
         for _ in range(choose.randrange(4)):
             lines = choose.choices(_LINES, k=choose.randrange(1, 5))
             if choose.random() < 0.3:
@@ -52,8 +52,16 @@ async def walk(person: Typed, seed: int, made: list[Any], stands: Any) -> None:
         assert stands(), f"seed {seed}, round {number}: {typed[-6:]}\n{person.said[-3000:]}"
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-async def test_after_the_last_stop_line_a_robot_that_latches_stays_stopped(seed: int) -> None:
+def length(which: int, request: pytest.FixtureRequest) -> tuple[int, int]:
+    """The seed and how many rounds: end to end another walk each time, and a long one."""
+    far = request.config.getoption("--end-to-end")
+    return (random.randrange(10**6), FAR) if far else (which, ROUNDS)
+
+
+@pytest.mark.parametrize("which", [1, 2])
+async def test_after_the_last_stop_line_a_robot_that_latches_stays_stopped(
+    which: int, request: pytest.FixtureRequest
+) -> None:
     made: list[MotorController] = []
 
     def motor(**given: Any) -> MotorController:
@@ -61,11 +69,18 @@ async def test_after_the_last_stop_line_a_robot_that_latches_stays_stopped(seed:
         return made[-1]
 
     async with operated(BatteryMonitor, motor, ros_args=LONG) as person:
-        await walk(person, seed, made, lambda: made[0].emergency_stopped and made[0].goal is None)
+        await walk(
+            person,
+            *length(which, request),
+            made,
+            lambda: made[0].emergency_stopped and made[0].goal is None,
+        )
 
 
-@pytest.mark.parametrize("seed", [3, 4])
-async def test_after_the_last_stop_line_a_robot_that_does_not_latch_stands(seed: int) -> None:
+@pytest.mark.parametrize("which", [3, 4])
+async def test_after_the_last_stop_line_a_robot_that_does_not_latch_stands(
+    which: int, request: pytest.FixtureRequest
+) -> None:
     made: list[Cart] = []
 
     def cart(**given: Any) -> Cart:
@@ -73,4 +88,4 @@ async def test_after_the_last_stop_line_a_robot_that_does_not_latch_stands(seed:
         return made[-1]
 
     async with operated(cart, robot=ROBOTS / "cart.yaml") as person:
-        await walk(person, seed, made, lambda: made[0].drives == 0)
+        await walk(person, *length(which, request), made, lambda: made[0].drives == 0)

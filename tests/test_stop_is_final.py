@@ -51,7 +51,7 @@ def stopped_archo(terminals: list[Terminal]) -> Terminal:
     return terminal
 
 
-@pytest.mark.parametrize("typed", ["Ry\x18", "R\t\r\x18", "RR\x18", "Ryr\x18", "R\x18"])
+@pytest.mark.parametrize("typed", ["Ry\x18", "R\t\r\x18"])
 def test_a_release_typed_before_a_stop_is_not_sent(typed: str, terminals: list[Terminal]) -> None:
     terminal = stopped_archo(terminals)
     terminal.write(typed)
@@ -70,7 +70,7 @@ def test_a_release_typed_behind_a_stop_is_sent(terminals: list[Terminal]) -> Non
     assert terminal.exit_code() == 0
 
 
-@pytest.mark.parametrize("typed", ["g12\r\x18", "g12 7\r\x18", "3\t\r12\r\x18"])
+@pytest.mark.parametrize("typed", ["g12\r\x18", "3\t\r12 7\r\x18"])
 def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[Terminal]) -> None:
     terminal = Terminal(*CART)
     terminals.append(terminal)
@@ -103,12 +103,11 @@ def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) ->
     assert said().count("blinked") == 1
 
 
-@pytest.mark.parametrize("typed", ["\x18\x11", "\x18q"])
-def test_a_stop_right_before_the_end_is_sent(typed: str, terminals: list[Terminal]) -> None:
+def test_a_stop_right_before_the_end_is_sent(terminals: list[Terminal]) -> None:
     terminal = Terminal()
     terminals.append(terminal)
     terminal.until("wheel_radius")
-    terminal.write(typed)
+    terminal.write("\x18\x11")
     assert terminal.exit_code() == 0
     assert "STOP: Stopped" in said()
     assert "never awaited" not in terminal.text

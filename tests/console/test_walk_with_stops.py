@@ -30,7 +30,7 @@ _KEYS = [
 _REPLIES = [b"\x1b]11;rgb:1e1e/1e1e/1e1e\x1b\\", b"\x1bP>|XTerm(388)\x1b\\", b"\x1b[?1;2c"]
 _REPLIES += [b"\x1b_Gi=31;OK\x1b\\", b"\x1b[?997;1n", b"\x1b[8;24;80t", b"\x1b]52;c;ZzEyDQ==\x07"]
 _ENDS = [b"", b"\x1b", b"?", b"1", b"4", *_REPLIES[:3]]  # what may follow the last STOP
-ROUNDS = 12
+ROUNDS, FAR = 12, 80
 
 
 class Typist:
@@ -86,13 +86,13 @@ class Typist:
                 await self.pause(self._choose.choice([0.02, 0.12, 0.3]))
 
 
-async def walk(op: Console, seed: int, stands: Any) -> None:
+async def walk(op: Console, seed: int, rounds: int, stands: Any) -> None:
     """Rounds of typing that end with STOP; `stands()` is what must hold then."""
     choose = random.Random(seed)
     ended: list[int] = []
     op.app.exit = lambda *_, **__: ended.append(1)  # type: ignore[method-assign]
     typist = Typist(op, choose)
-    for number in range(ROUNDS):
+    for number in range(rounds):
         typist.typed.clear()
         await typist.mess()
         await typist.pause(choose.choice([0.0, 0.15, 0.6]))  # no escape is begun, no paste open
@@ -108,8 +108,16 @@ async def walk(op: Console, seed: int, stands: Any) -> None:
         await typist.pause(1.0)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-async def test_after_the_last_stop_a_robot_that_latches_stays_stopped(seed: int) -> None:
+def length(which: int, request: pytest.FixtureRequest) -> tuple[int, int]:
+    """The seed and how many rounds: end to end another walk each time, and a long one."""
+    far = request.config.getoption("--end-to-end")
+    return (random.randrange(10**6), FAR) if far else (which, ROUNDS)
+
+
+@pytest.mark.parametrize("which", [1, 2])
+async def test_after_the_last_stop_a_robot_that_latches_stays_stopped(
+    which: int, request: pytest.FixtureRequest
+) -> None:
     made: list[MotorController] = []
 
     def motor(**given: Any) -> MotorController:
@@ -119,11 +127,17 @@ async def test_after_the_last_stop_a_robot_that_latches_stays_stopped(seed: int)
     async with console(*LONG, node_makers=(BatteryMonitor, motor), wait=False) as op:
         await op.until(lambda: op.app.view.snapshot.motion.received is not None)
         await op.until(lambda: len(op.app.view.snapshot.parameters) > 10)
-        await walk(op, seed, lambda: made[-1].emergency_stopped and made[-1].goal is None)
+        await walk(
+            op,
+            *length(which, request),
+            lambda: made[-1].emergency_stopped and made[-1].goal is None,
+        )
 
 
-@pytest.mark.parametrize("seed", [3, 4])
-async def test_after_the_last_stop_a_robot_that_does_not_latch_stands(seed: int) -> None:
+@pytest.mark.parametrize("which", [3, 4])
+async def test_after_the_last_stop_a_robot_that_does_not_latch_stands(
+    which: int, request: pytest.FixtureRequest
+) -> None:
     made: list[Cart] = []
 
     def cart(**given: Any) -> Cart:
@@ -133,4 +147,4 @@ async def test_after_the_last_stop_a_robot_that_does_not_latch_stands(seed: int)
     async with console(node_makers=(cart,), robot=ROBOTS / "cart.yaml", wait=False) as op:
         await op.until(lambda: "emergency_stop" in op.app.view.snapshot.offered)
         await op.until(lambda: op.app.view.snapshot.actions)
-        await walk(op, seed, lambda: made[-1].drives == 0)
+        await walk(op, *length(which, request), lambda: made[-1].drives == 0)
