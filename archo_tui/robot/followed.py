@@ -24,6 +24,7 @@ from archo_tui.robot.values import text_of
 from archo_tui.robots.model import Field
 
 FARTHEST = 1e6  # a remainder beyond that is no reading
+FIRST_FEEDBACK = 15.0  # s without a word, before its pace is known, until it counts as lost
 SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 
 ENDS = {
@@ -112,9 +113,10 @@ class Followed:
         if motion.received is not None:
             longest = max(SILENCE, 3 * (motion.period or 0.0))
             return now - max(motion.received, heard) > longest
-        promised = self.goal.kind.remaining is not None
-        if self.action.is_served and self._pace.seconds is None and not promised:
-            return False  # an action may give no feedback at all
+        moving = self.goal.phase == Phase.MOVING
+        if moving and self.action.is_served and self._pace.seconds is None:
+            # an action may give no feedback at all; one that does may begin late
+            return self.goal.kind.remaining is not None and now - heard > FIRST_FEEDBACK
         return now - heard > max(SILENCE, 3 * (self._pace.seconds or 0.0))
 
     def on_status(self, status: int) -> None:

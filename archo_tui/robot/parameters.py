@@ -23,7 +23,7 @@ from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.stops import Gate
 from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.text import harmless
-from archo_tui.robot.values import text_of
+from archo_tui.robot.values import same, text_of
 
 _RETRY, _LONGEST_RETRY = 2.0, 60.0  # s until a node that did not answer is asked again
 _DEPTH = 1000  # parameter events kept while the thread is busy
@@ -85,16 +85,27 @@ class Parameters:
                 self._task(self._refresh, node, names)
 
     async def _refresh(self, node: str, names: list[str]) -> None:
+        known = self._by_node.get(node, {})
+        # those without a value are told of when they get one
+        names = [name for name in names if name in known and known[name].value is not None]
+        got = await self._values(node, names)
+        if got is None or node not in self._by_node:
+            return
+        if len(got) != len(names):
+            self._by_node.pop(node)  # another set of parameters: load all of it
+            return
+        for name, value in got.items():
+            self._take(node, name, value)
+
+    async def _values(self, node: str, names: list[str]) -> dict[str, Any] | None:
+        """The values of these; none of them when one has none. None: no answer."""
         got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
-        if got is None or node not in self._by_node:
-            return
-        if len(got.values) != len(names):
-            self._by_node.pop(node)  # another set of parameters: load all of it
-            return
-        for name, value in zip(names, got.values, strict=True):
-            self._take(node, name, as_python(value))
+        if got is None:
+            return None
+        whole = len(got.values) == len(names)
+        return {n: as_python(v) for n, v in zip(names, got.values, strict=True)} if whole else {}
 
     def _task(self, function: Callable[..., Any], *arguments: Any) -> None:
         self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
@@ -114,9 +125,9 @@ class Parameters:
                 srv.DescribeParameters.Request(names=names),
                 once=True,
             )
-            got = await self._services.call(
-                srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
-            )
+            got = await self._values(node, names)
+            if got == {} and names:  # one without a value hides all: they are asked for one by one
+                got = await self._one_by_one(node, names)
             if listed is None or described is None or got is None:
                 _, waited = self._retry.get(node, (0.0, _RETRY / 2))
                 wait = min(2 * waited, _LONGEST_RETRY)
@@ -124,14 +135,21 @@ class Parameters:
                 return
             self._retry.pop(node, None)
             self._by_node[node] = {
-                name: _parameter(node, name, descriptor, as_python(value))
-                for name, descriptor, value in zip(
-                    names, described.descriptors, got.values, strict=False
-                )
+                name: _parameter(node, name, descriptor, got.get(name))
+                for name, descriptor in zip(names, described.descriptors, strict=False)
             }
             self._changed()
         finally:
             self._loading.discard(node)
+
+    async def _one_by_one(self, node: str, names: list[str]) -> dict[str, Any] | None:
+        found: dict[str, Any] = {}
+        for name in names:
+            got = await self._values(node, [name])
+            if got is None:
+                return None
+            found |= got
+        return found
 
     async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
         """Set values (of the Python types that fit), all or none; the node's reason if it refuses.
@@ -170,7 +188,7 @@ class Parameters:
     def _on_event(self, event: ParameterEvent) -> None:
         for message in event.changed_parameters:
             old, new = self._value(event.node, message.name), as_python(message.value)
-            if old is not None and old != new:
+            if old is not None and not same(old, new):
                 self._told(event.node, message.name, old, new)
         for message in (*event.new_parameters, *event.changed_parameters):
             self._take(event.node, message.name, as_python(message.value))
@@ -183,7 +201,7 @@ class Parameters:
         if known is None:
             if node in self._by_node and node not in self._loading:
                 self._by_node.pop(node)  # declared later: load the whole node
-        elif known.value != value:
+        elif not same(known.value, value):
             self._by_node[node][name] = known._replace(value=value)
             self._changed()
             self._set_anew()

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from archo_tui.robot.period import is_silent
 from archo_tui.robot.readings import number
-from archo_tui.robot.values import text_of
+from archo_tui.robot.values import same, text_of
 from archo_tui.robots.model import Gauge, GoalKind, Link, Robot
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -194,7 +194,7 @@ class Parameter(NamedTuple):
     @property
     def is_changed(self) -> bool:
         """True when the value differs from the one first seen."""
-        return bool(self.value != self.initial)
+        return not same(self.value, self.initial)
 
 
 class NodeState(NamedTuple):

@@ -46,7 +46,7 @@ class Telemetry:
         self._node, self._robot, self._clock = node, robot, clock
         self._heard = heard
         self._warn = warn
-        self._subscriptions: dict[object, tuple[tuple[str, bool], Any]] = {}
+        self._subscriptions: dict[object, tuple[tuple[str, bool, bool], Any]] = {}
         self._periods: dict[object, Period] = {}
         self.faults: dict[str, str] = {}  # why a topic, or one of its publishers, is not heard
         self.battery = Battery()
@@ -111,7 +111,10 @@ class Telemetry:
         reliable = all(
             info.qos_profile.reliability == ReliabilityPolicy.RELIABLE for info in publishers
         )
-        wanted = (kind, reliable)
+        latched = all(
+            info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers
+        )
+        wanted = (kind, reliable, latched)
         if old is not None and old[0] == wanted:
             return
         if old is not None:
@@ -119,7 +122,8 @@ class Telemetry:
         qos = QoSProfile(
             depth=_DEPTH,
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            durability=DurabilityPolicy.VOLATILE,
+            # the last message of before, where it is kept; one who asks in vain hears nothing
+            durability=(DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE),
         )
         fields = types[kind]
         subscription = subscribe(

@@ -13,12 +13,22 @@ _DIGITS = 30  # more than any type has room for: what follows makes no number fi
 
 
 def text_of(value: Any) -> str:
-    """A value as a person writes it."""
+    """A value as a person writes it; `--` for none."""
+    if value is None:
+        return "--"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(text_of(item) for item in value)}]"
     return str(value)
+
+
+def same(one: Any, other: Any) -> bool:
+    """True for equal values; NaN, which equals nothing, is the same as NaN."""
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    both_nan = isinstance(one, float) and isinstance(other, float) and one != one and other != other
+    return both_nan or bool(one == other)
 
 
 def parse_bool(text: str) -> bool:

@@ -30,7 +30,7 @@ class EditParameter(Form):
     ) -> None:
         """`offered` is the value that stands in the field."""
         super().__init__()
-        self._offered = harmless(text_of(offered))
+        self._offered = "" if offered is None else harmless(text_of(offered))
         self._parameter, self._send = parameter, send
         self._sending = False
         if parameter.read_only:

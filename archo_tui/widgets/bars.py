@@ -130,7 +130,12 @@ def _contact(view: View) -> str:
     silent = [name for name in heard if readings[name].is_old(view.now)]
     if len(silent) == len(heard):
         return f"✗ no contact, {min(heard.values()):.0f} s"
-    return f"▲ {silent[0]} silent, {heard[silent[0]]:.0f} s" if silent else "● online"
+    if silent:
+        return f"▲ {silent[0]} silent, {heard[silent[0]]:.0f} s"
+    goal = snapshot.goal
+    if goal is not None and goal.phase == Phase.LOST:
+        return f"▲ {goal.kind.action} silent, {view.now - (goal.heard or goal.sent):.0f} s"
+    return "● online"
 
 
 def _doing(view: View) -> tuple[str, str]:

@@ -333,14 +333,14 @@ async def test_a_cancelled_goal_whose_robot_falls_silent_is_lost() -> None:
 
 async def test_a_goal_that_was_lost_is_followed_again_when_it_is_heard() -> None:
     class Slow(Node):
-        """Says where it is every 8 s."""
+        """Says where it is every 20 s."""
 
         def __init__(self, **options: Any) -> None:
             super().__init__("slow", **options)
             self.action = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
             self.left = 20.0
             self.goals: list[Any] = []
-            self.create_timer(8.0, self.report)
+            self.create_timer(20.0, self.report)
 
         async def execute(self, goal: Any) -> Any:
             self.goals.append(goal)
