@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from archo_interfaces.action import MoveToShelf
-from rclpy.action import ActionServer, CancelResponse
+from rcl_interfaces import srv
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -16,6 +19,7 @@ from archo_tui.robot.state import Phase
 from tests.console.states import goal
 from tests.support import clock
 from tests.support.archo import go
+from tests.support.clock import NOW
 from tests.support.console import console, screen_text
 from tests.support.quiet import Quiet, ended, until
 from tests.support.robot import robot
@@ -114,8 +118,104 @@ async def test_an_action_whose_first_feedback_is_late_is_not_lost_before_it() ->
 
 
 async def test_the_header_does_not_say_online_beside_a_goal_that_is_lost() -> None:
-    app = stub_app(goal(Phase.LOST, heard=clock.NOW - 3.2))
+    app = stub_app(goal(Phase.LOST, heard=NOW - 3.2))
     async with app.run_test(size=(120, 36)):
         await Quiet(app).settle()
         assert "● online" not in screen_text(app)
         assert "▲ move_to_shelf silent" in screen_text(app)
+
+
+class ForeignClock(Node):
+    """Tells of a goal with a stamp from the epoch's first minutes: its clock was never set."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("foreign_clock", **options)
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        status = GoalStatus(status=GoalStatus.STATUS_EXECUTING)
+        status.goal_info.goal_id.uuid = list(range(16))
+        status.goal_info.stamp.sec = 100
+        self.told = GoalStatusArray(status_list=[status])
+        self.status = self.create_publisher(
+            GoalStatusArray, "move_to_shelf/_action/status", latched
+        )
+        self.create_timer(0.5, lambda: self.status.publish(self.told))
+
+
+async def test_a_goal_stamped_by_another_clock_has_no_age_of_years() -> None:
+    async with robot(ForeignClock) as it:
+        await until(lambda: it.snapshot.goal)
+        assert it.snapshot.goal is not None
+        assert it.snapshot.goal.elapsed(clock.seconds()) < 60.0
+
+
+class Refuses(Node):
+    """Says why it refuses the first time only."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("motor_controller", **options)
+        self.asked = 0
+        self.action = ActionServer(
+            self, MoveToShelf, "move_to_shelf", self.drive, goal_callback=self.refuse
+        )
+
+    def refuse(self, _: Any) -> GoalResponse:
+        self.asked += 1
+        if self.asked == 1:
+            self.get_logger().warning("Goal refused: the door is shut")
+        return GoalResponse.REJECT
+
+    async def drive(self, _: Any) -> MoveToShelf.Result:
+        return MoveToShelf.Result()
+
+
+async def test_the_reason_of_a_refusal_is_not_given_for_the_next_one() -> None:
+    async with robot(Refuses) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 3))).text == "the door is shut"
+        assert (await ended(go(it, 4))).text == "refused, no reason given"
+
+
+def test_the_time_that_is_left_counts_down_between_two_feedbacks() -> None:
+    state = goal(Phase.MOVING, started=NOW - 4.0, heard=NOW, remaining=9.0, length=18.0)
+    moving = state.goal
+    assert moving is not None
+    assert moving.seconds_left(NOW) == 4.0
+    assert moving.seconds_left(NOW + 1.5) == 2.5
+    assert moving.seconds_left(NOW + 9.0) == 0.0
+
+
+class Mute(Node):
+    """Offers its parameters and never answers when asked for them."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("mute", **options, start_parameter_services=False)
+        self.asked: list[float] = []
+        self.never: Future[bool] = Future()
+        group = ReentrantCallbackGroup()
+        for name in ("list", "get", "describe"):
+            kind = getattr(srv, f"{name.capitalize()}Parameters")
+            self.create_service(kind, f"~/{name}_parameters", self.ask, callback_group=group)
+
+    async def ask(self, _: Any, response: Any) -> Any:
+        self.asked.append(clock.seconds())
+        await self.never
+        return response
+
+
+async def test_a_node_that_never_answers_is_asked_ever_more_rarely_but_not_never() -> None:
+    made: list[Mute] = []
+
+    def mute(**options: Any) -> Mute:
+        made.append(Mute(**options))
+        return made[-1]
+
+    async with robot(mute):
+        await until(lambda: made[0].asked)
+        # so long as real time may take: two questions; a clock that is moved, an hour
+        end = made[0].asked[0] + (10.0 if clock.current is None else 3600.0)
+        while clock.seconds() < end:
+            step = clock.seconds() + 90.0 if clock.current is not None else end
+            await until(lambda step=step: clock.seconds() >= step)  # type: ignore[misc]
+        gaps = [b - a for a, b in zip(made[0].asked, made[0].asked[1:], strict=False)]
+        assert gaps
+        assert max(gaps) < 80.0  # 60 s, the answers' deadlines and a look
