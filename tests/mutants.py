@@ -42,7 +42,7 @@ FAULTS = [
     Fault("robot/stopping.py", "        if releasing is not None:", "        if False:", ROBOT + " tests/test_stop_is_final.py"),
     Fault("robot/stopping.py", "    if len(answers) < servers:\n", "    if not answers:\n", ROBOT + "/test_several_servers.py"),
     Fault("robot/services.py", "    if servers > 1:\n        future.set_result = take", "    pass", ROBOT + "/test_several_servers.py"),
-    Fault("robot/goals.py", "            if one.is_void:\n", "            if False:\n", ROBOT + " " + CONSOLE + "/test_walk_with_stops.py"),
+    Fault("robot/goals.py", "            if one.is_void:\n", "            if False:\n", ROBOT + "/test_stop_and_goals.py"),
     Fault("robot/stopping.py", "        if outcome.ok:\n            self._answered", "        if True:\n            self._answered", ROBOT),
     Fault("robot/followed.py", "goal.phase in (Phase.MOVING, Phase.CANCELLING) and", "goal.phase in (Phase.MOVING,) and", ROBOT),
     Fault("commands/console.py", "CANCEL if answer == answers[1] else LEAVE", "CANCEL", CONSOLE + "/test_leaving.py"),

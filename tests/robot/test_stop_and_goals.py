@@ -1,0 +1,90 @@
+"""A goal that was typed before a STOP, wherever it is by then."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from archo_interfaces.action import MoveToShelf
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
+
+from archo_tui.robot.stops import NOT_SENT
+from tests.support.archo import SHELF, go
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
+
+
+class Slow(Node):
+    """Takes a goal only when it is told to; keeps the cancels that it is asked for."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("slow", **options)
+        self.asked, self.cancels = 0, 0
+        self.takes: Future[bool] = Future()
+        self.never: Future[bool] = Future()
+        impl: Any = MoveToShelf.Impl
+        group, prefix = ReentrantCallbackGroup(), "move_to_shelf/_action"
+        for kind, name, answer in (
+            (impl.SendGoalService, "send_goal", self.accept),
+            (impl.GetResultService, "get_result", self.result),
+            (impl.CancelGoalService, "cancel_goal", self.cancel),
+        ):
+            self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
+        self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
+
+    async def accept(self, _: Any, response: Any) -> Any:
+        self.asked += 1
+        await self.takes
+        response.accepted = True
+        return response
+
+    async def result(self, _: Any, response: Any) -> Any:
+        await self.never
+        return response
+
+    async def cancel(self, request: Any, response: Any) -> Any:
+        self.cancels += 1
+        response.goals_canceling = [request.goal_info]
+        return response
+
+
+async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> None:
+    made: list[Slow] = []
+
+    def slow(**options: Any) -> Slow:
+        made.append(Slow(**options))
+        return made[-1]
+
+    async with robot(slow) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        task = asyncio.ensure_future(go(it, 3))
+        await until(lambda: made[0].asked == 1)
+        it.stops.read()
+        assert made[0].executor is not None
+        made[0].executor.create_task(lambda: made[0].takes.set_result(True))
+        await until(task.done)
+        assert not task.result().ok
+        assert "accepted after a STOP" in task.result().text
+        await until(lambda: made[0].cancels == 1)
+
+
+async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> None:
+    made: list[Slow] = []
+
+    def slow(**options: Any) -> Slow:
+        made.append(Slow(**options))
+        return made[-1]
+
+    async with robot(slow) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        with it.stops.at(it.stops.count):
+            it.stops.read()
+            outcome = await ended(it.send(SHELF, {"shelf_number": 3}))
+        assert (outcome.ok, outcome.text) == (False, NOT_SENT)
+        assert made[0].asked == 0
+        assert it.snapshot.goal is None
