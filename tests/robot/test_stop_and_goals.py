@@ -26,6 +26,7 @@ class Slow(Node):
         self.takes: Future[bool] = Future()
         self.never: Future[bool] = Future()
         impl: Any = MoveToShelf.Impl
+        self.create_timer(0.1, lambda: None)  # rclpy looks at what waits when it is awake
         group, prefix = ReentrantCallbackGroup(), "move_to_shelf/_action"
         for kind, name, answer in (
             (impl.SendGoalService, "send_goal", self.accept),
