@@ -39,6 +39,8 @@ def mark(message: Message, stops: int) -> None:
 
 def typed_after(message: Message) -> int | None:
     """The STOPs that had been read before what it comes from; None: nobody typed it."""
+    if not message._prevent:  # of nearly all of them
+        return None
     found: set[object] = {*message._prevent}
     return min((one.stops for one in found if isinstance(one, Typed)), default=None)
 
