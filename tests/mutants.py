@@ -221,7 +221,7 @@ FAULTS = [
     Fault("widgets/field.py", "return self._will_hold if self._coming else", "return", CONSOLE + "/test_field.py"),
     Fault("widgets/field.py", "                self._will_hold = False\n", "                pass\n", CONSOLE + "/test_field.py"),
     Fault("widgets/field.py", "return self._holds_text or", "return", CONSOLE + "/test_goals.py"),
-    Fault("cli.py", ', "stderr": sys.__stderr__}', "}", "tests/test_cli.py"),
+    Fault("cli.py", '        streams["stderr"] = sys.__stderr__\n', "        pass\n", "tests/test_cli.py"),
     Fault("shutdown.py", "goal.phase == Phase.SENT:", "False:", "tests/test_shutdown.py"),
     Fault("robot/client.py", "self._goals.are_over = True", "pass", "tests/test_shutdown.py"),
     Fault("commands/console.py", "return self._end(console, station.on_disconnect)  #", "return console.exit()  #", CONSOLE + "/test_leaving.py"),
