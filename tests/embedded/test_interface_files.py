@@ -59,12 +59,12 @@ WRONG: dict[str, tuple[Files, str]] = {
         "msg/B.msg:2: A contains B contains A: no message can",
     ),
     "deep": (
-        {f"msg/A{n}.msg": f"A{n + 1} a\n" for n in range(2000)},
+        {**{f"msg/A{n}.msg": f"A{n + 1} a\n" for n in range(2000)}},
         ": messages in messages, more than 50 deep",
     ),
     "large": ({"msg/A.msg": "uint8[99999999999999] a\n"}, "msg/A.msg:1: A has more than 1_000_000"),
     "many": (
-        {f"msg/A{n}.msg": f"A{n + 1}[9] a\n" for n in range(40)} | {"msg/A40.msg": "int8 x\n"},
+        {**{f"msg/A{n}.msg": f"A{n + 1}[9] a\n" for n in range(40)}, "msg/A40.msg": "int8 x\n"},
         ":1: A34 has more than 1_000_000 elements",
     ),
     "not UTF-8": ({"msg/A.msg": b"int32 x\nint32 \xff\n"}, "msg/A.msg:2: not UTF-8"),
