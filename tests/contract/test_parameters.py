@@ -523,7 +523,7 @@ def test_a_callback_that_answers_with_something_else_is_warned_of(ros: Ros) -> N
 
 def test_instead_of_a_parameter_without_a_value_there_is_the_alternative(ros: Ros) -> None:
     node = ros.node()
-    alternative = Parameter("other", value=3)
+    alternative: Parameter[int] = Parameter("other", value=3)
     assert node.get_parameter_or("speed", alternative) is alternative  # not declared
     node.declare_parameter("speed", Parameter.Type.INTEGER)
     assert node.get_parameter_or("speed", alternative) is alternative
