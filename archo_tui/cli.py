@@ -275,7 +275,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     )
     stuck: list[str] = []
     try:
-        code = _plain(session) if options.plain else _console(session)
+        code = _plain(session, options.robot) if options.plain else _console(session)
     finally:
         ignore_signals()
         stuck = session.close()
@@ -312,10 +312,14 @@ def _check(options: argparse.Namespace) -> int:
                 return FAILED
 
 
-def _plain(session: Session) -> int:
+def _plain(session: Session, robot_file: str | None) -> int:
     from archo_tui import plain
     from archo_tui.shutdown import heed_signals
 
+    if robot_file:  # its keys are not used here, and no more wrong than elsewhere
+        from archo_tui.commands import keymap, registry
+
+        keymap.robots_keys(registry(session.description))
     heed_signals()
     session.start()
     gc.enable()

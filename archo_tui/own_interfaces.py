@@ -13,7 +13,10 @@ from archo_tui.watch import Stamps, stamps
 
 def find(folder: Path, engine_name: str) -> dict[str, Path]:
     """The packages by name. Raises ArchoError, with file and line where an interface is wrong."""
-    packages = packages_in(folder) if folder.is_dir() else {}
+    try:
+        packages = packages_in(folder) if folder.is_dir() else {}
+    except ImportError as error:
+        raise ArchoError(str(error)) from None
     if not packages:
         raise ArchoError(f"{folder}: no interface package: a folder with msg/, srv/ or action/")
     if engine_name != engine.EMBEDDED:

@@ -56,8 +56,7 @@ def help_text(robot: Robot) -> str:
         ("release", "release the stop; nothing resumes by itself"),
     ]
     for command in robot.commands:
-        off = command.off or f"{command.id}_off"
-        names = f"{command.id}, {off}" if command.toggle else command.id
+        names = ", ".join(filter(None, (command.id, command.off_word)))
         lines.append((names, command.help or command.title))
     lines += [
         ("set NODE NAME VALUE", "set a parameter"),
@@ -245,7 +244,7 @@ class Plain:
         for command in robot.description.commands:
             simple[command.id] = partial(robot.command, command)
             if command.toggle:
-                simple[command.off or f"{command.id}_off"] = partial(robot.command, command, False)
+                simple[command.off_word] = partial(robot.command, command, False)
         if verb in ("continue", "skip"):
             return self._queue(verb)
         if verb == "cancel":  # which no STOP voids

@@ -120,6 +120,34 @@ def test_a_wrong_robot_file_is_one_line_before_the_terminal_is_touched(
     assert said == f"archo-tui: {file}:2: unknown key batery (nearest: battery)\n"
 
 
+@pytest.mark.parametrize("mode", [[], ["--plain"], ["--keys"]])
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("q", "q is the key of quit: choose another"),
+        ("b", "b is the key of blink: choose another"),
+        ("tab", "tab is needed in fields and dialogs: choose another"),
+        ("warp", "no key 'warp': like x, ctrl+x, f5, question_mark"),
+    ],
+)
+def test_a_key_that_is_taken_is_one_line_in_each_face(
+    mode: list[str],
+    key: str,
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    file = tmp_path / "robot.yaml"
+    beep = f"  - {{id: beep, title: Beep, service: beep, key: {key}}}\n"
+    blink = "  - {id: blink, title: Blink, service: blink, key: b}\n"
+    file.write_text(f"commands:\n{blink}{beep}")
+    monkeypatch.setattr("archo_tui.cli._need_terminal", lambda: None)
+    words = ["--engine", chosen.ENGINE, "--only", "--robot", str(file), *mode]
+    assert main(words) == 2
+    assert capsys.readouterr().err == f"archo-tui: {file}:3: {said}\n"
+
+
 def test_without_docstrings_the_help_texts_are_there() -> None:
     command = [sys.executable, "-OO", "-m", "archo_tui", "--keys"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)

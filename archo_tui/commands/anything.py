@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from archo_tui.robot.state import Outcome, in_namespace
 from archo_tui.robots.check import missing
 from archo_tui.robots.model import GoalKind, Input, Service
 from archo_tui.robots.save import dump
+from archo_tui.robots.words import free
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.screens.choose import Choose
 from archo_tui.screens.message_form import MessageForm, Send
@@ -75,13 +76,13 @@ class AnyGoal(_AnyOf):
 
     def sender(self, console: Console, name: str, kind: str) -> Send:
         short = name.rpartition("/")[2]
-        goal = GoalKind(id=short.lower(), title=short, action=name, type=kind)
+        goal = GoalKind(id=_id(console, name), title=short, action=name, type=kind)
 
         async def send(values: Mapping[str, Any]) -> Outcome:
             outcome = await console.station.robot.send(goal, values)
             if outcome.ok:
-                known = [old for old in console.used.goals if old.id != goal.id]
-                used = replace(goal, form={path: Input() for path in values})
+                known = [old for old in console.used.goals if old.action != name]
+                used = replace(goal, form={path: Input() for path in _paths(values)})
                 console.used = replace(console.used, goals=(*known, used))
             return outcome
 
@@ -102,13 +103,32 @@ class AnyService(_AnyOf):
             if outcome.ok:
                 console.say(outcome.text, name)
                 short = name.rpartition("/")[2]
-                known = [old for old in console.used.commands if old.id != short.lower()]
-                used = Service(id=short.lower(), title=short, service=name)
+                known = [old for old in console.used.commands if old.service != name]
                 if not values:  # one with fields is no command of a robot file
+                    used = Service(id=_id(console, name), title=short, service=name)
                     console.used = replace(console.used, commands=(*known, used))
             return outcome
 
         return call
+
+
+def _id(console: Console, name: str) -> str:
+    """What a kept action or service is called, beside the console's and the file's own words."""
+    kept = console.used
+    used = {goal.id for goal in kept.goals if goal.action != name}
+    for command in kept.commands:
+        if command.service != name:
+            used |= {command.id, command.off_word}
+    return free(name.rpartition("/")[2].lower().strip("_") or "other", used)
+
+
+def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
+    """The dotted paths of what was typed, of nested messages too."""
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _paths(value, f"{before}{name}.")
+        else:
+            yield f"{before}{name}"
 
 
 class KeepRobot(Command):

@@ -38,7 +38,7 @@ def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
     One keymap serves several robots. Raises ArchoError that names the line.
     """
     commands = list(commands)
-    keys = _robots_keys(commands)
+    keys = robots_keys(commands)
     known = {command.id: command for command in commands}
     lines: dict[str, int] = {}
     others: list[str] = []
@@ -58,15 +58,16 @@ def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
     return keys, said
 
 
-def _robots_keys(commands: Sequence[Command]) -> dict[str, str]:
-    """The keys that commands come with; those of a robot file are checked, and take no other's."""
+def robots_keys(commands: Sequence[Command]) -> dict[str, str]:
+    """The keys that commands come with; those of a robot file are checked, and take no other's.
+
+    Raises ArchoError that names the robot file's line.
+    """
     keys = {command.id: command.key for command in commands if not command.from_file}
     core = {key: name for name, key in keys.items() if key}
     for command in commands:
         if not command.from_file:
             continue
-        if command.id in keys:
-            raise ArchoError(f"{command.from_file}: the id {command.id} is the console's own")
         keys[command.id] = command.key and _checked(command.from_file, command, command.key)
         owner = core.get(keys[command.id])
         if owner:

@@ -212,7 +212,7 @@ class Give(Command):
         self.from_file = given.where
         asks = {"moving": "; asks first while a goal runs", "always": "; asks first"}
         self.help = (given.help or given.title) + asks.get(given.ask, "")
-        self._word = given.title.partition(" ")[0]
+        self._word = given.title.split()[0]
         self.footer = "" if given.is_about("battery") else self._word
 
     def run(self, console: Console) -> Work | None:

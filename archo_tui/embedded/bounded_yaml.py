@@ -1,10 +1,11 @@
 """Reads YAML that a person wrote, and nothing that would hang or exhaust the process.
 
-Of a regular file, at most 1 MB, nested at most 20 deep, without aliases.
+Of a regular file, in UTF-8, at most 1 MB, nested at most 20 deep, without aliases.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import stat
 from pathlib import Path
@@ -29,7 +30,11 @@ def read(path: Path) -> str:
         data = file.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
         raise YamlError(f"{path}: larger than {MAX_BYTES // 1_000_000} MB")
-    return data.decode("utf-8", "replace")
+    try:
+        return data.decode()
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise YamlError(f"{path}:{line}: not UTF-8: save it as that") from None
 
 
 def compose(text: str, path: Path) -> yaml.Node | None:
@@ -44,8 +49,20 @@ def compose(text: str, path: Path) -> yaml.Node | None:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else 1
         raise YamlError(f"{path}:{line}: not YAML: {error.problem}") from None
-    except yaml.YAMLError as error:
-        raise YamlError(f"{path}:1: not YAML: {str(error).splitlines()[0]}") from None
+    except yaml.reader.ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        raise YamlError(f"{path}:{line}: not YAML: {str(error).splitlines()[0]}") from None
+    except (ValueError, OverflowError) as error:  # PyYAML's own: "\UFFFFFFFF", %YAML 9...9
+        raise YamlError(f"{path}:{_reached(text)}: not YAML: {error}") from None
+
+
+def _reached(text: str) -> int:
+    """The line up to which a text can be read."""
+    loader: Any = yaml.SafeLoader(text)
+    with contextlib.suppress(ValueError, OverflowError):
+        while loader.check_event():
+            loader.get_event()
+    return int(loader.line) + 1
 
 
 def _composed(text: str, path: Path, loader: Any) -> yaml.Node | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 from typing import Any
 
-from .idl import FieldType
+from .idl_types import FieldType
 
 _LITTLE, _BIG = b"\x00\x01\x00\x00", b"\x00\x00\x00\x00"
 _FORMATS = {

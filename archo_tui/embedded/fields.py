@@ -15,9 +15,9 @@ from collections.abc import Callable, Sequence, Set
 from typing import Any
 
 from .fixed_array import FixedArray, name_of
-from .idl import FLOATS, INTEGERS, TYPE_CODES, FieldType
+from .idl_types import FLOAT32_MAX, FLOATS, INTEGERS, TYPE_CODES, FieldType
 
-FLOAT32_MAX, FLOAT64_MAX = 3.402823466e38, sys.float_info.max
+FLOAT64_MAX = sys.float_info.max
 _FLOAT32 = struct.Struct("f")
 
 Check = Callable[[Any], Any]
@@ -146,6 +146,13 @@ def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
     if message_class is not None:
         return message_class.__received__  # type: ignore[no-any-return]
     return round_to_float32 if kind.base == "float32" else None
+
+
+def from_file(kind: FieldType, value: Any) -> Any:
+    """A constant or default as rosidl's classes have it: a byte is bytes, a list one's own."""
+    if isinstance(value, list):
+        return [from_file(kind, item) for item in value]
+    return bytes([value]) if kind.base == "byte" else value
 
 
 def default_of(kind: FieldType, message_class: Any) -> Any:

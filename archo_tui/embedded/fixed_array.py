@@ -12,7 +12,7 @@ from array import array
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NoReturn
 
-from .idl import TYPE_CODES
+from .idl_types import TYPE_CODES
 
 _AMBIGUOUS = (
     "The truth value of an array with more than one element is ambiguous. Use a.any() or a.all()"

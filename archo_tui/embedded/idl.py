@@ -1,6 +1,6 @@
 """Reads ROS interface files (.msg, .srv, .action) into plain descriptions.
 
-The grammar is the one of ROS 2's "About interfaces": `type name [default]`, `type NAME=constant`,
+As rosidl_adapter reads them, which refuses the same: `type name [default]`, `type NAME=constant`,
 `#` comments, arrays `[]`, `[N]`, `[<=N]`, bounded strings `string<=N`, sections parted by `---`.
 """
 
@@ -10,56 +10,21 @@ import re
 from pathlib import Path
 from typing import NamedTuple
 
-import yaml
+from . import idl_values
+from .idl_types import FLOAT32_MAX, PRIMITIVES, FieldType
 
-# name -> (lowest, highest) of the integer types; `char` is uint8 in ROS 2
-INTEGERS = {
-    f"{sign}int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
-    for sign in ("", "u")
-    for bits in (8, 16, 32, 64)
-} | {"char": (0, 255)}
-FLOATS = ("float32", "float64")
-# element types that rosidl keeps in array.array, with array's type codes
-TYPE_CODES = {
-    "int8": "b", "uint8": "B", "char": "B", "int16": "h", "uint16": "H", "int32": "i",
-    "uint32": "I", "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
-}  # fmt: skip
-# as rosidl's `get_fields_and_field_types` calls them
-_IDL_NAMES = {"bool": "boolean", "byte": "octet", "char": "uint8"} | {
-    "float32": "float",
-    "float64": "double",
-}
-PRIMITIVES = {*INTEGERS, *FLOATS, "bool", "byte", "string", "wstring"}
-
-_FIELD = re.compile(
-    r"(?P<type>[A-Za-z][\w/]*)(?:<=(?P<bound>\d+))?(?P<array>\[(?:(?P<upto><=)?(?P<size>\d+))?\])?"
-    r"\s+(?P<name>[A-Za-z]\w*)\s*(?:(?P<constant>=)\s*(?P<value>.*)|(?P<default>\S.*))?"
-)
+_PARTS = {".msg": 1, ".srv": 2, ".action": 3}
+_PACKAGE = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")  # a field's name, too
+_CONSTANT = re.compile(r"[A-Z](_?[A-Z0-9])*")
+_MESSAGE = re.compile(r"[A-Z][A-Za-z0-9]*")
+_STRING = re.compile(r"(w?string)<=(.*)")
+_ARRAY = re.compile(r"(.*)\[(<=)?([^\[]*)\]")
+# of the messages that are made of services and actions
+_SUFFIXES = ("_Request", "_Response", "_Goal", "_Result", "_Feedback")
 
 
 class InterfaceError(ImportError):
     """An interface file that cannot be used; the message starts with `file:line:`."""
-
-
-class FieldType(NamedTuple):
-    """The type of a field: a primitive or `package/Name`, and its array form."""
-
-    base: str
-    string_bound: int | None = None
-    is_array: bool = False
-    fixed_size: int | None = None
-    upper_bound: int | None = None
-
-    def __str__(self) -> str:
-        text = _IDL_NAMES.get(self.base, self.base)
-        if self.string_bound is not None:
-            text += f"<{self.string_bound}>"
-        if self.fixed_size is not None:
-            return f"{text}[{self.fixed_size}]"
-        if self.is_array:
-            bound = "" if self.upper_bound is None else f", {self.upper_bound}"
-            return f"sequence<{text}{bound}>"
-        return text
 
 
 class Field(NamedTuple):
@@ -76,7 +41,12 @@ class Section(NamedTuple):
 
     path: Path
     fields: tuple[Field, ...]
-    constants: tuple[tuple[str, object], ...]
+    constants: tuple[tuple[str, FieldType, object], ...]
+
+
+def is_package(name: str) -> bool:
+    """True for what a package can be called."""
+    return _PACKAGE.fullmatch(name) is not None
 
 
 def parse(path: Path, package: str) -> list[Section]:
@@ -85,87 +55,132 @@ def parse(path: Path, package: str) -> list[Section]:
     Types without a package are looked for in `package`, as ROS does.
     Raises InterfaceError with file and line.
     """
-    sections: list[tuple[list[Field], list[tuple[str, object]]]] = [([], [])]
-    for number, raw in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-        line = _without_comment(raw).strip()
-        if line == "---":
-            sections.append(([], []))
-        elif line:
-            _parse_line(line, package, f"{path}:{number}", number, *sections[-1])
-    wanted = {".msg": 1, ".srv": 2, ".action": 3}[path.suffix]
+    if not _is_message(path.stem):
+        raise InterfaceError(
+            f"{path}:1: {path.stem} is no name of an interface: capitals, letters and digits, "
+            "like BatteryStatus"
+        )
+    wanted, sections = _PARTS[path.suffix], [_Reader(path, package)]
+    for number, line in enumerate(_text(path).splitlines(), 1):
+        if line == "---" and wanted > 1:
+            sections.append(_Reader(path, package))
+            continue
+        try:
+            sections[-1].take(line.replace("\t", " "), number)
+        except ValueError as error:
+            raise InterfaceError(f"{path}:{number}: {error}") from None
     if len(sections) != wanted:
         raise InterfaceError(
             f"{path}:1: a {path.suffix} file has {wanted - 1} '---' lines, this one has "
             f"{len(sections) - 1}"
         )
-    return [Section(path, tuple(fields), tuple(constants)) for fields, constants in sections]
+    return [section.read for section in sections]
 
 
-def _parse_line(
-    line: str,
-    package: str,
-    where: str,
-    number: int,
-    fields: list[Field],
-    constants: list[tuple[str, object]],
-) -> None:
-    match = _FIELD.fullmatch(line)
-    if match is None:
-        raise InterfaceError(f"{where}: not 'type name': {line!r}")
-    base = match["type"]
-    if base not in PRIMITIVES:
-        if base == "Header":
-            base = "std_msgs/Header"
-        parts = [part for part in base.split("/") if part != "msg"]
-        base = "/".join(parts if len(parts) > 1 else [package, *parts])
-    kind = FieldType(
-        base=base,
-        string_bound=int(match["bound"]) if match["bound"] else None,
-        is_array=match["array"] is not None,
-        fixed_size=int(match["size"]) if match["size"] and not match["upto"] else None,
-        upper_bound=int(match["size"]) if match["upto"] else None,
-    )
-    if match["constant"]:
-        constants.append((match["name"], _literal(match["value"], kind, where)))
-        return
-    if any(field.name == match["name"] for field in fields):
-        raise InterfaceError(f"{where}: a second field named {match['name']!r}")
-    default = _literal(match["default"], kind, where) if match["default"] else None
-    fields.append(Field(kind, match["name"], default, number))
-
-
-def _literal(text: str, kind: FieldType, where: str) -> object:
-    """The Python value of a constant or default written in an interface file."""
+def _text(path: Path) -> str:
+    data = path.read_bytes()
     try:
-        value = yaml.safe_load(text)
-    except yaml.YAMLError:
-        value = text
-    if kind.is_array:
-        return value
-    if kind.base in FLOATS and isinstance(value, int):
-        return float(value)
-    if kind.base in ("string", "wstring"):
-        return value if isinstance(value, str) else text
-    if kind.base == "bool":
-        return bool(value)
-    if kind.base == "byte" and isinstance(value, int):
-        return bytes([value])
-    if kind.base in INTEGERS and isinstance(value, str):
-        try:
-            return int(value, 0)
-        except ValueError:
-            raise InterfaceError(f"{where}: {text!r} is not of type {kind.base}") from None
-    return value
+        return data.decode()
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InterfaceError(f"{path}:{line}: not UTF-8: save it as that") from None
 
 
-def _without_comment(line: str) -> str:
-    """The line up to `#`, unless that stands inside quotes."""
-    quote = ""
-    for index, char in enumerate(line):
-        if quote:
-            quote = "" if char == quote else quote
-        elif char in "\"'":
-            quote = char
-        elif char == "#":
-            return line[:index]
-    return line
+class _Reader:
+    """Takes the lines of one section."""
+
+    def __init__(self, path: Path, package: str) -> None:
+        self._path, self._package = path, package
+        self._fields: dict[str, Field] = {}
+        self._constants: dict[str, tuple[str, FieldType, object]] = {}
+
+    @property
+    def read(self) -> Section:
+        """All that was taken."""
+        return Section(self._path, tuple(self._fields.values()), tuple(self._constants.values()))
+
+    def take(self, line: str, number: int) -> None:
+        """Raises ValueError with what is wrong."""
+        line = line.partition("#")[0].rstrip()  # within quotes, too
+        if not line:
+            return
+        word, _, rest = line.partition(" ")
+        rest = rest.lstrip()
+        if not word:
+            raise ValueError("begins with a space: 'type name' begins the line")
+        if not rest:
+            raise ValueError(f"not 'type name': {line!r}")
+        if "=" in rest:
+            name, _, text = rest.partition("=")
+            self._constant(word, name.rstrip(), text.lstrip())
+        else:
+            name, _, text = rest.partition(" ")
+            self._field(word, name, text.lstrip(), number)
+
+    def _constant(self, word: str, name: str, text: str) -> None:
+        if word not in PRIMITIVES:
+            raise ValueError(
+                f"{word} is no type of a constant: one of {', '.join(sorted(PRIMITIVES))}"
+            )
+        if not _CONSTANT.fullmatch(name):
+            raise ValueError(f"{name!r} is no name of a constant: capitals, digits and single _")
+        if name in self._constants:
+            raise ValueError(f"a second constant named {name!r}")
+        kind = FieldType(word)
+        self._constants[name] = name, kind, idl_values.read(text, kind)
+
+    def _field(self, word: str, name: str, text: str, number: int) -> None:
+        kind = _type(word, self._package)
+        if not _PACKAGE.fullmatch(name):
+            raise ValueError(f"{name!r} is no name of a field: small letters, digits and single _")
+        if name in self._fields:
+            raise ValueError(f"a second field named {name!r}")
+        default = idl_values.read(text, kind) if text else None
+        numbers = default if isinstance(default, list) else [default]
+        for value in numbers if kind.base == "float32" else ():
+            if isinstance(value, float) and FLOAT32_MAX < abs(value) < float("inf"):
+                raise ValueError(f"{value:g} is too large for {kind.base}")  # its setter would say
+        self._fields[name] = Field(kind, name, default, number)
+
+
+def _type(word: str, package: str) -> FieldType:
+    array = _ARRAY.fullmatch(word)
+    if array is None:
+        return _element(word, package)
+    element, upto, size = _element(array[1], package), array[2], array[3]
+    if not (upto or size):
+        return element._replace(is_array=True)
+    count = _count(size, f"the size of {word}")
+    if upto:
+        return element._replace(is_array=True, upper_bound=count)
+    return element._replace(is_array=True, fixed_size=count)
+
+
+def _element(word: str, package: str) -> FieldType:
+    if word in PRIMITIVES:
+        return FieldType(word)
+    bounded = _STRING.fullmatch(word)
+    if bounded is not None:
+        return FieldType(bounded[1], string_bound=_count(bounded[2], f"the bound of {word}"))
+    parts = word.split("/")
+    before, name = parts if len(parts) == 2 else (package, word)
+    if not (is_package(before) and _is_message(name)):
+        raise ValueError(f"{word!r} is no type: a primitive one, Name or package/Name")
+    return FieldType(f"{before}/{name}")
+
+
+def _count(text: str, what: str) -> int:
+    try:
+        count = int(text)
+    except ValueError:
+        count = 0
+    if count <= 0:
+        raise ValueError(f"{what} is a whole number above 0")
+    return count
+
+
+def _is_message(name: str) -> bool:
+    name = name.removeprefix("Sample_")
+    for suffix in _SUFFIXES:
+        name = name.removesuffix(suffix)
+    return _MESSAGE.fullmatch(name) is not None

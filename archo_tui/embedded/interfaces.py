@@ -9,18 +9,23 @@ Classes are made at their first use.
 
 from __future__ import annotations
 
-import contextlib
 import importlib.machinery
 import os
+import threading
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any, cast
 
-from .idl import Field, InterfaceError, Section, parse
+from .idl import Field, InterfaceError, Section, is_package, parse
 from .messages import make_action, make_message, make_service
 
 KINDS = ("msg", "srv", "action")
+NEEDED = (  # what rclpy itself is made of: other fields in them would end it
+    *("action_msgs", "builtin_interfaces", "lifecycle_msgs", "rcl_interfaces"),
+    *("rosgraph_msgs", "service_msgs", "unique_identifier_msgs"),
+)
+_DEEPEST = 50  # messages in messages: beyond every real one, and far from Python's own limit
 
 
 class InterfaceFinder:
@@ -33,6 +38,8 @@ class InterfaceFinder:
         self._share = share
         self._packages, self._own = dict(packages), dict(own or {})
         self._classes: dict[str, Any] = {}
+        self._making: list[str] = []  # each contains the one behind it
+        self._lock = threading.RLock()  # nodes on several threads ask for classes
 
     def folders(self, package: str) -> list[Path]:
         """The folders that hold the package's msg/, srv/ and action/, the first one first."""
@@ -52,22 +59,28 @@ class InterfaceFinder:
 
     def load(self, type_name: str) -> Any:
         """The class of "package/kind/Name". Raises ImportError when there is none."""
-        if type_name not in self._classes:
-            package, kind, name = type_name.split("/")
-            paths = [folder / kind / f"{name}.{kind}" for folder in self.folders(package)]
-            path = next((path for path in paths if path.is_file()), None)
-            if path is None:
-                looked = ", ".join(map(str, paths)) or package
-                raise ImportError(f"no interface {type_name}: looked for {looked}")
-            sections = parse(path, package)
-            if kind == "msg":
-                made: Any = make_message(type_name, sections[0], self._resolve)
-            elif kind == "srv":
-                made = make_service(type_name, sections, self._resolve, self.load)
-            else:
-                made = make_action(type_name, sections, self._resolve, self.load)
-            self._classes[type_name] = made
-        return self._classes[type_name]
+        with self._lock:
+            if type_name not in self._classes:
+                self._making.append(type_name)
+                try:
+                    self._classes[type_name] = self._make(type_name)
+                finally:
+                    self._making.pop()
+            return self._classes[type_name]
+
+    def _make(self, type_name: str) -> Any:
+        package, kind, name = type_name.split("/")
+        paths = [folder / kind / f"{name}.{kind}" for folder in self.folders(package)]
+        path = next((path for path in paths if path.is_file()), None)
+        if path is None:
+            looked = ", ".join(map(str, paths)) or package
+            raise ImportError(f"no interface {type_name}: looked for {looked}")
+        sections = parse(path, package)
+        if kind == "msg":
+            return make_message(type_name, sections[0], self._resolve)
+        if kind == "srv":
+            return make_service(type_name, sections, self._resolve, self.load)
+        return make_action(type_name, sections, self._resolve, self.load)
 
     def check(self) -> None:
         """Make every class of the user's packages. Raises InterfaceError with file and line."""
@@ -78,14 +91,20 @@ class InterfaceFinder:
 
     def _resolve(self, section: Section, field: Field) -> Any:
         package, name = field.type.base.split("/")
+        where, wanted = f"{section.path}:{field.line}", f"{package}/msg/{name}"
+        if wanted in self._making:
+            circle = [*self._making[self._making.index(wanted) :], wanted]
+            names = " contains ".join(one.rpartition("/")[2] for one in circle)
+            raise InterfaceError(f"{where}: {names}: no message can")
+        if len(self._making) > _DEEPEST:
+            raise InterfaceError(f"{where}: messages in messages, more than {_DEEPEST} deep")
         try:
-            return self.load(f"{package}/msg/{name}")
+            return self.load(wanted)
         except InterfaceError:
             raise
         except ImportError:
             raise InterfaceError(
-                f"{section.path}:{field.line}: unknown type {package}/{name} of field "
-                f"{field.name!r}"
+                f"{where}: unknown type {package}/{name} of field {field.name!r}"
             ) from None
 
     def find_spec(
@@ -123,17 +142,33 @@ class InterfaceFinder:
 
 
 def packages_in(folder: Path) -> dict[str, Path]:
-    """The interface packages of a folder by name: itself, or those of a workspace's `src/`."""
+    """The interface packages of a folder by name: itself, or those of a workspace's `src/`.
+
+    Raises InterfaceError with file and line where one cannot be used.
+    """
     places = [folder, *sorted(path.parent for path in folder.glob("**/package.xml"))]
-    return {_name(p): p for p in places if any((p / kind).is_dir() for kind in KINDS)}
+    interfaces = [p for p in dict.fromkeys(places) if any((p / kind).is_dir() for kind in KINDS)]
+    return {_name(place / "package.xml"): place for place in interfaces}
 
 
-def _name(folder: Path) -> str:
-    """What package.xml says, else the folder's own name."""
+def _name(file: Path) -> str:
+    """What package.xml says."""
     from xml.etree import ElementTree  # slow to import, and needed for the user's packages only
 
-    with contextlib.suppress(OSError, ElementTree.ParseError):
-        found = ElementTree.parse(folder / "package.xml").findtext("name")
-        if found and found.strip():
-            return found.strip()
-    return folder.resolve().name
+    try:
+        text = file.read_bytes()
+        name = (ElementTree.fromstring(text).findtext("name") or "").strip()
+    except OSError as error:
+        said = f"{error.strerror}: it names the interface package, <name>my_interfaces</name>"
+        raise InterfaceError(f"{file}:1: {said}") from None
+    except ElementTree.ParseError as error:
+        raise InterfaceError(f"{file}:{error.position[0]}: not XML: {error}") from None
+    except (LookupError, ValueError):  # `encoding="none such"`
+        raise InterfaceError(f"{file}:1: not XML: its encoding is not known") from None
+    line = text.count(b"\n", 0, max(text.find(b"<name"), 0)) + 1
+    if not is_package(name):
+        said = f"{name!r} is no name of a package: small letters, digits and single _"
+        raise InterfaceError(f"{file}:{line}: {said}")
+    if name in NEEDED:
+        raise InterfaceError(f"{file}:{line}: the engine needs {name} as it is: take another name")
+    return name

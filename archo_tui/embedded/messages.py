@@ -14,8 +14,10 @@ from typing import Any, ClassVar, cast
 
 from . import fields as rules
 from .fixed_array import Truths
-from .idl import TYPE_CODES, Field, FieldType, Section
+from .idl import Field, InterfaceError, Section
+from .idl_types import TYPE_CODES, FieldType
 
+MOST_ELEMENTS = 1_000_000  # of a message as it is made: some tens of MB
 Resolve = Callable[[Section, Field], Any]
 
 
@@ -39,6 +41,7 @@ class Message(metaclass=_MessageType):
     __defaults__: ClassVar[dict[str, Callable[[], Any]]]
     __number_arrays__: ClassVar[dict[str, str]]  # those of any length, with array's type code
     __copiers__: ClassVar[tuple[tuple[str, Callable[[Any], Any] | None], ...]]
+    __elements__: ClassVar[int]  # values in it when it is made, those of nested messages too
     __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # slot, type, nested class
 
     def __init__(self, **values: Any) -> None:
@@ -95,14 +98,22 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
         "__module__": f"{package}.{kind}",
         "__type_name__": type_name,
         "__field_types__": {field.name: str(field.type) for field in section.fields},
-        "__constants__": frozenset(name for name, _ in section.constants),
-        **dict(section.constants),
+        "__constants__": frozenset(name for name, _, _ in section.constants),
+        **{name: rules.from_file(kind, value) for name, kind, value in section.constants},
     }
     defaults: dict[str, Callable[[], Any]] = {}
+    elements = 1
     copiers: list[tuple[str, Callable[[Any], Any] | None]] = []
     layout: list[tuple[str, FieldType, Any]] = []
     for field in section.fields:
         nested = resolve(section, field) if "/" in field.type.base else None
+        single = 1 if nested is None else nested.__elements__
+        elements += single * (field.type.fixed_size or 1) if not _is_dynamic(field.type) else 0
+        if elements > MOST_ELEMENTS:
+            raise InterfaceError(
+                f"{section.path}:{field.line}: {name} has more than {MOST_ELEMENTS:_} elements "
+                f"with {field.name}: it would take the memory of this process"
+            )
         check = rules.scalar_check(field.name, field.type.base, field.type.string_bound, nested)
         if field.type.is_array:
             check = rules.array_check(field.name, field.type, check)
@@ -115,12 +126,17 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
     body["__number_arrays__"] = {
         field.name: TYPE_CODES[field.type.base]
         for field in section.fields
-        if field.type.is_array and field.type.fixed_size is None and field.type.base in TYPE_CODES
+        if _is_dynamic(field.type) and field.type.base in TYPE_CODES
     }
     body["__copiers__"] = tuple(copiers)
     body["__layout__"] = tuple(layout)
+    body["__elements__"] = elements
     made: Any = _MessageType(name, (Message,), body)
     return cast("type[Message]", made)
+
+
+def _is_dynamic(kind: FieldType) -> bool:
+    return kind.is_array and kind.fixed_size is None
 
 
 def make_service(
@@ -236,5 +252,5 @@ def _setter(slot: str, check: Callable[[Any], Any]) -> Callable[[Any, Any], None
 
 def _default(field: Field, nested: Any) -> Callable[[], Any]:
     if field.default is not None:
-        return lambda: field.default
+        return lambda: rules.from_file(field.type, field.default)
     return lambda: rules.default_of(field.type, nested)

@@ -11,7 +11,8 @@ import sys
 from pathlib import Path
 
 from archo_tui.embedded import HERE
-from archo_tui.embedded.idl import FLOATS, INTEGERS, TYPE_CODES, FieldType, Section, parse
+from archo_tui.embedded.idl import Section, parse
+from archo_tui.embedded.idl_types import FLOATS, INTEGERS, TYPE_CODES, FieldType
 from archo_tui.embedded.interfaces import KINDS
 
 _HEADER = "# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.\n"
@@ -55,8 +56,8 @@ def _module(package: str, kind: str, paths: list[Path]) -> str:
 
 def _message(name: str, section: Section, module: str, imports: set[str], indent: str) -> list[str]:
     lines = [f"{indent}class {name}:"]
-    for constant, value in section.constants:
-        lines.append(f"{indent}    {constant}: ClassVar[{type(value).__name__}]")
+    for constant, type_of, _ in section.constants:
+        lines.append(f"{indent}    {constant}: ClassVar[{_python(type_of, module, imports)}]")
     arguments = ["self"]
     if section.fields:
         arguments.append("*")

@@ -100,6 +100,8 @@ class Robot:
         for kind in description.goals:
             self._goals.open(kind)
         self._thread = RosThread(node, context, clock, self._on_error)
+        for said in self._offers.unfit.values():
+            self._warn(said)
         self._flush()  # what the robot's file says is known before anything is heard
 
     # life

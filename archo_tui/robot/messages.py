@@ -33,14 +33,22 @@ def leaves(message: Any, before: str = "") -> Iterator[Leaf]:
             yield Leaf(before + name, kind, _plain(value))
 
 
+def types(message: Any, before: str = "") -> dict[str, str]:
+    """The type of every field by its dotted path, those that are messages included."""
+    found = {}
+    for name, kind in message.get_fields_and_field_types().items():
+        if name == EMPTY:
+            continue
+        found[before + name] = kind
+        if _NESTED.fullmatch(kind):
+            found |= types(getattr(message, name), f"{before}{name}.")
+    return found
+
+
 @cache
 def paths(message_class: Any) -> frozenset[str]:
     """The dotted paths of all fields, those that are messages included."""
-    found: set[str] = set()
-    for leaf in leaves(message_class()):
-        parts = leaf.path.split(".")
-        found.update(".".join(parts[: n + 1]) for n in range(len(parts)))
-    return frozenset(found)
+    return frozenset(types(message_class()))
 
 
 def put(message: Any, path: str, value: Any) -> None:

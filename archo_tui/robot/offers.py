@@ -10,7 +10,7 @@ from typing import Any
 
 from rclpy.node import Node
 
-from archo_tui.robot import interfaces, messages, ros2_command
+from archo_tui.robot import forms, interfaces, messages, ros2_command
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.state import Leaf
 from archo_tui.robots import check, model
@@ -22,6 +22,10 @@ class Offers:
     def __init__(self, node: Node, robot: model.Robot, graph: Graph) -> None:
         self._node, self._robot, self._graph = node, robot, graph
         self.forms = {kind.id: _form(kind) for kind in robot.goals}
+        self.unfit: dict[str, str] = {}  # why a goal cannot be made as the file says, by action
+        for kind in robot.goals:
+            if fault := _goal_fault(kind):
+                self.unfit.setdefault(kind.action, fault)
 
     def full(self, name: str) -> str:
         """The fully qualified name of a service or action."""
@@ -56,9 +60,10 @@ class Offers:
         found = {name: self.fitting(name, needs[name])[1] for name in needs if name in offered}
         for kind in self._robot.goals:
             types = self._graph.action_types.get(kind.action, ())
-            found[kind.action] = check.types_fault(kind.action, types, (kind.type,))
-            if types == (kind.type,):
-                found[kind.action] = _goal_fault(kind)
+            fault = check.types_fault(kind.action, types, (kind.type,))
+            if types == (kind.type,) and interfaces.load(kind.type) is None:
+                fault = check.missing(kind.action, kind.type)
+            found[kind.action] = fault or self.unfit.get(kind.action, "")
         return {name: reason for name, reason in found.items() if reason}
 
     def call_command(self, name: str, fields: Mapping[str, Any]) -> str:
@@ -83,10 +88,10 @@ class Offers:
 
 
 def _goal_fault(kind: model.GoalKind) -> str:
-    """What the action's type does not have of what the robot file names."""
+    """What the action's type does not have of what the robot file names, or does not take."""
     action = interfaces.load(kind.type)
-    if action is None:
-        return check.missing(kind.action, kind.type)
+    if action is None:  # said when it is on the graph
+        return ""
     form = [(given.where or kind.where, path) for path, given in kind.form.items()]
     form += [(kind.where, path) for path in kind.fixed]
     said = [(kind.where, kind.message)] if kind.message else []
@@ -96,6 +101,31 @@ def _goal_fault(kind: model.GoalKind) -> str:
         fault = check.fields_fault(f"{kind.type} {name}", wanted, messages.paths(part))
         if fault:
             return fault
+    return _form_fault(kind, action.Goal()) or _fixed_fault(kind, action.Goal())
+
+
+def _form_fault(kind: model.GoalKind, goal: Any) -> str:
+    """The first input that is not one for a field of its type."""
+    types = messages.types(goal)
+    for path, given in kind.form.items():
+        where, said = given.where or kind.where, f"{path} is {types[path]}"
+        leaf = Leaf(path, types[path], None)
+        if given.convert == "yaw":
+            if not {f"{path}.{axis}" for axis in "xyzw"} <= set(types):
+                return f"{where}: {said}: convert: yaw is for a quaternion (x, y, z, w)"
+        elif any(other.startswith(f"{path}.") for other in types):
+            return f"{where}: {said}: name one of its fields"
+        elif not forms.is_number(leaf) and (given.low is not None or given.high is not None):
+            return f"{where}: {said}: low and high are for numbers"
+    return ""
+
+
+def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
+    """The first fixed value that its field does not take."""
+    try:
+        messages.filled(goal, kind.fixed)
+    except ValueError as error:
+        return f"{kind.where}: fixed: {error}"
     return ""
 
 

@@ -39,6 +39,7 @@ class Link:
     node: str
     parameter: str
     otherwise: float | None = None  # while the node does not report it
+    where: str = _where()
 
 
 @dataclass(frozen=True)
@@ -143,9 +144,15 @@ class Service:
     key: str = ""
     help: str = ""
     ask: Literal["moving", "always", "never"] = "never"
-    toggle: Mapping[str, str] = field(default_factory=dict)  # request field: reading it inverts
+    # request field: reading it inverts; where it is given it is not empty
+    toggle: Mapping[str, str] = field(default_factory=dict, metadata={"filled": True})
     off: str = ""  # what a toggle is called, and typed, when it sends false
     where: str = _where()
+
+    @property
+    def off_word(self) -> str:
+        """What is typed for a toggle to send false; empty for what is no toggle."""
+        return (self.off or f"{self.id}_off") if self.toggle else ""
 
     def is_about(self, topic: Literal["battery", "motion"]) -> bool:
         """True when it toggles a reading of that topic."""

@@ -1,6 +1,6 @@
 """YAML nodes into frozen dataclasses, by their type hints; what does not fit is said with its line.
 
-A dataclass whose first required field is a string is read from that string alone as well; a field
+A dataclass whose only required field is a string is read from that string alone as well; a field
 named `where` gets file and line.
 """
 
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import sys
 import types
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
@@ -18,7 +19,11 @@ import yaml
 
 from archo_tui.errors import ArchoError
 
-_NONE = ("", "~", "null", "none")
+NONE = ("", "~", "null", "none")
+_YAML = "tag:yaml.org,2002:"
+_SHOWN = 40  # characters of a wrong value that are shown
+# what PyYAML's constructors raise beside its own errors: for `!!int x`, `!!bool x`, `!!timestamp x`
+_REFUSED = (ValueError, KeyError, AttributeError, IndexError, OverflowError, TypeError)
 _WORDS = {str: "a text", float: "a number", int: "a whole number", bool: "true or false"}
 
 
@@ -28,7 +33,7 @@ def read(kind: Any, node: yaml.Node, path: Path) -> Any:
     if origin in (Union, types.UnionType):
         return _one_of(arguments, node, path)
     if kind is Any:
-        return yaml.SafeLoader("").construct_object(node, deep=True)
+        return _constructed(node)
     if origin is Literal:
         return _word(arguments, node, path)
     if origin is tuple:
@@ -36,8 +41,9 @@ def read(kind: Any, node: yaml.Node, path: Path) -> Any:
             raise _error(node, path, "expected a list")
         return tuple(read(arguments[0], item, path) for item in node.value)
     if origin is not None and issubclass(origin, Mapping):
-        pairs = _pairs(node, path)
-        return {name: read(arguments[1], value, path) for name, _, value in pairs}
+        return {
+            name: _named(name, arguments[1], value, path) for name, _, value in _pairs(node, path)
+        }
     if is_dataclass(kind):
         return _record(kind, node, path)
     return _scalar(kind, node)
@@ -45,6 +51,14 @@ def read(kind: Any, node: yaml.Node, path: Path) -> Any:
 
 def _error(node: yaml.Node, path: Path, said: str) -> ArchoError:
     return ArchoError(f"{path}:{node.start_mark.line + 1}: {said}")
+
+
+def _named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
+    """As `read`, where what is wrong is said of that name."""
+    try:
+        return read(kind, node, path)
+    except _Unfit as error:
+        raise _error(node, path, f"{name}: {error}") from None
 
 
 def _pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, yaml.Node]]:
@@ -68,17 +82,16 @@ def _record(kind: Any, node: yaml.Node, path: Path) -> Any:
     where = f"{path}:{node.start_mark.line + 1}"
     given = {"where": where} if known.pop("where", None) else {}
     needed = [n for n, f in known.items() if f.default is MISSING and f.default_factory is MISSING]
-    if isinstance(node, yaml.ScalarNode) and needed and hints[needed[0]] is str:
+    if isinstance(node, yaml.ScalarNode) and [hints[name] for name in needed] == [str]:
         return kind(**given, **{needed[0]: _scalar(str, node)})
     for name, key, value in _pairs(node, path):
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f" (nearest: {near[0]})" if near else f": one of {', '.join(known)}"
             raise _error(key, path, f"unknown key {name}{hint}")
-        try:
-            given[name] = read(hints[name], value, path)
-        except _Unfit as error:
-            raise _error(value, path, f"{name}: {error}") from None
+        given[name] = _named(name, hints[name], value, path)
+        if known[name].metadata.get("filled") and not given[name]:
+            raise _error(value, path, f"{name} is empty: expected lines like 'name: value'")
     for name in needed:
         if name not in given:
             raise _error(node, path, f"{name} is missing")
@@ -90,7 +103,7 @@ class _Unfit(ArchoError):
 
 
 def _one_of(kinds: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
-    if type(None) in kinds and isinstance(node, yaml.ScalarNode) and node.value.lower() in _NONE:
+    if type(None) in kinds and _is_none(node):
         return None
     kinds = tuple(kind for kind in kinds if kind is not type(None))
     if len(kinds) == 1:
@@ -101,6 +114,11 @@ def _one_of(kinds: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
         except _Unfit:
             continue
     raise _Unfit("expected a single value")
+
+
+def _is_none(node: yaml.Node) -> bool:
+    """True for a value that is left out; one in quotes is a text."""
+    return isinstance(node, yaml.ScalarNode) and not node.style and node.value.lower() in NONE
 
 
 def _word(words: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
@@ -118,9 +136,18 @@ def _scalar(kind: Any, node: yaml.Node) -> Any:
         raise _Unfit(f"expected {_WORDS[kind]}")
     if kind is str:
         return node.value
-    value = yaml.SafeLoader("").construct_object(node)
+    value = _constructed(node)
     if kind is float and type(value) is int:
-        value = float(value)
+        value = float(value) if abs(value) < sys.float_info.max else math.inf
     if type(value) is not kind or (kind is float and not math.isfinite(value)):
-        raise _Unfit(f"expected {_WORDS[kind]}, not {node.value}")
+        raise _Unfit(f"expected {_WORDS[kind]}, not {node.value[:_SHOWN]}")
     return value
+
+
+def _constructed(node: yaml.Node) -> Any:
+    """What the node says by itself."""
+    try:
+        return yaml.SafeLoader("").construct_object(node, deep=True)
+    except (yaml.YAMLError, *_REFUSED):
+        said = node.value[:_SHOWN] if isinstance(node, yaml.ScalarNode) else "it"
+        raise _Unfit(f"cannot read {said} as {node.tag.removeprefix(_YAML)[:_SHOWN]}") from None

@@ -157,6 +157,22 @@ def test_an_accepted_cancel_is_requested_then_canceled(ros: Ros) -> None:
     assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_CANCELED
 
 
+def test_a_goal_that_was_cancelled_before_its_execution_is_executed_as_such(ros: Ros) -> None:
+    held: list[Any] = []
+    robot = Robot(
+        ros,
+        cancel_callback=lambda goal: CancelResponse.ACCEPT,
+        handle_accepted_callback=held.append,
+    )
+    handle = send(ros, robot)
+    assert len(ros.result(handle.cancel_goal_async()).goals_canceling) == 1
+    robot.executor.create_task(held[0].execute)
+    wait_until(lambda: robot.goals)
+    assert robot.goals[0].is_cancel_requested
+    robot.end("canceled")
+    assert ros.result(handle.get_result_async()).status == GoalStatus.STATUS_CANCELED
+
+
 def test_a_cancel_after_the_end_comes_too_late(ros: Ros) -> None:
     robot = Robot(ros, cancel_callback=lambda goal: CancelResponse.ACCEPT)
     handle = send(ros, robot)

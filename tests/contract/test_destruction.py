@@ -14,7 +14,9 @@ from rclpy.node import Node
 from std_msgs.msg import Int32
 from std_srvs.srv import Trigger
 
+from tests.support.clock import pass_time
 from tests.support.ros import Ros
+from tests.support.waiting import wait_until
 
 Use = Callable[[Any], Any]
 
@@ -157,3 +159,47 @@ def test_an_executor_lists_a_destroyed_node_until_it_is_removed(ros: Ros) -> Non
     assert ticks == []
     executor.remove_node(node)
     assert executor.get_nodes() == []
+
+
+@pytest.mark.parametrize("destroys", ["service", "node"])
+def test_a_service_that_is_destroyed_in_its_own_callback_ends_the_spinning(
+    destroys: str, ros: Ros
+) -> None:
+    node, other = ros.node("server"), ros.node("client")
+
+    def end(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        if destroys == "node":
+            node.destroy_node()
+        else:
+            node.destroy_service(service)
+        return response
+
+    service = node.create_service(Trigger, "end", end)
+    client = other.create_client(Trigger, "end")
+    wait_until(client.service_is_ready)
+    future = client.call_async(Trigger.Request())
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    with pytest.raises(InvalidHandle):
+        ros.spin_here(executor, lambda: False)
+    assert not future.done()
+    executor.shutdown(0)
+
+
+def test_a_node_that_is_destroyed_in_a_timer_runs_no_other_timer(ros: Ros) -> None:
+    node = ros.node()
+    ran: list[int] = []
+
+    def end() -> None:
+        ran.append(1)
+        node.destroy_node()
+
+    for _ in range(2):
+        node.create_timer(0.01, end)
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    pass_time(0.05)  # both are due
+    for _ in range(4):
+        executor.spin_once(timeout_sec=0.05)
+    assert ran == [1]
+    executor.shutdown(0)

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from archo_interfaces.action import MoveToShelf
 from rcl_interfaces.msg import SetParametersResult
+from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, get_action_client_names_and_types_by_node
 from rclpy.duration import Duration
 from rclpy.parameter import Parameter
@@ -200,3 +201,14 @@ def test_policies_are_overridden_by_parameters_and_checked(ros: Ros) -> None:
             10,
             qos_overriding_options=QoSOverridingOptions((QoSPolicyKind.DEPTH,), callback=check),
         )
+
+
+def test_a_subscription_without_a_filter_has_none_to_tell(ros: Ros) -> None:
+    node = ros.node()
+    subscription = node.create_subscription(String, "things", print, 10)
+    assert not subscription.is_cft_enabled
+    with pytest.raises(RCLError, match="Failed to get cft expression parameters"):
+        subscription.get_content_filter()
+    node.destroy_subscription(subscription)
+    with pytest.raises(InvalidHandle):
+        subscription.set_content_filter("data = 'a'", [])

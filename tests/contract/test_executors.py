@@ -276,6 +276,30 @@ def test_what_is_queued_of_a_node_that_is_removed_is_not_run(ros: Ros) -> None:
     executor.shutdown(0)
 
 
+def test_a_node_that_is_removed_in_a_callback_still_runs_what_is_ready(ros: Ros) -> None:
+    node = ros.node()
+    executor = SingleThreadedExecutor(context=ros.context)
+    ran: list[str] = []
+
+    def leave() -> None:
+        ran.append("timer")
+        executor.remove_node(node)
+
+    node.create_timer(0.2, leave)
+    node.create_timer(0.2, lambda: ran.append("another timer"))
+    node.create_subscription(Int32, "topic", lambda _: ran.append("message"), 10)
+    publisher = node.create_publisher(Int32, "topic", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    executor.add_node(node)
+    for _ in range(2):
+        publisher.publish(Int32())
+    pass_time(0.3)  # all of it is ready
+    for _ in range(6):
+        executor.spin_once(timeout_sec=0.05)
+    assert ran == ["timer", "another timer", "message"]  # the second message is the next round's
+    executor.shutdown(0)
+
+
 def test_of_a_node_that_is_removed_in_the_middle_of_a_round_nothing_more_is_run(ros: Ros) -> None:
     nodes = ros.node("first"), ros.node("second")
     executor = SingleThreadedExecutor(context=ros.context)

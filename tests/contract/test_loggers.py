@@ -181,3 +181,18 @@ def test_where_ros_keeps_its_logs(
     for name, value in ({"HOME": "/somebody"} | environ).items():
         monkeypatch.setenv(name, value)
     assert rclpy.logging.get_logging_directory() == Path(folder)
+
+
+def test_one_line_may_warn_by_the_old_name_or_log_otherwise(logger: Any) -> None:
+    for is_bad in (True, False, True):
+        assert (logger.warn if is_bad else logger.info)("..")
+    logs = [logger.warning, logger.info]
+    with pytest.raises(ValueError, match="Logger severity cannot be changed"):
+        [log("..") for log in logs]
+
+
+def test_all_calls_of_warn_are_one_place_in_the_source(logger: Any) -> None:
+    assert logger.warn("first", once=True)
+    assert not logger.warn("second", once=True)
+    with pytest.raises(ValueError, match="Requested logging filters cannot be changed"):
+        logger.warn("third")

@@ -101,6 +101,17 @@ def test_a_nodes_own_arguments_hold_for_it_alone(ros: Ros) -> None:
     assert ros.node("other").create_publisher(Float32, "topic", 10).topic_name == "/topic"
 
 
+def test_a_nodes_own_rule_wins_over_everybodys() -> None:
+    graph = Ros(["-r", "topic:=everybodys"])
+    try:
+        node = graph.node("node", cli_args=["--ros-args", "-r", "topic:=mine"])
+        assert node.create_publisher(Float32, "topic", 10).topic_name == "/mine"
+        other = graph.node("other")
+        assert other.create_publisher(Float32, "topic", 10).topic_name == "/everybodys"
+    finally:
+        graph.close()
+
+
 def test_parameters_on_the_command_line_override_declared_values() -> None:
     graph = Ros(["-p", "everywhere:=1.5", "-p", "one:only:=text", "-p", "flags:=[true, false]"])
     try:

@@ -519,3 +519,14 @@ def test_a_callback_that_answers_with_something_else_is_warned_of(ros: Ros) -> N
     with pytest.warns(UserWarning, match="invalid type"):
         (result,) = node.set_parameters([Parameter("a", value=2)])
     assert (result.successful, result.reason) == (False, "Callback returned an invalid type")
+
+
+def test_instead_of_a_parameter_without_a_value_there_is_the_alternative(ros: Ros) -> None:
+    node = ros.node()
+    alternative: Parameter[int] = Parameter("other", value=3)
+    assert node.get_parameter_or("speed", alternative) is alternative  # not declared
+    node.declare_parameter("speed", Parameter.Type.INTEGER)
+    assert node.get_parameter_or("speed", alternative) is alternative
+    assert node.get_parameter_or("speed").type_ == Parameter.Type.NOT_SET
+    node.set_parameters([Parameter("speed", value=5)])
+    assert node.get_parameter_or("speed", alternative).value == 5

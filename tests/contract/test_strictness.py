@@ -261,3 +261,14 @@ def test_a_kind_of_interface_is_told_from_the_others() -> None:
     unsupported: Any = Unsupported("Mine", (), {})
     with pytest.raises(NoTypeSupportImportedException, match="no type_support imported"):
         type_support.check_for_type_support(unsupported)
+
+
+def test_a_depth_of_0_is_warned_of_where_only_the_last_are_kept() -> None:
+    profile = QoSProfile(depth=1)
+    for make in (lambda: QoSProfile(depth=0), lambda: setattr(profile, "depth", 0)):
+        with pytest.warns(UserWarning, match="A zero depth with KEEP_LAST doesn't make sense; no"):
+            make()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        QoSProfile(history=HistoryPolicy.KEEP_ALL, depth=0)
+        QoSProfile(history=HistoryPolicy.SYSTEM_DEFAULT, depth=0)

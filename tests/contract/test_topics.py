@@ -53,6 +53,23 @@ def test_an_unspun_subscription_keeps_the_last_depth_messages(ros: Ros) -> None:
     assert received == [7, 8, 9]
 
 
+def test_a_depth_of_one_keeps_the_last_message_only(ros: Ros) -> None:
+    received: list[int] = []
+    late: list[int] = []
+    node = ros.node()
+    latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_subscription(Int32, "topic", lambda m: received.append(m.data), 1)
+    publisher = node.create_publisher(Int32, "topic", latched)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    for number in range(3):
+        publisher.publish(Int32(data=number))
+    deep = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+    node.create_subscription(Int32, "topic", lambda m: late.append(m.data), deep)
+    ros.spin(node)
+    wait_until(lambda: 2 in received and 2 in late)
+    assert (received, late) == ([2], [2])
+
+
 def test_a_transient_local_publisher_serves_late_joiners_that_ask(ros: Ros) -> None:
     late: list[int] = []
     volatile: list[int] = []

@@ -62,3 +62,9 @@ def test_ticks_grow_with_the_way_driven_and_not_beyond_the_end() -> None:
 def test_late_and_early_timers_count_whole_periods() -> None:
     steps = motion.Steps(start_ns=0, period_ns=100)
     assert [steps.due(now) for now in (99, 150, 199, 520, 520, 600)] == [1, 0, 1, 3, 0, 1]
+
+
+def test_a_period_that_was_counted_is_not_counted_again() -> None:
+    steps = motion.Steps(start_ns=0, period_ns=100)
+    # a thread that read the clock earlier asks later
+    assert [steps.due(now) for now in (500, 300, 500, 600)] == [5, 0, 0, 1]

@@ -191,3 +191,14 @@ def test_a_cancel_that_comes_after_the_end_is_refused(ros: Ros) -> None:
     operator.motor.executor.create_task(end_then_cancel)
     wait_until(lambda: answers)
     assert answers == [CancelResponse.REJECT]
+
+
+def test_a_new_feedback_period_starts_nothing_while_it_stands(ros: Ros) -> None:
+    operator = Operator(ros)
+    operator.set("feedback_period", 0.1)
+    heard = len(operator.status)
+    wait_until(lambda: len(operator.status) >= heard + 3)  # its node spins on
+    assert not operator.status[-1].moving
+    assert operator.outcome(operator.send())[1]
+    wait_until(lambda: operator.feedback[-1:] == [0.0])
+    assert operator.feedback == [12.0, 6.0, 0.0]

@@ -90,6 +90,20 @@ async def test_another_type_on_a_topic_is_said_and_not_guessed_at(topic: str, ki
         assert "IDLE" not in plain(motion_word(it.snapshot, clock.seconds(), 80))
 
 
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="Fast DDS has one type a topic")
+async def test_a_topic_of_two_types_that_would_both_do_is_said() -> None:
+    one = publisher(Float32, "battery_level", Float32(data=50.0))
+
+    class Other(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("other", **options)
+            self.create_publisher(BatteryStatus, "battery_level", 10)
+
+    said = "battery_level has several types: archo_interfaces/msg/BatteryStatus, "
+    async with robot(one, Other) as it:
+        await until(lambda: f"{said}std_msgs/msg/Float32" in [e.text for e in it.snapshot.events])
+
+
 async def test_an_unknown_word_of_health_is_shown_as_it_is_and_hides_no_low_battery() -> None:
     async with robot(battery(percentage=80.0, voltage=24.0, battery_health="swollen")) as it:
         await until(lambda: it.snapshot.battery.received)

@@ -23,7 +23,7 @@ class Rover(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("rover", **options)
         self.heard: list[Any] = []
-        self.celsius, self.docked = 31.5, False
+        self.celsius, self.docked, self.speed = 31.5, False, 0.3
         self._left = 0.0
         self._goal: Any = None
         self._end: Any = None
@@ -39,7 +39,7 @@ class Rover(Node):
         said = Charge(fraction=0.75, volts=14.5, status=status, celsius=self.celsius)
         self._battery.publish(said)
         odometry = Odometry()
-        odometry.linear.x = 0.3 if self._goal is not None else 0.0
+        odometry.linear.x = self.speed if self._goal is not None else 0.0
         self._odometry.publish(odometry)
         if self._goal is not None:
             self._goal.publish_feedback(GoTo.Feedback(distance_remaining=self._left))

@@ -175,12 +175,42 @@ async def test_what_was_used_is_kept_as_a_robot_file(
         await op.until("✓ SUCCEEDED")
 
 
+async def test_what_is_kept_is_called_by_no_word_of_the_console(here: Path) -> None:
+    async with console(node_makers=[_stopping], wait=False) as op:
+        await op.until(lambda: "/stop" in op.app.view.snapshot.services)
+        for _ in range(2):
+            await form(op, "C", *"/stop", "enter")
+            await op.press("enter")
+            await op.until("success true")
+        await op.press("ctrl+p")
+        await op.type("keep as")
+        await op.until("Keep as robot file")
+        await op.press("down", "enter")
+        await op.until("robot.yaml")
+        await op.press("enter")
+        await op.until("Saved to robot.yaml.")
+        kept = load(here / "robot.yaml")
+        assert [(one.id, one.service) for one in kept.commands[2:]] == [("stop_2", "/stop")]
+
+
 async def test_where_nothing_is_offered_the_keys_say_so() -> None:
     async with console(node_makers=[lambda **given: _bare(**given)], wait=False) as op:
         await op.press("G")
         await op.until("no action is on the graph")
         await op.press("C")
         await op.until("no service is on the graph")
+
+
+def _stopping(**given: Any) -> Any:
+    from std_srvs.srv import Trigger
+
+    def answer(_: Any, response: Any) -> Any:
+        response.success = True
+        return response
+
+    node = _bare(**given)
+    node.create_service(Trigger, "stop", answer)
+    return node
 
 
 def _bare(**given: Any) -> Any:

@@ -3,23 +3,26 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from textwrap import dedent
 
 import pytest
 
+from archo_tui.commands import registry
 from archo_tui.errors import ArchoError
+from archo_tui.plain import help_text
+from archo_tui.robots import words
 from archo_tui.robots.load import default, load
 from archo_tui.robots.model import Robot
 from archo_tui.robots.save import dump
+from tests.robots.mutated import mutated
 
 HERE = Path(__file__).parent
+FILES = [*default().parent.glob("*.yaml"), *HERE.glob("*.yaml")]
 
 
-@pytest.mark.parametrize(
-    "path",
-    [default(), default().with_name("turtlebot4.yaml"), HERE / "tug.yaml", HERE / "rover.yaml"],
-)
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
 def test_the_files_that_come_with_it_are_read(path: Path) -> None:
     assert load(path).name.upper() in path.read_text().upper()
 
@@ -35,7 +38,7 @@ def test_the_readmes_file_is_a_whole_one(tmp_path: Path) -> None:
 
 
 def test_what_is_written_is_read_back_the_same(tmp_path: Path) -> None:
-    for path in (default(), HERE / "tug.yaml", HERE / "rover.yaml"):
+    for path in FILES:
         file = tmp_path / path.name
         file.write_text(dump(load(path)))
         assert load(file) == load(path)
@@ -94,6 +97,120 @@ def test_a_mistake_names_its_line(tmp_path: Path, text: str, line: int, said: st
         load(file)
     assert str(caught.value).startswith(f"{file}:{line}: "), caught.value
     assert said in str(caught.value)
+
+
+BATTERY = "battery:\n  topic: a\n  types: {a/msg/B: {percentage: {field: p, CHANGED}}}\n"
+LOW = "battery:\n  topic: a\n  low: CHANGED\n  types: {a/msg/B: {percentage: p}}\n"
+GOAL = "goals:\n- {id: a, title: t, action: a, type: a/action/B}\n- {id: b, title: t, action: a, type: a/action/B,\n   CHANGED}\n"
+STOP = "stop: {service: halt, CHANGED}\n"
+COMMAND = "commands:\n  - {id: a, title: t, service: s, CHANGED}\n"
+TOGGLE = "commands:\n- {id: a, title: t, service: s}\n- {title: t, service: s, toggle: {on: motion.moving}, CHANGED}\n"
+GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "changed", "line", "said"),
+    [
+        (GOAL, "form: {x: {low: 5, high: 1}}", 4, "low 5 is above high 1: swap them"),
+        (GAUGE, "low: 5, high: 1", 2, "low 5 is above high 1: swap them"),
+        (GAUGE, "warn_below: 60, warn_above: 20", 2, "warn_below 60 is above warn_above 20: swap them"),
+        (GAUGE, "title: ' '", 2, "title is given twice"),
+        (BATTERY, "scale: 0", 3, "scale is 0: every reading would be the same"),
+        (BATTERY, "scale: 0.0", 3, "scale is 0"),
+        (BATTERY, "beyond: -1", 3, "beyond is -1: a size is never below 0"),
+        (LOW, "{node: n, parameter: p, otherwise: 500}", 3, "otherwise is 500: a charge is within 0 .. 100"),
+        (LOW, "{node: n, parameter: p, otherwise: -1}", 3, "otherwise is -1"),
+        (LOW, "word", 3, "expected lines like 'name: value'"),
+        (LOW, "none\n  period: 0", 2, "period is 0: a time in s, above 0"),
+        (GOAL, "remaining: {field: f, length: {node: n, parameter: p, otherwise: 0}}", 4, "a way is longer than 0"),
+        (STOP, "release: halt", 1, "release is the service that stops, halt: name its own or none"),
+        (STOP, "release: /halt", 1, "release is the service that stops"),
+        (COMMAND, "toggle: {}", 2, "toggle is empty: expected lines like 'name: value'"),
+        (COMMAND, "off: b", 2, "off is for a toggle: a has none"),
+        ("battery: {topic: a, types: {}}\n", "", 1, "types is empty: name the type of a"),
+        ("motion: {topic: a, types: {}}\n", "", 1, "types is empty: name the type of a"),
+        (TOGGLE, "id: b, off: stop", 3, "the word stop is the console's own: choose another"),
+        (TOGGLE, "id: b, off: a", 3, "the word a is that of another one: choose another"),
+        (TOGGLE, "id: b, off: b", 3, "the word b is that of another one"),
+        (TOGGLE, "id: b, off: plug out", 3, "'plug out' is no word: small letters, digits and _"),
+        (TOGGLE.replace("id: a", "id: b_off"), "id: b", 3, "the word b_off is that of another one"),
+        (TOGGLE, "id: params", 3, "the id params is the console's own: choose another"),
+        (TOGGLE, "id: quit_everywhere", 3, "the id quit_everywhere is the console's own"),
+        (GOAL.replace("id: b", "id: go"), "noun: x", 3, "the id go is the console's own"),
+        (COMMAND.replace("title: t", "title: ''"), "key: b", 2, "title is empty"),
+        ("stop: {service: ''}\n", "", 1, "'' is no name of a topic"),
+        ("stop: {service: é}\n", "", 1, "'é' is no name of a topic"),
+        ("stop: {service: ~x}\n", "", 1, "'~x' is no name of a topic"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_meant_is_refused_with_its_line(
+    tmp_path: Path, text: str, changed: str, line: int, said: str
+) -> None:
+    test_a_mistake_names_its_line(tmp_path, text.replace("CHANGED", changed), line, said)
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("!!int x", "scale: cannot read x as int"),
+        ("!!timestamp bad", "scale: cannot read bad as timestamp"),
+        ("2020-99-99", "scale: "),
+        ("!!bool maybe", "scale: cannot read maybe as bool"),
+        ("9" * 5000, "scale: "),
+        ("9" * 400, "scale: expected a number, not 9999"),
+        ("!!python/object:os.system x", "scale: cannot read x as python/object:os.system"),
+        ('"\\UFFFFFFFF"', "not YAML: "),
+        ("\x1b", "not YAML: unacceptable character #x001b"),
+        ('"\\x1b[2J"', "scale: expected a number, not \N{REPLACEMENT CHARACTER}[2J"),
+    ],
+    ids=lambda text: text[:12],
+)
+def test_a_value_that_is_none_is_one_line(tmp_path: Path, value: str, said: str) -> None:
+    test_a_mistake_names_its_line(tmp_path, BATTERY.replace("CHANGED", f"scale: {value}"), 3, said)
+
+
+def test_bytes_that_are_not_utf_8_are_one_line(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_bytes(b"version: 1\nname: Caf\xe9\n")
+    with pytest.raises(ArchoError) as caught:
+        load(file)
+    assert str(caught.value) == f"{file}:2: not UTF-8: save it as that"
+
+
+def test_quotes_keep_a_text_that_would_be_no_value(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    for text, meant in (('"none"', "none"), ("'null'", "null"), ("''", ""), ("none", None)):
+        file.write_text(BATTERY.replace("CHANGED", f"equals: {text}"))
+        robot = load(file)
+        assert robot.battery is not None
+        assert robot.battery.types["a/msg/B"].percentage.equals == meant
+        file.write_text(dump(robot))
+        assert load(file) == robot
+
+
+def test_the_consoles_words_are_all_taken() -> None:
+    assert [command.id for command in registry(Robot())] == list(words.COMMANDS)
+    typed = [line[:25].split()[0].rstrip(",") for line in help_text(Robot()).splitlines()]
+    assert set(typed) <= set(words.VERBS)
+    assert set(words.VERBS) - set(typed) == {"go", "skip", "help"}  # of a robot with goals
+
+
+def test_whatever_is_changed_in_a_file_it_loads_or_is_one_line(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    refusals = []
+    for data in mutated(FILES, 300, seed=24):
+        file.write_bytes(data)
+        try:
+            robot = load(file)
+        except ArchoError as error:
+            refusals.append(str(error))
+        else:
+            assert help_text(robot)
+            assert registry(robot)
+    assert 0 < len(refusals) < 300
+    for said in refusals:
+        assert said.isprintable(), said
+        assert re.match(rf"{re.escape(str(file))}:\d+: .", said), said
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:

@@ -56,6 +56,14 @@ async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
         assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
 
 
+async def test_it_is_moving_backwards_too() -> None:
+    async with rover() as (op, node):
+        node.speed = -0.3
+        await op.press("g", "1", "enter", "2", "enter", "0", "enter")
+        await op.until("-0.30 m/s")
+        await op.until("▶ MOVING")
+
+
 async def test_a_form_that_is_typed_in_one_burst_sends_what_was_typed() -> None:
     async with rover() as (op, node):
         op.send("g", *"123456789.5", "enter", "2", "enter", *"90", "enter")

@@ -177,9 +177,10 @@ class NodeParameters:
     def get_parameter_or(
         self, name: str, alternative_value: Parameter[Any] | None = None
     ) -> Parameter[Any]:
-        """The parameter, or the alternative when it is not declared."""
-        if name in self._parameters:
-            return self._parameters[name]
+        """The parameter, or the alternative when it is not declared or has no value."""
+        found = self._parameters.get(name)
+        if found is not None and found.type_ != Parameter.Type.NOT_SET:
+            return found
         return Parameter(name) if alternative_value is None else alternative_value
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter[Any]]:

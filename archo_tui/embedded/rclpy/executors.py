@@ -46,6 +46,10 @@ async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
     return callback(*args)
 
 
+def _never() -> bool:
+    return False
+
+
 class TimeoutException(Exception):
     """Nothing became ready in time."""
 
@@ -83,6 +87,7 @@ class Executor:
         self._blocked: list[Entity] = []  # ready, but their callback group is taken
         self._timers: list[tuple[int, int, TimedEntity]] = []
         self._order = itertools.count()
+        self._asked: tuple[object, ...] = ()  # what the round that goes on is for
         self._is_shutdown = False
         self._had_tasks = False  # this round: its entities come next
         self._notified = False  # since the last look at what is ready
@@ -109,7 +114,7 @@ class Executor:
             return True
 
     def remove_node(self, node: Node) -> None:
-        """Stop running this node's callbacks."""
+        """Stop running this node's callbacks, behind those of the round that goes on."""
         with self._condition:
             if node in self._nodes:
                 del self._nodes[node]
@@ -120,8 +125,6 @@ class Executor:
         with self._condition:
             self._timers = [entry for entry in self._timers if entry[2]._node is not node]
             heapq.heapify(self._timers)
-            others = [e for e in self._round if isinstance(e, Task) or e._node is not node]
-            self._round = deque(others)
             self._ready = {e: None for e in self._ready if e._node is not node}
             self._blocked = [e for e in self._blocked if e._node is not node]
 
@@ -182,7 +185,7 @@ class Executor:
         self,
         timeout_sec: float | None = None,
         nodes: Collection[Node] | None = None,
-        condition: Callable[[], bool] = lambda: False,
+        condition: Callable[[], bool] = _never,
     ) -> Ready:
         """What is to be called next, for an executor of one's own: call the task to do it.
 
@@ -196,7 +199,7 @@ class Executor:
         self,
         timeout_sec: float | None = None,
         nodes: Collection[Node] | None = None,
-        condition: Callable[[], bool] = lambda: False,
+        condition: Callable[[], bool] = _never,
     ) -> Iterator[Ready]:
         """One after the other, without an end."""
         while True:
@@ -294,6 +297,11 @@ class Executor:
     ) -> tuple[Work, Entity | None]:
         with self._condition:
             self._check_alive()
+            asked = timeout_sec, stop, nodes
+            if asked != self._asked:  # rclpy waits anew then: what was removed has left
+                self._asked = asked
+                kept = [e for e in self._round if isinstance(e, Task) or e._node in self._nodes]
+                self._round = deque(kept)
             found = self._pop_ready(nodes)
             return self._wait_for_work(timeout_sec, stop, nodes) if found is None else found
 
@@ -381,10 +389,11 @@ class Executor:
     def _take(self, entity: Entity) -> Work | None:
         """One piece of work of an entity, None when its callback group is taken or it has none."""
         if not entity.callback_group.beginning_execution(entity):
-            self._blocked.append(entity)
+            if entity._node in self._nodes:
+                self._blocked.append(entity)
             return None
         work = entity._take()
-        if entity._waiting():
+        if entity._waiting() and entity._node in self._nodes:  # it may have left in this round
             self._ready[entity] = None
         if work is None:
             entity.callback_group.ending_execution(entity)
@@ -395,7 +404,7 @@ class SingleThreadedExecutor(Executor):
     """Runs every callback in the thread that spins."""
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        self._spin_once(timeout_sec, lambda: False)
+        self._spin_once(timeout_sec, _never)
 
     def spin_once_until_future_complete(
         self, future: Future[Any], timeout_sec: float | None = None

@@ -284,8 +284,8 @@ class Node(NodeParameters, Destroyable):
     ) -> Subscription[MsgT]:
         """`callback` takes the message, or the message and its info; serialized bytes when `raw`.
 
-        Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError; RCLError
-        for what is no filter of these messages.
+        A content filter is taken and has no effect, as with an RMW that has none.
+        Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError.
         """
         self._use()
         check_is_valid_msg_type(msg_type)
@@ -294,9 +294,7 @@ class Node(NodeParameters, Destroyable):
         qos = as_profile(qos_profile)
         if qos_overriding_options is not None:
             _declare_qos_parameters(Subscription, self, name, qos, qos_overriding_options)
-        subscription = Subscription(
-            self, msg_type, topic, name, callback, group, qos, raw, content_filter_options
-        )
+        subscription = Subscription(self, msg_type, topic, name, callback, group, qos, raw)
         callbacks = event_callbacks or SubscriptionEventCallbacks()
         subscription._hear(callbacks.create_event_handlers(group, subscription, topic))
         self._entity_list.append(subscription)

@@ -169,12 +169,6 @@ class QoSProfile:
             setattr(self, name, given[name])
         if depth is None:
             self.depth = _DEFAULT_DEPTH
-        if self.history == HistoryPolicy.KEEP_LAST and self.depth == 0:
-            warnings.warn(
-                "A zero depth with KEEP_LAST doesn't make sense; no data could be stored. "
-                "This will be interpreted as SYSTEM_DEFAULT",
-                stacklevel=2,
-            )
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Raises AssertionError for a value of another type, AttributeError for another name."""
@@ -184,6 +178,12 @@ class QoSProfile:
         if value is None and name == "depth":
             value = _DEFAULT_DEPTH
         assert isinstance(value, taken)
+        if name == "depth" and value == 0 and self.history == HistoryPolicy.KEEP_LAST:
+            warnings.warn(
+                "A zero depth with KEEP_LAST doesn't make sense; no data could be stored. "
+                "This will be interpreted as SYSTEM_DEFAULT",
+                stacklevel=2,
+            )
         object.__setattr__(self, name, value if kind is None else kind(value))
 
     def __eq__(self, other: object) -> bool:

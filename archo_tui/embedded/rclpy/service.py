@@ -49,11 +49,16 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self.callback = callback
 
     def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:
-        """Send a copy of `response` to the client that asked. Raises TypeError for another type."""
+        """Send a copy of `response` to the client that asked.
+
+        Raises TypeError for another type, InvalidHandle once the service is destroyed, if only in
+        its own callback.
+        """
         if not isinstance(response, self.srv_type.Response):
             raise TypeError(f"Expected {self.srv_type.Response}, got {type(response)}")
         if not isinstance(header, RequestHeader):
             raise TypeError(f"Expected the header of a request, got {type(header)}")
+        self._use()
         message: Any = response
         client, number = header
         if self._events is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import uuid
 from collections.abc import Callable
 from enum import Enum
@@ -10,7 +9,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
 
 from rclpy import _time_source
-from rclpy._content_filter import compile_filter
 from rclpy._entity import QueueEntity
 from rclpy._event_handlers import Endpoint
 from rclpy._rclpy_pybind11 import RCLError
@@ -54,7 +52,6 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         callback_group: CallbackGroup,
         qos_profile: QoSProfile,
         raw: bool = False,
-        content_filter_options: ContentFilterOptions | None = None,
     ) -> None:
         super().__init__(node, callback_group, qos_profile._queue_size)
         self.msg_type = msg_type
@@ -64,14 +61,6 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         self.qos_profile = qos_profile
         self.raw = raw
         self._gid = list(uuid.uuid4().bytes)
-        self._filter = content_filter_options
-        self._passes: Callable[[Any], bool] | None = None
-        if content_filter_options is not None:
-            self._passes = self._compiled(
-                content_filter_options,
-                "Failed to create subscription: create_contentfilteredtopic() failed to create "
-                "contentfilteredtopic",
-            )
 
     class CallbackType(Enum):
         """What a callback is given."""
@@ -109,46 +98,23 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         with graph.lock:
             return sum(self in p._matched for p in graph.topics[self._topic_name].publishers)
 
+    # like an RMW that has no content filters: DDS may leave them out
+
     @property
     def is_cft_enabled(self) -> bool:
-        """True when it has a content filter. Raises InvalidHandle after `destroy()`."""
+        """False: it receives all messages. Raises InvalidHandle after `destroy()`."""
         self._use()
-        return self._filter is not None
+        return False
 
     def set_content_filter(self, filter_expression: str, expression_parameters: list[str]) -> None:
-        """Receive only what passes from now on; all for an empty expression.
-
-        Raises RCLError for what is no filter of these messages, TypeError for other types,
-        InvalidHandle after `destroy()`.
-        """
+        """Raises RCLError, InvalidHandle after `destroy()`."""
         self._use()
-        texts = expression_parameters if isinstance(expression_parameters, list) else [None]
-        if not all(isinstance(text, str) for text in (filter_expression, *texts)):
-            raise TypeError("set_content_filter(): takes a str and a list of str")
-        if not filter_expression:
-            self._filter = self._passes = None
-            return
-        options = ContentFilterOptions(filter_expression, list(expression_parameters))
-        failed = "Failed to set cft expression parameters: failed to set_filter_expression"
-        self._passes, self._filter = self._compiled(options, failed), options
+        raise RCLError("Failed to set cft expression parameters: error not set")
 
     def get_content_filter(self) -> ContentFilterOptions:
-        """Raises RCLError without one, InvalidHandle after `destroy()`."""
+        """Raises RCLError, InvalidHandle after `destroy()`."""
         self._use()
-        if self._filter is None:
-            raise RCLError(
-                "Failed to get cft expression parameters: this subscriber has not created a "
-                "ContentFilteredTopic"
-            )
-        return self._filter
-
-    def _compiled(self, options: ContentFilterOptions, failed: str) -> Callable[[Any], bool] | None:
-        if not options.filter_expression:
-            return None
-        try:
-            return compile_filter(*options, self.msg_type)
-        except (ValueError, re.error):
-            raise RCLError(failed) from None
+        raise RCLError("Failed to get cft expression parameters: error not set")
 
     def destroy(self) -> None:
         """Leave the topic; what is still queued is dropped."""
@@ -159,8 +125,6 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
 
     def _receive(self, message: Any, sender: Publisher[Any]) -> None:
         """A message that a publisher sends; it is copied here."""
-        if self._passes is not None and not self._passes(message):
-            return
         for watcher in self._watchers:
             watcher._sample(sender)
         copied = encode(message) if self.raw else message.__received__()

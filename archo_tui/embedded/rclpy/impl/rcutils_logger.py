@@ -13,6 +13,7 @@ from rclpy.clock import Clock, ROSClock
 from rclpy.impl.logging_severity import LoggingSeverity
 
 _Where = tuple[str, str, int, int]  # of a call: function, file, line, instruction
+_BY_WARN = "warn", __file__, 0, 0  # in rclpy the place of the decorator that calls it deprecated
 
 
 class RcutilsLogger:
@@ -60,11 +61,14 @@ class RcutilsLogger:
         severity, name = LoggingSeverity(severity), self.name if name is None else name
         asked = _asked(filters) if filters else {}
         frame: FrameType | None = sys._getframe(1)
+        by_warn = False
         while frame is not None and frame.f_code.co_filename == __file__:
+            by_warn = by_warn or frame.f_code is RcutilsLogger.warn.__code__
             frame = frame.f_back
         assert frame is not None
         code = frame.f_code
-        where = code.co_name, code.co_filename, frame.f_lineno, frame.f_lasti
+        here = code.co_name, code.co_filename, frame.f_lineno, frame.f_lasti
+        where = _BY_WARN if by_warn else here
         place = self._places.get(where)
         if place is None:
             place = self._places[where] = _Place(severity, name, asked)
@@ -104,7 +108,7 @@ class RcutilsLogger:
         return self.log(message, LoggingSeverity.WARN, **options)
 
     def warn(self, message: str, **options: Any) -> bool:
-        """The old name of `warning`."""
+        """The old name of `warning`. All its calls are one place in the source, as in rclpy."""
         warnings.warn("Deprecated in favor of `RcutilsLogger.warning`.", DeprecationWarning, 2)
         return self.warning(message, **options)
 

@@ -1,0 +1,142 @@
+"""What the words of a robot file mean and the types of its values cannot say. Pure."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from archo_tui.robots import words
+from archo_tui.robots.model import Field, GoalKind, Link, Robot, Service, Stop
+
+_NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as rclpy takes them
+_TYPE = re.compile(r"\w+/(msg|srv|action)/\w+", re.ASCII)
+_ID = re.compile(r"[a-z][a-z0-9_]*")
+_READINGS = ("battery.charging", "motion.moving", "motion.stopped")
+
+Faults = Iterator[tuple[str, str]]  # file and line, and what is wrong there
+
+
+def of(robot: Robot) -> Faults:
+    """All that is wrong with a robot as its file describes it."""
+    yield from _names(robot)
+    yield from _types(robot)
+    yield from _titles(robot)
+    yield from _words(robot)
+    yield from _readings(robot)
+    yield from _gauges(robot)
+    for goal in robot.goals:
+        yield from _goal(goal)
+    if robot.stop is not None:
+        yield from _stop(robot.stop)
+    for command in robot.commands:
+        yield from _toggle(command)
+
+
+def _names(robot: Robot) -> Faults:
+    heard = [topic for topic in (robot.battery, robot.motion) if topic is not None]
+    names = [(topic.where, topic.topic) for topic in (*heard, *robot.gauges)]
+    names += [(goal.where, goal.action) for goal in robot.goals]
+    names += [(command.where, command.service) for command in robot.commands]
+    if robot.stop is not None:
+        names.append((robot.stop.where, robot.stop.service))
+        if robot.stop.release:
+            names.append((robot.stop.where, robot.stop.release))
+    for where, name in names:
+        if not _NAME.fullmatch(name):
+            yield where, f"{name!r} is no name of a topic, service or action"
+
+
+def _types(robot: Robot) -> Faults:
+    heard = [topic for topic in (robot.battery, robot.motion) if topic is not None]
+    types = [(topic.where, kind, "msg") for topic in heard for kind in topic.types]
+    types += [(gauge.where, gauge.type, "msg") for gauge in robot.gauges]
+    types += [(goal.where, goal.type, "action") for goal in robot.goals]
+    for where, kind, of in types:
+        if not _TYPE.fullmatch(kind) or kind.split("/")[1] != of:
+            yield where, f"{kind!r} is no type: expected package/{of}/Name"
+
+
+def _titles(robot: Robot) -> Faults:
+    titles = [(goal.where, goal.title) for goal in robot.goals]
+    titles += [(command.where, command.title) for command in robot.commands]
+    titles += [(gauge.where, gauge.title) for gauge in robot.gauges]
+    for where, title in titles:
+        if not title.strip():
+            yield where, "title is empty: say what it is in a word or two"
+
+
+def _words(robot: Robot) -> Faults:
+    """Each is typed, or names a line of a keymap: it means one thing."""
+    found = [("id", goal.id, goal.where) for goal in robot.goals]
+    found += [("id", command.id, command.where) for command in robot.commands]
+    found += [("word", one.off_word, one.where) for one in robot.commands if one.off_word]
+    used: set[str] = set()
+    for what, word, where in found:
+        if not _ID.fullmatch(word):
+            yield where, f"{word!r} is no {what}: small letters, digits and _"
+        if word in words.TAKEN:
+            yield where, f"the {what} {word} is the console's own: choose another"
+        if word in used:
+            yield where, f"the {what} {word} is that of another one: choose another"
+        used.add(word)
+
+
+def _readings(robot: Robot) -> Faults:
+    for topic in (robot.battery, robot.motion):
+        if topic is None:
+            continue
+        if not topic.types:
+            yield topic.where, f"types is empty: name the type of {topic.topic}"
+        if topic.period is not None and topic.period <= 0:
+            yield topic.where, f"period is {topic.period:g}: a time in s, above 0"
+        for fields in topic.types.values():
+            for field in vars(fields).values():
+                yield from _field(field)
+    low = None if robot.battery is None else robot.battery.low
+    if low is not None and low.otherwise is not None and not 0 <= low.otherwise <= 100:
+        yield low.where, f"otherwise is {low.otherwise:g}: a charge is within 0 .. 100"
+
+
+def _field(field: Field | None) -> Faults:
+    if field is None:
+        return
+    if field.scale == 0:
+        yield field.where, "scale is 0: every reading would be the same"
+    if field.beyond is not None and field.beyond < 0:
+        yield field.where, f"beyond is {field.beyond:g}: a size is never below 0"
+
+
+def _gauges(robot: Robot) -> Faults:
+    for gauge in robot.gauges:
+        yield from _field(gauge.field)
+        yield from _order(gauge.where, "low", gauge.low, "high", gauge.high)
+        below, above = gauge.warn_below, gauge.warn_above
+        yield from _order(gauge.where, "warn_below", below, "warn_above", above)
+
+
+def _order(where: str, name: str, low: float | None, other: str, high: float | None) -> Faults:
+    if low is not None and high is not None and low > high:
+        yield where, f"{name} {low:g} is above {other} {high:g}: swap them"
+
+
+def _goal(goal: GoalKind) -> Faults:
+    for given in goal.form.values():
+        yield from _order(given.where, "low", given.low, "high", given.high)
+    length: Link | None = None if goal.remaining is None else goal.remaining.length
+    if length is not None and length.otherwise is not None and length.otherwise <= 0:
+        yield length.where, f"otherwise is {length.otherwise:g}: a way is longer than 0"
+
+
+def _stop(stop: Stop) -> Faults:
+    if stop.release.lstrip("/") == stop.service.lstrip("/"):
+        yield stop.where, f"release is the service that stops, {stop.service}: name its own or none"
+
+
+def _toggle(command: Service) -> Faults:
+    if command.off and not command.toggle:
+        yield command.where, f"off is for a toggle: {command.id} has none"
+    if len(command.toggle) > 1:
+        yield command.where, "toggle takes one field of the request"
+    for reading in command.toggle.values():
+        if reading not in _READINGS:
+            yield command.where, f"toggle inverts one of {', '.join(_READINGS)}, not {reading}"

@@ -1,0 +1,147 @@
+"""Interface files are read as rosidl_adapter reads them, and what it refuses is one line."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from archo_tui import own_interfaces
+from archo_tui.embedded.idl import InterfaceError, parse
+from archo_tui.embedded.idl_types import FieldType
+from archo_tui.errors import ArchoError
+from tests.embedded.interface_lines import READ, REFUSED
+
+
+def message(folder: Path, text: str) -> Path:
+    file = folder / "M.msg"
+    file.write_bytes(text.encode())
+    return file
+
+
+def written(kind: FieldType) -> str:
+    """The type as an interface file has it."""
+    text = kind.base if kind.string_bound is None else f"{kind.base}<={kind.string_bound}"
+    if not kind.is_array:
+        return text
+    size = f"<={kind.upper_bound}" if kind.upper_bound else kind.fixed_size or ""
+    return f"{text}[{size}]"
+
+
+def test_lines_are_read_as_rosidl_adapter_reads_them(tmp_path: Path) -> None:
+    for text, wanted in READ:
+        (read,) = parse(message(tmp_path, text), "pkg")
+        found: dict[str, object] = {name: value for name, _, value in read.constants}
+        found |= {field.name: (written(field.type), field.default) for field in read.fields}
+        assert repr(found) == repr(wanted), text  # 1, 1.0 and True are three values; nan is nan
+
+
+def test_lines_that_rosidl_adapter_refuses_name_file_and_line(tmp_path: Path) -> None:
+    for text in REFUSED:
+        file = message(tmp_path, f"# first\n{text}")
+        with pytest.raises(InterfaceError) as caught:
+            parse(file, "pkg")
+        said = str(caught.value)
+        assert said.startswith((f"{file}:2: ", f"{file}:3: ")), (text, said)  # of two lines
+        assert len(said.splitlines()) == 1, said
+
+
+# packages by the files in them, and what is said of them
+Files = dict[str, str | bytes | None]  # by path, with their texts; None: without it
+WRONG: dict[str, tuple[Files, str]] = {
+    "itself": ({"msg/A.msg": "int32 x\nA a\n"}, "msg/A.msg:2: A contains A: no message can"),
+    "itself in a list": ({"msg/A.msg": "A[] a\n"}, "msg/A.msg:1: A contains A"),
+    "a circle": (
+        {"msg/A.msg": "B b\n", "msg/B.msg": "int32 x\nA a\n"},
+        "msg/B.msg:2: A contains B contains A: no message can",
+    ),
+    "deep": (
+        {**{f"msg/A{n}.msg": f"A{n + 1} a\n" for n in range(2000)}},
+        ": messages in messages, more than 50 deep",
+    ),
+    "large": ({"msg/A.msg": "uint8[99999999999999] a\n"}, "msg/A.msg:1: A has more than 1_000_000"),
+    "many": (
+        {**{f"msg/A{n}.msg": f"A{n + 1}[9] a\n" for n in range(40)}, "msg/A40.msg": "int8 x\n"},
+        ":1: A34 has more than 1_000_000 elements",
+    ),
+    "not UTF-8": ({"msg/A.msg": b"int32 x\nint32 \xff\n"}, "msg/A.msg:2: not UTF-8"),
+    "a name": ({"msg/bad-name.msg": "int32 x\n"}, "msg/bad-name.msg:1: bad-name is no name"),
+    "a small name": ({"srv/reset.srv": "---\n"}, "srv/reset.srv:1: reset is no name"),
+    "a line less": ({"srv/Reset.srv": "bool x\n"}, "Reset.srv:1: a .srv file has 1 '---' lines"),
+    "a default": ({"msg/A.msg": "float32 x 1e39\n"}, "msg/A.msg:1: 1e+39 is too large"),
+    "no package.xml": ({"package.xml": None}, "package.xml:1: No such file or directory: it names"),
+    "no XML": ({"package.xml": "<package>\n<name>\n"}, "package.xml:3: not XML"),
+    "no name": ({"package.xml": "<package/>\n"}, "package.xml:1: '' is no name of a package"),
+    "a package's name": (
+        {"package.xml": "<package>\n<name>My-Own</name></package>\n"},
+        "package.xml:2: 'My-Own' is no name of a package",
+    ),
+    "an own builtin_interfaces": (
+        {"package.xml": "<package>\n<name>builtin_interfaces</name></package>\n"},
+        "package.xml:2: the engine needs builtin_interfaces as it is: take another name",
+    ),
+    "an own rcl_interfaces": (
+        {"package.xml": "<package>\n<name>rcl_interfaces</name></package>\n"},
+        "package.xml:2: the engine needs rcl_interfaces as it is",
+    ),
+}
+
+
+def package(folder: Path, files: Files) -> Path:
+    given: Files = {"package.xml": "<package><name>own</name></package>", "msg/Z.msg": "int8 z\n"}
+    for name, text in (given | files).items():
+        if text is not None:
+            (folder / name).parent.mkdir(exist_ok=True)
+            (folder / name).write_bytes(text.encode() if isinstance(text, str) else text)
+    return folder
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_a_package_that_cannot_be_used_is_one_line(tmp_path: Path, what: str) -> None:
+    files, said = WRONG[what]
+    with pytest.raises(ArchoError) as caught:
+        own_interfaces.find(package(tmp_path, files), "embedded")
+    line = str(caught.value)
+    assert said in line
+    assert line.startswith(f"{tmp_path}{os.sep}")
+    assert len(line.splitlines()) == 1
+
+
+CODE = """
+from archo_tui import engine
+from pathlib import Path
+import sys
+engine.activate("embedded", own={"own": Path(sys.argv[1])})
+from own.msg import A
+"""
+
+
+def run(folder: Path, code: str) -> str:
+    """What the code prints, in a process that has the package."""
+    words = [sys.executable, "-c", CODE + code, str(folder)]
+    return subprocess.run(words, capture_output=True, text=True, check=True).stdout
+
+
+def test_bytes_and_lists_of_a_file_are_those_of_rosidls_classes(tmp_path: Path) -> None:
+    text = (
+        "byte F=3\nfloat32 G=1e3\nbyte b 4\nbyte[] c [5]\nstring[] s [x]\nfloat64[] f [1e3, inf]\n"
+    )
+    package(tmp_path, {"msg/A.msg": text})
+    told = "print(A.F, A.G, A().b, A().c)\nA().s.append('y')\nprint(A().s, list(A().f))"
+    assert run(tmp_path, told) == "b'\\x03' 1000.0 b'\\x04' [b'\\x05']\n['x'] [1000.0, inf]\n"
+
+
+def test_threads_that_ask_for_a_class_at_once_get_the_same_one(tmp_path: Path) -> None:
+    files: Files = {f"msg/A{n}.msg": f"A{n + 1} a\n" for n in range(30)}
+    package(tmp_path, {**files, "msg/A30.msg": "int8 x\n", "msg/A.msg": "A0 a\n"})
+    told = (
+        "from concurrent.futures import ThreadPoolExecutor\nimport own.msg\n"
+        "with ThreadPoolExecutor(8) as pool:\n"
+        "    names = [f'A{n % 31}' for n in range(248)]\n"
+        "    made = list(pool.map(lambda name: getattr(own.msg, name), names))\n"
+        "print(len(set(made)))"
+    )
+    assert run(tmp_path, told) == "31\n"
