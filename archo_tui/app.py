@@ -77,7 +77,7 @@ class ArchoApp(TerminalApp):
         self._last_key, self._last_typed = "", 0.0
         self._last_stops: int | None = None  # read before it
         self._entered: tuple[object, ...] = ()  # where the last enter acted
-        self._leaves = False
+        self._leaves = self._pressed_stop = False
         self._answers_void = 0  # keys before that STOP were for a question that was not put
         self._swallows = False  # enter is held, and what that does was said
         self.repeated = False
@@ -177,6 +177,10 @@ class ArchoApp(TerminalApp):
             mark(event, self.stops.read())  # from another driver than the terminal's
             self.stop_now(event)
             return
+        if isinstance(event, events.MouseEvent) and not event.is_forwarded:
+            if self._clicks_stop(event):
+                return
+            await asyncio.sleep(0)  # in a flood, too, others get their turn: STOP first of all
         stops = typed_after(event)
         if typed and stops is not None and stops < self._answers_void:
             return
@@ -192,6 +196,25 @@ class ArchoApp(TerminalApp):
         with self.stops.at(typed_after(event)):
             self.action_command("stop", counted=True)
         self.repeated = before  # of the key that is being handled
+
+    def _clicks_stop(self, event: events.MouseEvent) -> bool:
+        """True for a click on STOP where it is seen, also beside a dialog, and as one goes.
+
+        It acts as it is pressed; its release does nothing.
+        """
+        if isinstance(event, events.MouseUp) and self._pressed_stop:
+            self._pressed_stop = False
+            return True
+        if not isinstance(event, events.MouseDown) or not self.main.shows_stop_at(event.x, event.y):
+            return False
+        front = self.screen
+        stands = front is not self.main and not (isinstance(front, Leaving) and front.has_left)
+        if stands and front.get_widget_and_offset_at(event.x, event.y)[0] is not front:
+            return False  # on the dialog
+        self._pressed_stop = True
+        self.repeated = False
+        self.action_command("stop")
+        return True
 
     def _repeats(self, event: events.Event) -> bool:
         """True for a key that is held down: the same again, and soon."""
@@ -286,7 +309,9 @@ class ArchoApp(TerminalApp):
             self._ask_no_more()
         if command.once and (self.repeated or self._waits(name)):
             return
-        if name in self._sent and self.station.clock.monotonic() - self._sent[name] < command.every:
+        given = self._sent.get(name)
+        held = given is not None and self.station.clock.monotonic() - given < command.every
+        if held and self.repeated:  # pressed anew it is given anew: something may be in between
             return
         reason = self.blocked(command)
         if reason:
@@ -303,6 +328,7 @@ class ArchoApp(TerminalApp):
         for screen in self.screen_stack:
             if isinstance(screen, Leaving) and screen.closes_at_stop:
                 screen.dismiss()
+                self._answers_void = self.stops.count  # what was typed for it acts nowhere else
 
     def _waits(self, name: str) -> bool:
         """True, and said, when the robot has not answered a command yet."""

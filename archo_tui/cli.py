@@ -375,3 +375,5 @@ def _need_terminal() -> None:
     for name, stream in streams.items():
         if stream is None or not stream.isatty():  # None: it is closed
             raise ArchoError(f"{name} is not a terminal: run archo-tui in one, or use --plain")
+        if os.fstat(stream.fileno()).st_rdev != os.fstat(sys.stdin.fileno()).st_rdev:
+            raise ArchoError(f"{name} is another terminal than stdin: run archo-tui in one of them")

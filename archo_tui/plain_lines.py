@@ -30,7 +30,7 @@ class Lines:
 
     def take(self, chunk: bytes) -> list[bytes]:
         """The lines that this piece ends, and one that becomes too long in it."""
-        first, *others = chunk.split(b"\n")
+        first, *others = chunk.replace(b"\r", b"\n").split(b"\n")  # a raw terminal sends returns
         found: list[bytes] = []
         self._keep(first, found)
         for part in others:

@@ -155,6 +155,8 @@ class Load(_InParameters):
                 plan = await asyncio.to_thread(save_load.plan, path, parameters)
             except ArchoError as error:
                 return str(error)
+            if dialog.has_left:  # nobody wants it any more
+                return ""
             dialog.dismiss()  # before the question, which would else be under it
             self._preview(console, path, plan)
             return ""

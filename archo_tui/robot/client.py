@@ -80,6 +80,7 @@ class Robot:
         )
         self._graph = Graph(node, description)
         self._offers = Offers(node, description, self._graph)
+        self._services.answered = self._on_answer
         self._stopping = Stopping(
             node,
             description.stop,
@@ -146,7 +147,11 @@ class Robot:
         name = stop.release
 
         async def call(gate: Gate) -> Outcome:
-            return await self._stopping.release(lambda: self._call(name, {}, gate))
+            turn = self._services.turn()
+            outcome = await self._call(name, {}, gate)
+            if outcome.ok:
+                self._stopping.past(turn)
+            return outcome
 
         return await self._do("release stop", self._offers.call_command(name, {}), call)
 
@@ -166,7 +171,7 @@ class Robot:
         title = " ".join(filter(None, (kind.title.lower(), target(kind, values))))
 
         async def go(gate: Gate) -> Outcome:
-            sent = self._clock.monotonic()
+            turn = self._services.turn()
             if queued and (self._stopping.asked is not None or self._telemetry.motion.stopped):
                 return Outcome(False, "held: STOP")
             rivals = self._graph.rivals(kind.action)
@@ -176,7 +181,7 @@ class Robot:
                 return Outcome(False, self._faults[kind.action])
             outcome = await self._goals.send(kind, values, length, gate)
             if outcome.ok:
-                self._stopping.accepted(sent)
+                self._stopping.past(turn)
             return outcome
 
         return await self._do(title, self._offers.goal_command(kind, values), go)
@@ -342,6 +347,16 @@ class Robot:
         if self.description.battery is None and self.description.motion is None:
             return True
         return any(one.received is not None and not one.is_old(now) for one in told)
+
+    def _on_answer(self, turn: int) -> None:
+        """The answer to what an operator sent in that turn."""
+        if self._stopping.is_behind(turn):
+            self._thread.submit(self._stop_behind)
+
+    async def _stop_behind(self) -> None:
+        """Something that was sent before a STOP was answered behind it, a release perhaps."""
+        outcome = await self._stopping.send()
+        self._say("YOU", f"STOP, sent again behind an earlier command: {outcome.text}")
 
     async def _stop_again(self) -> None:
         """A STOP that was not answered, while the robot is heard: it may drive on."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
+import heapq
+import itertools
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,7 @@ from rclpy.task import Future
 from archo_tui.clock import Clock
 from archo_tui.robot.stops import Gate
 
+LATE = 20.0  # s that a late answer to what an operator sent is heard of
 DEADLINE = 2.0  # s; "no answer in 2 s"
 _EARLY = 1e-3  # s that a timer may fire before its time and still count
 
@@ -40,10 +42,13 @@ class Services:
     def __init__(self, node: Node, clock: Clock) -> None:
         self._node, self._clock = node, clock
         self._clients: dict[tuple[str, Any], Any] = {}
-        self._pending: deque[tuple[float, Any, Any]] = deque()  # the oldest deadline first
+        self._pending: list[tuple[float, int, Any, Any]] = []  # a heap: the next deadline first
         self._steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
         self._timer = node.create_timer(DEADLINE, self._sweep, clock=self._steady)
         self._timer.cancel()
+        self._turns = itertools.count(1)
+        # called with the turn of a request that somebody typed when it is answered, however late
+        self.answered: Callable[[int], None] = lambda _: None
 
     @property
     def pending(self) -> int:
@@ -74,6 +79,7 @@ class Services:
         """The response, or None when nobody answered within DEADLINE.
 
         `gate` is passed last, as the request leaves: it raises where that is not to be sent.
+        Of a request with a gate a late answer is heard of, too (`answered`).
 
         The client of a call that is made once is not kept: rclpy looks at each, whatever comes. It
         stays where nobody answered: a server that answers late finds its client.
@@ -81,12 +87,36 @@ class Services:
         client = self.client(srv_type, name)
         if gate is not None:
             gate()
+        turn = self.turn()
         future = client.call_async(request)
+        if gate is not None:
+            return await self._in_time(future, client, turn)
         self.watch(future, client)
         answer = await future
         if once and answer is not None and self._clients.pop((name, srv_type), None) is not None:
             self._node.destroy_client(client)
         return answer
+
+    def turn(self) -> int:
+        """The next number in the order in which requests leave."""
+        return next(self._turns)
+
+    async def _in_time(self, future: Any, client: Any, turn: int) -> Any:
+        """The answer, or None after DEADLINE; `answered` is called when it comes, now or later."""
+        in_time: Future[bool] = Future(executor=self._node.executor)
+
+        def on_answer(done: Any) -> None:
+            if done.cancelled():
+                return
+            in_time.set_result(True)
+            self.answered(turn)
+            if self._node.executor is not None:
+                self._node.executor.wake()
+
+        future.add_done_callback(on_answer)
+        self.watch(in_time)
+        self.watch(future, client, LATE)
+        return future.result() if await in_time else None
 
     async def call_all(
         self, srv_type: Any, name: str, request: Any, servers: int, wait: float
@@ -115,11 +145,12 @@ class Services:
         self._node.destroy_timer(timer)
         return answers
 
-    def watch(self, future: Any, client: Any = None) -> None:
-        """Cancel the future when its deadline passes: awaiting it then gives None."""
-        self._pending.append((self._clock.monotonic() + DEADLINE, future, client))
-        if self._timer.is_canceled():
-            self._wake_after(DEADLINE)
+    def watch(self, future: Any, client: Any = None, wait: float = DEADLINE) -> None:
+        """Cancel the future when its deadline (s) passes: awaiting it then gives None."""
+        deadline = self._clock.monotonic() + wait
+        heapq.heappush(self._pending, (deadline, self.turn(), future, client))
+        if self._timer.is_canceled() or self._pending[0][0] == deadline:
+            self._wake_after(wait)
 
     async def pause(self, seconds: float) -> None:
         """Let that many seconds pass."""
@@ -133,7 +164,7 @@ class Services:
     def _sweep(self) -> None:
         now = self._clock.monotonic()
         while self._pending:
-            deadline, future, client = self._pending[0]
+            deadline, _, future, client = self._pending[0]
             if not (future.done() or future.cancelled()):
                 if deadline > now + _EARLY:
                     self._wake_after(deadline - now)
@@ -141,7 +172,7 @@ class Services:
                 if client is not None:
                     client.remove_pending_request(future)
                 future.cancel()
-            self._pending.popleft()
+            heapq.heappop(self._pending)
         self._timer.cancel()
 
     def _wake_after(self, seconds: float) -> None:

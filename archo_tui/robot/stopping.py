@@ -6,11 +6,10 @@ So the answers to one call are counted, and only when all say yes has the robot 
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.task import Future
 
 from archo_tui.clock import Clock
 from archo_tui.robot import interfaces, services
@@ -48,7 +47,7 @@ class Stopping:
         self.asked: float | None = None  # monotonic s of the first that is not confirmed
         self.why = ""  # what came of it; empty: its answer is waited for
         self._answered: tuple[float, float] | None = None  # when the last was sent, and confirmed
-        self._releasing: Future[bool] | None = None  # done when a release has its answer
+        self._left: int | None = None  # the turn of the last one, that nothing was accepted behind
 
     async def send(self) -> Outcome:
         """Stop the robot; ends when all servers answered, or did not in time."""
@@ -58,11 +57,7 @@ class Stopping:
             self.asked, self.why = sent, ""
         self._changed()
         await self._found(self._stop.service)
-        releasing = self._releasing
         outcome, why = await self._call(self._stop.service)
-        if releasing is not None:  # it left before: which one the robot took last is not known
-            await releasing
-            outcome, why = await self._call(self._stop.service)
         if outcome.ok:
             self._answered = sent, self._clock.monotonic()
             self.over()
@@ -78,28 +73,25 @@ class Stopping:
             return Outcome(False, "it is over")
         return await self.send()
 
-    async def release(self, call: Callable[[], Awaitable[Outcome]]) -> Outcome:
-        """Around the call that releases the stop: a STOP behind it is sent once more after it."""
-        answered: Future[bool] = Future(executor=self._node.executor)
-        self._releasing = answered
-        try:
-            outcome = await call()
-        finally:
-            self._releasing = None
-            answered.set_result(True)
-        if outcome.ok:
+    def is_behind(self, turn: int) -> bool:
+        """True when a STOP left after that turn: which of the two the robot takes last is open.
+
+        A robot that is busy takes what waits for it in an order of its own.
+        """
+        return self._left is not None and turn <= self._left
+
+    def past(self, turn: int) -> None:
+        """A release or a goal of that turn was accepted: a STOP before it is past."""
+        if self.is_behind(turn):
+            return
+        self._left = None
+        if self.asked is not None:
             self.over()
-        return outcome
 
     def over(self) -> None:
-        """It is confirmed, released, or past."""
+        """It is confirmed, past, or given up."""
         self.asked, self.why = None, ""
         self._changed()
-
-    def accepted(self, sent: float) -> None:
-        """A goal was accepted that was sent then: a STOP before it is past."""
-        if self.asked is not None and sent > self.asked:
-            self.over()
 
     @property
     def is_to_be_repeated(self) -> bool:
@@ -130,6 +122,7 @@ class Stopping:
             return Outcome(False, reason), f"NOT SENT ({reason})"
         servers = max(self._node.count_services(name), 1)
         wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
+        self._left = self._services.turn()
         answers = await self._services.call_all(srv_type, name, srv_type.Request(), servers, wait)
         return _said(answers, servers, wait)
 

@@ -14,6 +14,7 @@ from textual.widgets import Button, Static
 from archo_tui import recall
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Form
+from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
 
 _KIND = "a file"  # under which they are kept
@@ -78,7 +79,7 @@ class AskPath(Form):
             return
         if not self._working:
             self._working = True
-            self.run_worker(self._try(path))
+            self.app.run_worker(self._try(path), group=COMMANDS)
 
     async def _try(self, path: Path) -> None:
         said = await self._work(path)

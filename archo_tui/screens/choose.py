@@ -12,6 +12,7 @@ from textual.widgets import Static
 
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Dialog
+from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
 
 _SHOWN = 12  # rows
@@ -59,7 +60,7 @@ class Choose(Dialog[None]):
         rows = self._rows
         if rows and self.is_current:
             self.dismiss()
-            self.app.run_worker(self._then(rows[self._cursor][0]), group="chosen")
+            self.app.run_worker(self._then(rows[self._cursor][0]), group=COMMANDS)
 
     def on_field_recall(self, event: Field.Recall) -> None:
         """The arrows move the cursor."""

@@ -119,6 +119,13 @@ class MainScreen(Base[None]):
         """The number of the panel that has the focus, 0 for none."""
         return 0 if self.focused is None else _panel_number(self.focused)
 
+    def shows_stop_at(self, x: int, y: int) -> bool:
+        """True where the button of STOP is, whatever stands in front of this screen."""
+        if not self.is_mounted:
+            return False
+        widget, _ = self.get_widget_and_offset_at(x, y)
+        return widget is not None and widget.id == "stop"
+
     @property
     def is_full(self) -> bool:
         """True while one panel has the full screen."""

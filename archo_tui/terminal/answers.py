@@ -18,8 +18,8 @@ FOR_TEXTUAL = re.compile(
 # the control sequences that answer a question: attributes, modes, states, sizes
 ANSWER = re.compile(r"\x1b\[(?:[?>=][\d;]+[ -/]*[@-~]|[\d;]+(?:[cnRtx]|\$y))")
 # the start of a string that answers, without its escape: colours, clipboard, DCS reports, graphics
-ANSWERS = re.compile(r"\]\d+;|P(?:[>!]\||[01][+$]r)|_G")
+ANSWERS = re.compile(r"\]\d+;|P(?:[>!]\||[01][+$]r|\d+[;!$])|_G")
 # what may become one, or is one that only its end tells: titles, PM, SOS
 _ANY = r"(?:\][lL]|[\^X])[^\x00-\x1f\x7f-\x9f]*"
-MAY_ANSWER = re.compile(rf"\]\d{{0,4}}|P[01>!]?|P[01][+$]|_|{_ANY}\x1b?")
+MAY_ANSWER = re.compile(rf"\]\d{{0,4}}|P[>!]?|P\d{{1,4}}|P[01]\+|_|{_ANY}\x1b?")
 WHOLE_ANSWER = re.compile(rf"{_ANY}(?:\x07|\x9c|\x1b\\)")

@@ -39,7 +39,9 @@ _ALTERNATE_KEYS = "\x1b[=4;2u"  # added to what Textual asks of kitty's protocol
 
 
 class SteadyApp(Stopping, Protocol):
-    """What the driver tells the app."""
+    """What the driver asks and tells the app."""
+
+    stop_key: str  # Textual's name of it
 
     def hang_up(self) -> None:
         """The terminal is gone for good."""
@@ -181,8 +183,8 @@ class SteadyDriver(LinuxDriver):
 
     def run_input_thread(self) -> None:
         """Read keys until told to end, or until there is nothing to read from any more."""
-        keyboard = Keyboard(self._debug)
         app = cast(SteadyApp, self._app)
+        keyboard = Keyboard(app.stop_key, self._debug)
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():

@@ -23,8 +23,9 @@ from archo_tui.terminal.sequences import ESCAPE, PASTE_BEGIN, PASTE_END, PAUSE, 
 class Keyboard:
     """Takes bytes with the time they were read at; it reads no clock itself."""
 
-    def __init__(self, debug: bool = False) -> None:
-        self._debug = debug
+    def __init__(self, stop_key: str = "ctrl+x", debug: bool = False) -> None:
+        """`stop_key` is Textual's name of the key of STOP."""
+        self._stop_key, self._debug = stop_key, debug
         self._parser = XTermParser(debug)
         self._decoder = Decoder()
         self._sequences = Sequences()
@@ -64,7 +65,7 @@ class Keyboard:
             pieces, text = self._sequences.cut(text, now)
             messages += self._messages(pieces)
             if pieces[-1:] == [PASTE_BEGIN]:
-                self._paste = Paste(now)
+                self._paste = Paste(now, self._stop_key)
         return messages
 
     def _pasted(self, paste: Paste, text: str, now: float) -> tuple[list[Message], str]:

@@ -5,18 +5,31 @@ from __future__ import annotations
 import re
 
 REPORT = re.compile(r"\x1b\[(?:<\d{1,5};-?\d{1,5};-?\d{1,5}[Mm]|[IO])")
-# followed by another one of the same buttons
-_OVERTAKEN = re.compile(r"\x1b\[<(\d{1,5});-?\d{1,5};-?\d{1,5}M(?=\x1b\[<\1;-?\d{1,5};-?\d{1,5}M)")
+_RUN = re.compile(r"(?:\x1b\[<\d{1,5};-?\d{1,5};-?\d{1,5}M){2,}")  # nothing between them
+_PRESS = re.compile(r"\x1b\[<(\d{1,5});-?\d{1,5};-?\d{1,5}M")
 _MOVES, _WHEEL = 32, 64  # bits of the button code
 
 
 def last_moves(text: str) -> str:
-    """The text without the moves that another one follows; all else stays, in its order."""
-    return _OVERTAKEN.sub(_unless_a_move, text)
+    """The text without the moves that another one follows; all else stays, in its order.
+
+    Of a run of moves the last one with each state of the buttons stays.
+    """
+    return _RUN.sub(lambda run: "".join(_lasting(run[0])), text)
 
 
-def _unless_a_move(report: re.Match[str]) -> str:
-    return "" if int(report[1]) & (_MOVES | _WHEEL) == _MOVES else report[0]
+def _lasting(run: str) -> list[str]:
+    kept: list[str] = []
+    seen: set[str] = set()
+    for report in reversed(list(_PRESS.finditer(run))):
+        if int(report[1]) & (_MOVES | _WHEEL) != _MOVES:
+            seen.clear()  # a button or the wheel: what came before it is another run
+        elif report[1] in seen:
+            continue
+        else:
+            seen.add(report[1])
+        kept.append(report[0])
+    return kept[::-1]
 
 
 def apart(text: str) -> tuple[list[str], str]:

@@ -38,7 +38,9 @@ class Over(NamedTuple):
 class Paste:
     """One, from its begin mark on."""
 
-    def __init__(self, now: float) -> None:
+    def __init__(self, now: float, stop_key: str) -> None:
+        """`stop_key` is Textual's name of the key of STOP."""
+        self._ending = ("escape", "ctrl+x", stop_key)
         self._text: list[str] = []
         self._room = PASTE_LIMIT
         self._tail = ""  # what may be the first part of a mark
@@ -97,7 +99,7 @@ class Paste:
         if self._silence < PAUSE or self._burst == ESCAPE:
             return False
         keys = keys_of(self._burst) or []
-        if any(key.key in ("escape", "ctrl+x") for key in keys):
+        if any(key.key in self._ending for key in keys):
             return True
         # one byte: two may be the text of a paste that comes slowly
         one_byte = len(self._burst) == 1 and self._burst.isascii()

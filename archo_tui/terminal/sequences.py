@@ -19,6 +19,7 @@ CANCEL = "\x18"  # ends a sequence, and is ctrl+x besides
 PASTE_BEGIN, PASTE_END = "\x1b[200~", "\x1b[201~"
 PAUSE = 0.1  # s of silence after which an escape is a key
 SEQUENCE_WAIT = 0.5  # s that the rest of a sequence is waited for, over a slow link
+STRING_TIME = 2.0  # s after which what comes slower than PAUSE is typed, and no answer
 STRING_LIMIT = 1 << 20  # characters; no answer is as long
 
 _SUBSTITUTE = "\x1a"  # ends a sequence, too
@@ -36,6 +37,7 @@ class Sequences:
         self._state: Callable[[str], None] = self._ground
         self._text = ""  # what was read of something that is not complete
         self._size = 0  # of a string: its text is not kept
+        self._begun = 0.0  # when it was, monotonic s
         self._now = self._since = 0.0  # monotonic s; since when the state waits
         self._rest_until = 0.0  # the escape was given as a key; the rest of its sequence may come
 
@@ -104,8 +106,7 @@ class Sequences:
         elif char == "O":
             self._wait(self._ss3, ESCAPE + char)
         elif char in _BEGINS_STRING:
-            self._size = 0
-            self._wait(self._string)
+            self._begin_string()
         elif char == "\\":
             self._state = self._ground  # the end of a string that is over
         elif char != ESCAPE and (char.isprintable() or ESCAPE + char in ANSI_SEQUENCES_KEYS):
@@ -150,8 +151,15 @@ class Sequences:
         if char != _SUBSTITUTE:
             self._ground(char)
 
+    def _begin_string(self) -> None:
+        self._size, self._begun = 0, self._now
+        self._wait(self._string)
+
     def _string(self, char: str) -> None:
         """In an answer that is not kept."""
+        if self._now - self._begun > STRING_TIME and self._now - self._since >= PAUSE:
+            self._ground(char)
+            return
         self._size += 1
         self._since = self._now
         if char == ESCAPE:
@@ -189,8 +197,7 @@ class Sequences:
         if WHOLE_ANSWER.fullmatch(text):
             self._state = self._ground
         elif ANSWERS.match(text) or len(text) > _LONGEST:  # nobody types that
-            self._size = 0
-            self._wait(self._string)
+            self._begin_string()
         elif MAY_ANSWER.fullmatch(text):
             self._text = text
         else:

@@ -47,6 +47,7 @@ class Field(Input):
         self._takes = takes
         self._coming = 0  # what is on its way to it: keys, pastes, the answer to an enter
         self._will_hold = False  # text, after all that
+        self._is_odd = False  # a character among it that this field is not for
 
     def is_text(self, character: str) -> bool:
         """True when that character, typed now, is text here, and not a command.
@@ -69,11 +70,15 @@ class Field(Input):
     def post_message(self, message: Message) -> bool:
         is_queued = super().post_message(message)
         if is_queued and isinstance(message, (events.Key, events.Paste)):
+            if not self._coming:
+                self._is_odd = not all(map(self._is_for, self.value))
             self._will_hold = self._holds_text
             if isinstance(message, events.Paste) or message.is_printable:
                 self._will_hold = True
-            elif message.key == "enter":
-                self._will_hold = False
+                typed = message.text if isinstance(message, events.Paste) else message.character
+                self._is_odd = self._is_odd or not all(map(self._is_for, typed or ""))
+            elif message.key == "enter":  # which is refused, and clears nothing, if it is odd
+                self._will_hold = self._is_odd
             self._coming += 1
         return is_queued
 

@@ -1,0 +1,117 @@
+"""A release that left before a STOP, and that a busy robot takes behind it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from archo_interfaces.srv import EmergencyStop
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from archo_tui.robot.client import Robot
+from archo_tui.robot.state import Outcome
+from tests.support import clock
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
+
+
+class Busy(Node):
+    """Takes a release only when it is woken, and every STOP at once."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("busy", **options)
+        self.latched, self.asked = True, 0
+        self.awake: Future[bool] = Future()
+        group = ReentrantCallbackGroup()
+        name = "release_emergency_stop"
+        self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=group)
+        self.create_service(Trigger, name, self.release, callback_group=group)
+        self.create_timer(0.1, lambda: None)  # rclpy looks at what waits when it is awake
+
+    def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        self.latched = True
+        response.success, response.message = True, "Stopped"
+        return response
+
+    async def release(self, _: Any, response: Trigger.Response) -> Trigger.Response:
+        self.asked += 1
+        await self.awake
+        self.latched = False
+        response.success, response.message = True, "Released"
+        return response
+
+    def wake(self) -> None:
+        assert self.executor is not None
+        self.executor.create_task(lambda: self.awake.set_result(True))
+
+
+@contextmanager
+def making(made: list[Busy]) -> Iterator[Any]:
+    def busy(**options: Any) -> Busy:
+        made.append(Busy(**options))
+        return made[-1]
+
+    yield busy
+
+
+async def released_late(it: Robot, made: list[Busy], how: Any, wait: float) -> None:
+    """A release is asked for, so many seconds later STOP; then the robot takes the release."""
+    await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
+    task = asyncio.ensure_future(how(it))
+    await until(lambda: made[0].asked == 1)
+    stop = clock.seconds() + wait
+    await until(lambda: clock.seconds() >= stop)
+    it.stops.read()
+    assert (await ended(it.emergency_stop())).ok
+    made[0].wake()
+    await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))
+    await until(task.done)
+    assert made[0].latched
+
+
+def by_its_key(it: Robot) -> Any:
+    return it.release_emergency_stop()
+
+
+def by_a_form(it: Robot) -> Any:
+    return it.call("/release_emergency_stop", "std_srvs/srv/Trigger", {})
+
+
+async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop() -> None:
+    made: list[Busy] = []
+    with making(made) as busy:
+        async with robot(busy) as it:
+            await released_late(it, made, by_its_key, 0.3)
+
+
+async def test_so_is_one_that_was_given_up_for_want_of_an_answer() -> None:
+    made: list[Busy] = []
+    with making(made) as busy:
+        async with robot(busy) as it:
+            await released_late(it, made, by_its_key, 3.0)
+
+
+async def test_so_is_one_that_was_called_by_a_form() -> None:
+    made: list[Busy] = []
+    with making(made) as busy:
+        async with robot(busy) as it:
+            await released_late(it, made, by_a_form, 0.3)
+
+
+async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None:
+    made: list[Busy] = []
+    with making(made) as busy:
+        async with robot(busy) as it:
+            await until(lambda: "emergency_stop" in it.snapshot.offered)
+            assert (await ended(it.emergency_stop())).ok
+            made[0].wake()
+            outcome: Outcome = await ended(it.release_emergency_stop())
+            assert outcome.ok
+            later = clock.seconds() + 1.0
+            await until(lambda: clock.seconds() >= later)
+            assert not made[0].latched
