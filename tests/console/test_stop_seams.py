@@ -1,0 +1,144 @@
+"""STOP at the seams: beside dialogs that go, in floods, under another key."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from textual.widgets import Button
+
+from archo_tui.robot.state import Outcome
+from archo_tui.terminal.keyboard import Keyboard
+from archo_tui.terminal.typed import hand_on
+from tests.console.states import STATES
+from tests.support.console import FAST, console
+from tests.support.quiet import Quiet
+from tests.support.stub import stub_app
+
+
+class Screen:
+    """An app over a stub; bytes in, what the robot was asked for out."""
+
+    def __init__(self, state: str, **options: Any) -> None:
+        self.app = stub_app(STATES[state], **options)
+        self.asked: list[str] = []
+        self.ended: list[int] = []
+        robot: Any = self.app.station.robot
+        for verb in ("emergency_stop", "release_emergency_stop", "command"):
+            setattr(robot, verb, self._verb(verb))
+        self.app.exit = lambda *_, **__: self.ended.append(1)  # type: ignore[method-assign]
+        self._keyboard = Keyboard(self.app.stop_key)
+        self._now = 0.0
+
+    def _verb(self, name: str) -> Any:
+        async def ask(*_: Any, **__: Any) -> Outcome:
+            gate = self.app.stops.gate()
+            if name != "emergency_stop" and gate.is_shut:
+                return Outcome(False, "not sent")
+            self.asked.append(name)
+            return Outcome(True, "done")
+
+        return ask
+
+    def write(self, data: bytes) -> None:
+        """In one read."""
+        app = self.app
+        hand_on(self._keyboard.take(data, self._now), app, app.stop_typed, app.post_message)
+
+    async def type(self, data: bytes) -> None:
+        self._now += 1.0
+        self.write(data)
+        await Quiet(self.app).settle()
+
+    @property
+    def stop_click(self) -> bytes:
+        region = self.app.main.query_one("#stop", Button).region
+        place = b"0;%d;%d" % (region.x + 2, region.y + 1)
+        return b"\x1b[<" + place + b"M\x1b[<" + place + b"m"
+
+
+@pytest.mark.parametrize("before", [b"R", b"Ry", b"?", b"\x1b", b""])
+async def test_a_click_on_stop_acts_whatever_stands_or_goes_in_front(before: bytes) -> None:
+    it = Screen("motor stopped")
+    async with it.app.run_test(size=(120, 36)):
+        await Quiet(it.app).settle()
+        if before == b"?":
+            await it.type(b"R")  # a question; it is not where STOP is
+        await it.type(before[:1] if before != b"?" else b"")
+        it.write(before[1:] + it.stop_click)
+        await Quiet(it.app).settle()
+        assert it.asked[-1:] == ["emergency_stop"]
+        assert it.asked.count("emergency_stop") == 1
+
+
+async def test_a_second_stop_with_a_key_between_is_sent_at_once() -> None:
+    it = Screen("motor stopped")
+    async with it.app.run_test(size=(120, 36)):
+        await Quiet(it.app).settle()
+        for typed in (b"\x18", b"R", b"y", b"\x18"):
+            it.write(typed)
+            await Quiet(it.app).settle()
+        assert it.asked == ["emergency_stop", "release_emergency_stop", "emergency_stop"]
+
+
+@pytest.mark.parametrize("opened", [b"\x10", b"R"])
+async def test_what_was_typed_for_a_dialog_that_stop_closed_is_no_command(opened: bytes) -> None:
+    it = Screen("motor stopped")
+    async with it.app.run_test(size=(120, 36)):
+        await Quiet(it.app).settle()
+        await it.type(opened)
+        await it.type(b"qac\x18")
+        assert it.asked == ["emergency_stop"]
+        assert not it.ended
+        assert it.app.screen is it.app.main
+
+
+async def test_stop_has_its_turn_in_a_flood_of_the_mouse() -> None:
+    it = Screen("motor moving")
+    flood = b"".join(b"\x1b[<%d;5;5M" % (64 + number % 2) for number in range(3000))
+    async with it.app.run_test(size=(120, 36)):
+        await Quiet(it.app).settle()
+        handled = 0
+        on_event = it.app.on_event
+
+        async def counted(event: Any) -> None:
+            nonlocal handled
+            handled += not it.asked
+            await on_event(event)
+
+        it.app.on_event = counted  # type: ignore[method-assign]
+        it.write(flood)
+        it.app._loop.call_soon(it.write, b"\x18")  # type: ignore[union-attr]  # as the driver does
+        await Quiet(it.app).settle()
+        assert it.asked == ["emergency_stop"]
+        assert handled < 500
+
+
+async def test_another_key_of_stop_ends_a_paste_whose_end_is_lost() -> None:
+    it = Screen("motor moving", keys={"stop": "f5"})
+    async with it.app.run_test(size=(120, 36)):
+        await Quiet(it.app).settle()
+        await it.type(b"\x1b[200~some text")
+        await it.type(b"\x1b[15~")
+        assert it.asked == ["emergency_stop"]
+
+
+@pytest.mark.parametrize("behind", ["c", "q", "r"])
+async def test_a_letter_behind_a_refused_enter_is_text(behind: str) -> None:
+    it = Screen("normal")
+    async with it.app.run_test(size=(120, 36)):
+        await Quiet(it.app).settle()
+        await it.type(b"g1x\r" + behind.encode())
+        assert it.app.main.goal.fields[0].value == f"1x{behind}"
+        assert not it.asked
+        assert not it.ended
+
+
+async def test_a_file_that_was_asked_for_is_saved_before_the_end(here: Path) -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "ctrl+s")
+        await op.until("ROS parameter file")
+        op.send("enter", "ctrl+q")
+        await op.until(lambda: not op.app.is_running)
+    assert (here / "archo_params.yaml").exists()
