@@ -241,7 +241,7 @@ def stop_so_far(snapshot: Snapshot, now: float) -> str:
     """What came of a STOP that the robot has not confirmed."""
     waited = now - (now if snapshot.stop_asked is None else snapshot.stop_asked)
     if snapshot.stop_why.startswith("no answer"):
-        return f"STOP SENT, {snapshot.stop_why} for {waited:.0f} s, sent again every second"
+        return f"STOP SENT, {snapshot.stop_why} for {waited:.0f} s, sent again while it is heard"
     if snapshot.stop_why:
         return f"STOP {snapshot.stop_why}"
     return f"STOP SENT, no answer for {waited:.0f} s (not confirmed by the robot)"
@@ -250,6 +250,8 @@ def stop_so_far(snapshot: Snapshot, now: float) -> str:
 def _moves_on(snapshot: Snapshot, now: float) -> bool:
     """True when the robot says that it moves, a while after a STOP that it has not confirmed."""
     asked, motion = snapshot.stop_asked, snapshot.motion
+    if snapshot.stop_why.startswith("NOT SENT"):
+        return False
     if asked is None or motion.received is None or motion.is_old(now):
         return False
     return bool(motion.moving) and motion.received - asked >= 1.0

@@ -78,7 +78,7 @@ class ArchoApp(TerminalApp):
         self._last_stops: int | None = None  # read before it
         self._entered: tuple[object, ...] = ()  # where the last enter acted
         self._leaves = self._pressed_stop = False
-        self._answers_void = 0  # keys before that STOP were for a question that was not put
+        self._answers_void = 0  # keys with a lower count were for a question that is not put
         self._swallows = False  # enter is held, and what that does was said
         self.repeated = False
         self._sent: dict[str, float] = {}  # when each command that is not answered yet was given
@@ -182,7 +182,7 @@ class ArchoApp(TerminalApp):
                 return
             await asyncio.sleep(0)  # in a flood, too, others get their turn: STOP first of all
         stops = typed_after(event)
-        if typed and stops is not None and stops < self._answers_void:
+        if typed and stops is not None and stops < self._answers_void and not self._is_free(event):
             return
         repeated = (typed or isinstance(event, events.MouseDown)) and self._repeats(event)
         if typed and (self._early or not self._takes_keys):
@@ -196,6 +196,11 @@ class ArchoApp(TerminalApp):
         with self.stops.at(typed_after(event)):
             self.action_command("stop", counted=True)
         self.repeated = before  # of the key that is being handled
+
+    def _is_free(self, event: events.Event) -> bool:
+        """True for a key that is a command everywhere: a cancel, say, is for no question."""
+        free = {self._keys[c.id] for c in self.registry if c.where == EVERYWHERE}
+        return isinstance(event, events.Key) and event.key in free
 
     def _clicks_stop(self, event: events.MouseEvent) -> bool:
         """True for a click on STOP where it is seen, also beside a dialog, and as one goes.
@@ -233,7 +238,8 @@ class ArchoApp(TerminalApp):
             if repeated and not self._may_repeat():
                 return
             self._entered = self._place
-        await super().on_event(event)
+        with self.stops.at(typed_after(event)):  # it may have waited behind others
+            await super().on_event(event)
 
     @property
     def _place(self) -> tuple[object, ...]:
@@ -254,7 +260,7 @@ class ArchoApp(TerminalApp):
             return True
         empty = isinstance(self.focused, Input) and not self.focused.value
         if not (self._swallows or empty):
-            self.say("That enter came at once behind another: press it again.")
+            self.say("Enter came too soon after the last one: press it again.")
         self._swallows = True
         return False
 

@@ -162,8 +162,9 @@ class Plain:
 
     async def _serve(self) -> None:
         while (line := await self._line()) is not None and line.text.split() != ["quit"]:
-            with self._robot.stops.at(line.stops):
-                await self._run(line)
+            if line.is_too_long or line.text.split():  # else blanks of some other script
+                with self._robot.stops.at(line.stops):
+                    await self._run(line)
         await self._hold(lambda: self._input.is_quiet)  # a stop may have come with the last line
         await self._hold(self._is_over)
         last = self._robot.stops.count

@@ -14,7 +14,7 @@ from archo_tui.clock import Clock
 from archo_tui.history import History
 from archo_tui.parameters.undo import UndoList
 from archo_tui.robot.state import Hosted, Outcome, Snapshot
-from archo_tui.robot.stops import NOT_SENT
+from archo_tui.robot.stops import HELD, NOT_SENT
 from archo_tui.targets import Target, Targets
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ class Station:
         """Send a goal; from the queue not behind a STOP."""
         with self.robot.stops.at(target.stops):
             outcome = await self.robot.send(target.kind, target.values, queued=queued)
-        if queued and outcome.text == NOT_SENT:
+        if queued and outcome.text in (NOT_SENT, HELD):
             self.targets.not_sent(target)
         else:
             self.targets.answered(ok=outcome.ok)

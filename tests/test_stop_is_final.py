@@ -125,8 +125,8 @@ def test_a_command_right_before_the_end_is_carried_out(terminals: list[Terminal]
 def hold(terminal: Terminal, key: str, seconds: float) -> None:
     """A key that is held: first alone, then again and again."""
     terminal.write(key)
-    time.sleep(0.5)
-    end = time.monotonic() + seconds - 0.5
+    time.sleep(0.3)
+    end = time.monotonic() + seconds - 0.3
     while time.monotonic() < end:
         terminal.write(key)
         terminal.read(0.03)

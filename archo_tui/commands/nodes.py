@@ -96,8 +96,7 @@ class Copy(_InNodes):
         names = ", ".join(_short(hosted))
         stop = " STOP must then be confirmed by both." if _stop(console) in _short(hosted) else ""
         question = (
-            f"{row.name} serves {names}: a call reaches both of the two, and both act.{stop} "
-            "Run another copy?"
+            f"{row.name} serves {names}: a call reaches both, and both act.{stop} Run another copy?"
         )
 
         def then(answer: str) -> Work | None:

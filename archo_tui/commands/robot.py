@@ -163,12 +163,12 @@ class GiveUpStop(Command):
         return "" if asked is not None else "no STOP is waiting to be confirmed"
 
     def run(self, console: Console) -> None:
-        question = "The robot has not confirmed the STOP and may be driving. Stop asking for it?"
+        question = "The robot has not confirmed the STOP and may be driving. Send it no more?"
 
         async def give_up() -> None:
             console.tell(await console.station.robot.give_up_stop())
 
-        ask = Confirm("Give up STOP", question, "Keep asking", "Give up")
+        ask = Confirm("Give up STOP", question, "Keep sending", "Give up")
         console.ask(ask, lambda answer: give_up() if answer == "Give up" else None)
 
 

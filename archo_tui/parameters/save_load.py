@@ -15,6 +15,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.parameters import files
 from archo_tui.robot.parameter_values import fit
 from archo_tui.robot.state import Parameter
+from archo_tui.robot.values import same
 from archo_tui.system import create_exclusively, keep_owner_and_mode
 
 # ROS's files have no way to write these
@@ -45,6 +46,8 @@ def dump(parameters: Iterable[Parameter]) -> tuple[str, list[str]]:
     for parameter in parameters:
         if parameter.type in _NOT_WRITTEN:
             left_out.append(f"{parameter.node} {parameter.name}: {parameter.type}")
+        elif parameter.value is None:
+            left_out.append(f"{parameter.node} {parameter.name}: it has no value")
         else:
             nodes.setdefault(parameter.node, {})[parameter.name] = parameter.value
     for node, values in nodes.items():
@@ -111,7 +114,7 @@ def plan(path: Path, parameters: Sequence[Parameter]) -> Plan:
                 name = f"{parameter.node.lstrip('/')} {parameter.name}"
                 problems.append(f"{override.where}: {name}: {error}")
                 continue
-            if value != parameter.value:
+            if not same(value, parameter.value):
                 changes.append((parameter, value))
     declared: dict[str, set[str]] = {}
     for parameter in parameters:

@@ -28,8 +28,8 @@ from archo_tui.robot.others import Others
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import WATCHING, Event, Leaf, Outcome, Snapshot, linked, target
-from archo_tui.robot.stopping import Stopping
-from archo_tui.robot.stops import NOT_SENT, Gate, Stops, Void
+from archo_tui.robot.stopping import ALL_ANSWERS, Stopping
+from archo_tui.robot.stops import HELD, NOT_SENT, Gate, Stops, Void
 from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.text import harmless
@@ -67,7 +67,7 @@ class Robot:
         self._log = EventLog()
         self._dirty = False
         self._unseen = False  # something was heard that differs in its time only
-        self._outlived: tuple[str, ...] = ()  # goals that go on in spite of it
+        self._outlived: tuple[str, ...] = ()  # goals that still run after an answered STOP
         self._faults: dict[str, str] = {}
         self._consoles: set[str] | None = None  # the others, at the last look
         self._others = Others(command.title for command in description.commands)
@@ -173,7 +173,7 @@ class Robot:
         async def go(gate: Gate) -> Outcome:
             turn = self._services.turn()
             if queued and (self._stopping.asked is not None or self._telemetry.motion.stopped):
-                return Outcome(False, "held: STOP")
+                return Outcome(False, HELD)
             rivals = self._graph.rivals(kind.action)
             if rivals:  # of another one than the robot file's as well
                 return Outcome(False, check.several(kind.action, rivals))
@@ -226,7 +226,8 @@ class Robot:
     async def give_up_stop(self) -> Outcome:
         """Ask no more for a STOP that the robot does not confirm."""
 
-        async def call(_: Gate) -> Outcome:
+        async def call(gate: Gate) -> Outcome:
+            gate()
             self._stopping.over()
             return Outcome(True, "not asked for any more; the robot has not confirmed it")
 
@@ -326,7 +327,8 @@ class Robot:
             except Exception as error:
                 return log(Outcome(False, in_one_line(error)))
 
-        deadline = 2 * services.DEADLINE + 1.0  # more than any verb takes that still can end
+        # more than any verb takes that still can end: STOP waits for a server, and then for all
+        deadline = services.DEADLINE + ALL_ANSWERS + 1.0
         try:
             return await self._thread.run(there, deadline)
         except TimeoutError:
@@ -383,16 +385,18 @@ class Robot:
     def _watch(self) -> None:
         if not self._goals.running:
             self._watcher.cancel()
-            self._outlived = ()
-            self._mark()
+            if self._outlived:
+                self._outlived = ()
+                self._mark()
             return
         now = self._clock.monotonic()
         self._goals.way_is(self._way)
         self._goals.check(now, self._telemetry.motion)
         stopped = self._stopping.obeyed_since
         if stopped is not None:
-            self._outlived = self._goals.cancel_older(stopped)
-            self._mark()
+            before, self._outlived = self._outlived, self._goals.cancel_older(stopped)
+            if self._outlived != before:
+                self._mark()
 
     def _goal_changed(self) -> None:
         if self._watcher.is_canceled():
@@ -405,7 +409,10 @@ class Robot:
         if motion is not None and topic == motion.topic:
             self._goals.heard()
             self._others.motion(self._telemetry.motion, self._clock.monotonic())
-            if self._telemetry.motion.stopped and self._stopping.asked is not None:
+            alone = self.description.stop is None or (
+                self.description.stop.service not in self._graph.several
+            )  # of several robots one says nothing about the others
+            if alone and self._telemetry.motion.stopped and self._stopping.asked is not None:
                 self._stopping.over()
         self._unseen = True
         if news:

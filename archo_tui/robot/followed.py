@@ -52,6 +52,7 @@ class Followed:
         self._clock, self._changed = clock, changed
         self.handle: Any = None
         self.since = clock.monotonic()  # by this clock, whoever sent it
+        self.tried_to_cancel = 0.0  # monotonic s, by the console itself
         self.gate: Gate | None = None  # that it passed as it was sent from here
         self._result: Any = None  # the future of the last question for the result
         self._asked = 0.0  # when that question was put

@@ -202,8 +202,11 @@ class Goals:
         answered = self._future()
 
         def on_answer(done: Any) -> None:
-            if one.goal.is_running and done.result() is not None:
-                self._answered(one, done.result())
+            handle = done.result()
+            if handle is not None and one.goal.is_running:
+                self._answered(one, handle)
+            elif handle is not None and handle.accepted and one.is_void:  # long given up
+                handle.cancel_goal_async()
             answered.set_result(True)
             self._wake()
 
@@ -219,6 +222,8 @@ class Goals:
             one.end(Phase.REFUSED, reason)
             return Outcome(False, reason)
         if one.is_void:
+            if one.goal.phase == Phase.MOVING:  # the STOP was read in between
+                self._task(self._cancel, one)
             return Outcome(False, "accepted after a STOP: cancelling it")
         return Outcome(True, "accepted")
 
@@ -272,11 +277,12 @@ class Goals:
         for action in served:
             name = f"{action.kind.action}/_action/cancel_goal"
             # no goal id and no time mean all
-            answer = await self._services.call(CancelGoal, name, CancelGoal.Request())
-            if answer is None:
+            answers = await self._services.call_all(
+                CancelGoal, name, CancelGoal.Request(), action.servers, services.DEADLINE
+            )
+            if len(answers) < action.servers:
                 silent.append(action.kind.action)
-            else:
-                taken += len(answer.goals_canceling)
+            taken += sum(len(answer.goals_canceling) for answer in answers)
         if silent:
             waited = f"{services.DEADLINE:g} s"
             return Outcome(False, f"no answer to the cancel in {waited}: {', '.join(silent)}")
@@ -316,7 +322,8 @@ class Goals:
         older = [one for one in self._running.values() if one.since < sent]
         now = self._clock.monotonic()
         for one in older:
-            if one.goal.mine and now - (one.goal.cancel_asked or 0.0) > services.DEADLINE:
+            if one.goal.mine and now - one.tried_to_cancel > services.DEADLINE:
+                one.tried_to_cancel = now
                 self._task(self._cancel, one)
         return tuple(one.goal.name for one in older)
 

@@ -7,7 +7,7 @@ from typing import Any
 import yaml
 
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.values import parse_bool, parse_integer, parse_number, text_of
+from archo_tui.robot.values import parse_bool, parse_integer, parse_number, same, text_of
 
 # rcl_interfaces/ParameterType's numbers, in words
 TYPES = {
@@ -58,7 +58,7 @@ def fit(parameter: Parameter, value: Any) -> Any:
     found = _type_of(value)
     if found != parameter.type and not (value == [] and parameter.type.endswith("[]")):
         raise ValueError(f"needs a value of type {parameter.type}, not {text_of(value)} ({found})")
-    if parameter.read_only and value != parameter.value:
+    if parameter.read_only and not same(value, parameter.value):
         raise ValueError(f"read-only; its value is {text_of(parameter.value)}")
     _check_range(parameter, value, text_of(value))
     return value

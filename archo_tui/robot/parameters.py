@@ -88,7 +88,7 @@ class Parameters:
         known = self._by_node.get(node, {})
         # those without a value are told of when they get one
         names = [name for name in names if name in known and known[name].value is not None]
-        got = await self._values(node, names)
+        got = await self._values(node, names) if names else {}
         if got is None or node not in self._by_node:
             return
         if len(got) != len(names):

@@ -21,9 +21,9 @@ _EARLY = 1e-3  # s that a timer may fire before its time and still count
 
 
 def hold_open(future: Any, servers: int, good: Callable[[Any], bool]) -> None:
-    """Have a call to so many servers of one name end with the first good answer, or the last.
+    """End a call that reaches several servers with the first good answer, or with the last one.
 
-    rclpy ends it with the first; one of a server that the question was not for says nothing.
+    rclpy would take the first, which may come from a server that does not know the goal.
     """
     finish, left = future.set_result, [servers]
 

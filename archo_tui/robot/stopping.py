@@ -12,6 +12,7 @@ from typing import Any
 from rclpy.node import Node
 
 from archo_tui.clock import Clock
+from archo_tui.errors import in_one_line
 from archo_tui.robot import interfaces, services
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.offers import Offers
@@ -46,6 +47,7 @@ class Stopping:
         self._look, self._changed = look, changed
         self.asked: float | None = None  # monotonic s of the first that is not confirmed
         self.why = ""  # what came of it; empty: its answer is waited for
+        self._told = 0  # the turn of the one that said so
         self._answered: tuple[float, float] | None = None  # when the last was sent, and confirmed
         self._left: int | None = None  # the turn of the last one, that nothing was accepted behind
 
@@ -56,19 +58,26 @@ class Stopping:
         if self.asked is None:
             self.asked, self.why = sent, ""
         self._changed()
-        await self._found(self._stop.service)
-        outcome, why = await self._call(self._stop.service)
-        if outcome.ok:
+        number = self._services.turn()
+        try:
+            await self._found(self._stop.service)
+            outcome, why = await self._call(self._stop.service)
+        except Exception as error:  # whatever it is, nobody was stopped
+            outcome = Outcome(False, in_one_line(error))
+            why = f"NOT SENT ({outcome.text})"
+        if outcome.ok or why == UNCONFIRMED:
             self._answered = sent, self._clock.monotonic()
+        if outcome.ok:
             self.over()
             return outcome
-        if self.asked is not None:  # else another one was confirmed meanwhile
-            self.why = why
+        # else another one was confirmed meanwhile, or has more to say
+        if self.asked is not None and number > self._told:
+            self.why, self._told = why, number
             self._changed()
         return Outcome(False, f"{outcome.text}: use the hardware stop")
 
     async def send_again(self) -> Outcome:
-        """The same, for one that was not answered; those that wait still may be answered, too."""
+        """Send it again; answers to earlier calls still count."""
         if self.asked is None:
             return Outcome(False, "it is over")
         return await self.send()
@@ -138,7 +147,7 @@ def _said(answers: list[Any], servers: int, wait: float) -> tuple[Outcome, str]:
         if servers == 1:
             return Outcome(False, f"no answer in {wait:g} s"), NO_ANSWER
         counted = f"{len(answers)} of {servers} answered"
-        return Outcome(False, f"{counted} in {wait:g} s"), f"{NO_ANSWER} from all: {counted}"
+        return Outcome(False, f"{counted} in {wait:g} s"), f"{NO_ANSWER} from all ({counted})"
     doubtful = next((outcome for _, outcome in said if not outcome.ok), None)
     if doubtful is not None:
         return doubtful, UNCONFIRMED

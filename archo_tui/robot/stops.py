@@ -13,6 +13,7 @@ from contextvars import ContextVar
 from typing import NamedTuple
 
 NOT_SENT = "not sent: STOP came after it"
+HELD = "held: STOP"  # of the queue: the robot is stopped, or is to be
 
 
 class Void(Exception):
@@ -35,7 +36,7 @@ class Stops:
 
     @property
     def carried(self) -> int:
-        """The count when that was read which is being done; what nobody typed is of now."""
+        """How many STOPs had been read when what is being done was; of what nobody typed, now."""
         carried = self._carried.get()
         return self.count if carried is None else carried
 
@@ -49,7 +50,7 @@ class Stops:
             self._carried.reset(before)
 
     def set(self, count: int | None) -> None:
-        """The same, from now on."""
+        """As `at`, until it is set again."""
         self._carried.set(count)
 
     def is_void(self, count: int) -> bool:

@@ -122,7 +122,7 @@ class Telemetry:
         qos = QoSProfile(
             depth=_DEPTH,
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            # the last message of before, where it is kept; one who asks in vain hears nothing
+            # where the last message is kept; of others a subscriber that asks for it hears nothing
             durability=(DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE),
         )
         fields = types[kind]

@@ -1,4 +1,4 @@
-"""What the words of a robot file mean and the types of its values cannot say. Pure."""
+"""Checks of a robot file beyond the types of its values. Pure."""
 
 from __future__ import annotations
 

@@ -33,12 +33,12 @@ class Choose(Dialog[None]):
     ) -> None:
         """`rows` are names, with what is said beside each."""
         super().__init__()
-        self._title, self._all, self._then = title, list(rows), then
+        self.title, self._all, self._then = title, list(rows), then
         self._cursor = 0
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
-            box.border_title = self._title
+            box.border_title = self.title
             box.border_subtitle = "type to narrow   ↑ ↓, enter   esc cancel"
             yield Field(id="narrow", placeholder="part of the name")
             yield Static(classes="rows")

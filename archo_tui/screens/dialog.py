@@ -36,7 +36,7 @@ class Leaving(Base[ScreenResultType]):
     Textual looks for styles and component classes along the first.
     """
 
-    closes_at_stop: ClassVar[bool] = False  # what it asks would be answered to another robot
+    closes_at_stop: ClassVar[bool] = False  # its question was about the robot before the STOP
     _left: tuple[ScreenResultType | None] | None = None  # with what, once that is known
 
     @property

@@ -41,7 +41,7 @@ class MessageForm(Dialog[None]):
     ) -> None:
         """`typed` is what was typed the last time, by path; what is sent is kept there."""
         super().__init__()
-        self._title, self._leaves, self._send = title, leaves, send
+        self.title, self._leaves, self._send = title, leaves, send
         self._typed, self._form = typed, form or {}
         self._fields: list[Field] = []
         self._sending = False
@@ -52,7 +52,7 @@ class MessageForm(Dialog[None]):
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog form") as box:
-            box.border_title = escape(self._title)
+            box.border_title = escape(str(self.title))
             box.border_subtitle = (
                 "^s send   esc cancel" if self._is_yaml else "enter send   esc cancel"
             )

@@ -104,9 +104,9 @@ class TerminalApp(App[None]):
         return [w for w in self.workers if w.group == COMMANDS and not w.is_finished]
 
     async def answers(self) -> None:
-        """Wait for those that were given before."""
-        given = (worker.wait() for worker in self.unanswered)
-        await asyncio.gather(*given, return_exceptions=True)
+        """Wait for them, and for those that are given meanwhile."""
+        while given := [worker.wait() for worker in self.unanswered]:
+            await asyncio.gather(*given, return_exceptions=True)
 
     def on_load(self) -> None:
         message_hook.set(self._carry)  # before the tasks of all widgets, which take it along

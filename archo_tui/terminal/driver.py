@@ -26,7 +26,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
 from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.typed import Stopping, hand_on
+from archo_tui.terminal.typed import KnowsStop, hand_on
 
 assert sys.platform != "win32"  # Textual's own driver serves there
 
@@ -38,7 +38,7 @@ _POLL, _POLL_SOON = 0.1, 0.03  # s; soon while an escape may be a key
 _ALTERNATE_KEYS = "\x1b[=4;2u"  # added to what Textual asks of kitty's protocol, and ends with it
 
 
-class SteadyApp(Stopping, Protocol):
+class SteadyApp(KnowsStop, Protocol):
     """What the driver asks and tells the app."""
 
     stop_key: str  # Textual's name of it

@@ -15,7 +15,7 @@ from textual.message import Message
 from archo_tui.robot.stops import Stops
 
 
-class Stopping(Protocol):
+class KnowsStop(Protocol):
     """What knows the key of STOP, and counts."""
 
     def is_stop(self, message: Message) -> bool:
@@ -27,7 +27,7 @@ class Stopping(Protocol):
 
 
 class Typed(NamedTuple):
-    """So many STOPs had been read when it was."""
+    """A mark on a message: how many STOPs had been read before its input."""
 
     stops: int
 
@@ -38,7 +38,7 @@ def mark(message: Message, stops: int) -> None:
 
 
 def typed_after(message: Message) -> int | None:
-    """The STOPs that had been read before what it comes from; None: nobody typed it."""
+    """The count that it is marked with; None for what nobody typed."""
     if not message._prevent:  # of nearly all of them
         return None
     found: set[object] = {*message._prevent}
@@ -47,7 +47,7 @@ def typed_after(message: Message) -> int | None:
 
 def hand_on(
     messages: Iterable[Message],
-    app: Stopping,
+    app: KnowsStop,
     stop: Callable[[Message], object],
     other: Callable[[Message], object],
 ) -> None:

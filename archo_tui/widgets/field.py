@@ -83,9 +83,11 @@ class Field(Input):
         return is_queued
 
     async def on_event(self, event: events.Event) -> None:
-        await super().on_event(event)
-        if isinstance(event, (events.Key, events.Paste)):
-            self._coming -= 1
+        try:
+            await super().on_event(event)
+        finally:
+            if isinstance(event, (events.Key, events.Paste)):
+                self._coming -= 1
 
     async def action_submit(self) -> None:
         if self._takes:

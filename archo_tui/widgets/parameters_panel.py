@@ -11,7 +11,7 @@ from textual.widget import Widget
 from archo_tui.robot.parameter_values import range_text
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.text import harmless
-from archo_tui.robot.values import text_of
+from archo_tui.robot.values import same, text_of
 from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -78,7 +78,9 @@ class ParametersPanel(Panel):
     def _flash(self, before: Sequence[Parameter]) -> None:
         """What somebody else changed is seen by more than its new value, once."""
         values = {(p.node, p.name): p.value for p in before}
-        names = ((p.node, p.name) for p in self._shown if p.value != values.get((p.node, p.name)))
+        names = (
+            (p.node, p.name) for p in self._shown if not same(p.value, values.get((p.node, p.name)))
+        )
         changed = frozenset(name for name in names if name in values)
         if changed and self.app.animation_level != "none":
             self._flashing = changed
