@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import yaml
-
+from archo_tui.embedded import bounded_yaml
+from archo_tui.embedded.core_schema import YamlFault
+from archo_tui.robot.fields import checked
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import parse_bool, parse_integer, parse_number, text_of
 
@@ -15,6 +16,10 @@ TYPES = {
     6: "bool[]", 7: "integer[]", 8: "double[]", 9: "string[]",
 }  # fmt: skip
 
+# the types of the fields that hold those that files have
+_FIELDS = {"bool": "boolean", "integer": "int64", "double": "double", "string": "string"}
+_FIELDS |= {f"{kind}[]": f"sequence<{of}>" for kind, of in _FIELDS.items()}
+
 _LONGEST = 10_000  # characters of a typed value
 
 
@@ -23,8 +28,13 @@ def as_python(message: Any) -> Any:
     kind = TYPES.get(message.type)
     if kind is None:
         return None
-    value = getattr(message, f"{kind.replace('[]', '_array')}_value")
+    value = getattr(message, value_field(kind))
     return list(value) if kind.endswith("[]") else value
+
+
+def value_field(kind: str) -> str:
+    """The field of rcl_interfaces/ParameterValue that holds a value of that type."""
+    return f"{kind.replace('[]', '_array')}_value"
 
 
 def range_text(parameter: Parameter) -> str:
@@ -61,7 +71,7 @@ def fit(parameter: Parameter, value: Any) -> Any:
     if parameter.read_only and value != parameter.value:
         raise ValueError(f"read-only; its value is {text_of(parameter.value)}")
     _check_range(parameter, value, text_of(value))
-    return value
+    return checked(_FIELDS[parameter.type], value, parameter.name)
 
 
 def _type_of(value: Any) -> str:
@@ -97,9 +107,7 @@ def _value(kind: str, text: str) -> Any:
 
 def _sequence(element: str, text: str) -> list[Any]:
     try:
-        items = yaml.load(text, Loader=yaml.BaseLoader)  # as typed: their type is declared
-    except yaml.YAMLError:
-        items = None
-    if not isinstance(items, list):
-        raise ValueError(f"not a list like [1, 2]: {text}")
-    return [_value(element, text_of(item)) for item in items]
+        items = bounded_yaml.texts(text)  # as typed: their type is declared
+    except YamlFault:
+        raise ValueError(f"not a list like [1, 2]: {text}") from None
+    return [_value(element, item) for item in items]

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
-import yaml
-
+from archo_tui import written
 from archo_tui.robots.model import Robot
 
 _HEAD = '# Written by archo-tui. What the words mean: README, "Your own robot".\n'
@@ -15,9 +14,7 @@ _HEAD = '# Written by archo-tui. What the words mean: README, "Your own robot".\
 
 def dump(robot: Robot) -> str:
     """The text that `load` reads back as the same robot."""
-    return _HEAD + yaml.safe_dump(
-        {"version": robot.version, **_plain(robot)}, sort_keys=False, allow_unicode=True
-    )
+    return _HEAD + written.block({"version": robot.version, **_plain(robot)})
 
 
 def _plain(value: Any) -> Any:

@@ -16,6 +16,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import yaml
 
+from archo_tui.embedded import core_schema
 from archo_tui.errors import ArchoError
 
 _NONE = ("", "~", "null", "none")
@@ -28,7 +29,7 @@ def read(kind: Any, node: yaml.Node, path: Path) -> Any:
     if origin in (Union, types.UnionType):
         return _one_of(arguments, node, path)
     if kind is Any:
-        return yaml.SafeLoader("").construct_object(node, deep=True)
+        return _any(node, path)
     if origin is Literal:
         return _word(arguments, node, path)
     if origin is tuple:
@@ -85,6 +86,13 @@ def _record(kind: Any, node: yaml.Node, path: Path) -> Any:
     return kind(**given)
 
 
+def _any(node: yaml.Node, path: Path) -> Any:
+    try:
+        return core_schema.value(node)
+    except core_schema.YamlFault as fault:
+        raise ArchoError(f"{path}:{fault.line}: {fault.said}") from None
+
+
 class _Unfit(ArchoError):
     """Not a value of the type; the record that it stands in knows its name."""
 
@@ -118,7 +126,10 @@ def _scalar(kind: Any, node: yaml.Node) -> Any:
         raise _Unfit(f"expected {_WORDS[kind]}")
     if kind is str:
         return node.value
-    value = yaml.SafeLoader("").construct_object(node)
+    try:
+        value = core_schema.value(node)
+    except core_schema.YamlFault as fault:
+        raise _Unfit(f"expected {_WORDS[kind]}: {fault.said}") from None
     if kind is float and type(value) is int:
         value = float(value)
     if type(value) is not kind or (kind is float and not math.isfinite(value)):

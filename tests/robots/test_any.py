@@ -113,8 +113,8 @@ async def test_a_wrong_element_of_an_array_is_said_and_nothing_is_sent() -> None
         screen = await form(op, "C", *"plan", "enter")
         places = {leaf.path: number for number, leaf in enumerate(screen._leaves)}
         for path, text, said in (
-            ("waypoints", "[{q: 1}]", "there is no field q: x, y, z"),
-            ("waypoints", "[3]", "not fields of depot_interfaces/Vector: 3"),
+            ("waypoints", "[{q: 1}]", "there is no field waypoints[0].q: x, y, z"),
+            ("waypoints", "[3]", "waypoints[0]: 3 is not the fields of depot_interfaces/Vector"),
             ("waypoints", "5", "waypoints: not a list: 5"),
             ("weights", "[a]", "weights: "),
         ):
@@ -134,7 +134,7 @@ async def test_a_goal_of_many_fields_is_one_yaml_text() -> None:
         assert "frame_id" in area.text
         area.text = "first: {pose: {position: {x: oops}}}"
         await op.press("ctrl+s")
-        await op.until("x: not a value of type double")
+        await op.until("first.pose.position.x: oops is not a number")
         area.text = "first: [1, 2"
         await op.press("ctrl+s")
         await op.until("line 1:")
