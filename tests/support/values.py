@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import importlib
 import math
 import random
 import re
 import struct
+from pathlib import Path
 from typing import Any
 
 from archo_tui.robot.interfaces import EMPTY, load
@@ -13,11 +16,31 @@ from archo_tui.robot.interfaces import EMPTY, load
 _LIST = re.compile(r"sequence<(.+?)(?:, (\d+))?>|(.+)\[(\d+)\]")
 _TEXTS = (
     *("", " ", "a", "map", "yes", "no", "on", "off", "y", "null", "~", "true", "False", "None"),
-    *("12", "1e3", "010", "0x1F", "0o7", "1_0", "1:30", ".inf", ".nan", "nan", "-", "=", "<<", "*a"),
-    *("it's", 'say "so"', "a: b", "a #b", "[1]", "{a: b}", "new\nline", "tab\t.", "\\n", "$HOME `x`"),
-    *("é", "日本語", "\u2028", "\x7f\x85", "😀", "%s", "!x", "&a", "@", " lead", "trail ", "2001-01-01"),
+    *("12", "1e3", "010", "0x1F", "0o7", "1_0", "1:30", ".inf", ".nan", "nan", "-", "=", "<<"),
+    *(
+        "it's",
+        'say "so"',
+        "a: b",
+        "a #b",
+        "[1]",
+        "{a: b}",
+        "new\nline",
+        "tab\t.",
+        "\\n",
+        "$HOME `x`",
+    ),
+    *("é", "日本語", "\u2028", "\x7f\x85", "😀", "%s", "!x", "&a", "*a", "@", " lead", "trail "),
+    *("2001-01-01", "a,b", "?", "? a", "- a", "|", ">", "'", '"', "a\rb"),
 )
 _NUMBERS = (0.0, -0.0, 1.0, -1.5, 1e16, -1e-7, 1e300, 0.1, 5e-324, math.inf, -math.inf, math.nan)
+
+_ROOT = Path(__file__).parent.parent.parent
+_PACKAGES = (
+    *("action_msgs", "archo_interfaces", "builtin_interfaces", "depot_interfaces"),
+    *("lifecycle_msgs", "rcl_interfaces", "rosgraph_msgs", "service_msgs", "std_msgs"),
+    *("std_srvs", "type_description_interfaces", "unique_identifier_msgs"),
+)
+_PARTS = {"msg": ("",), "srv": ("Request", "Response"), "action": ("Goal", "Result", "Feedback")}
 
 
 def value_of(kind: str, chance: random.Random) -> Any:
@@ -59,7 +82,9 @@ def as_float32(number: float) -> float:
 def told(value: Any) -> Any:
     """A message, or what it holds, as values that can be compared: nan is equal to nan."""
     if hasattr(value, "get_fields_and_field_types"):
-        return {n: told(getattr(value, n)) for n in value.get_fields_and_field_types() if n != EMPTY}
+        return {
+            n: told(getattr(value, n)) for n in value.get_fields_and_field_types() if n != EMPTY
+        }
     if isinstance(value, dict):
         return {name: told(item) for name, item in value.items()}
     if isinstance(value, (str, bool, int)):
@@ -72,16 +97,28 @@ def told(value: Any) -> Any:
 
 
 def installed() -> dict[str, Any]:
-    """Every message, request and goal that can be made here, by name."""
+    """The classes of all messages, requests and parts of actions that can be made here, by name."""
     found: dict[str, Any] = {}
-    for package in PACKAGES:
-        for kind, parts in (("msg", ()), ("srv", ("Request", "Response")), ("action", _ACTION)):
+    for package in _PACKAGES:
+        for kind, parts in _PARTS.items():
             for name in _names(package, kind):
                 loaded = load(f"{package}/{kind}/{name}")
-                for part in parts or ("",):
-                    made = getattr(loaded, part) if part else loaded
-                    found[f"{package}/{kind}/{name} {part}".strip()] = made
+                for part in parts:
+                    made = getattr(loaded, part, None) if part else loaded
+                    if hasattr(made, "get_fields_and_field_types"):
+                        found[f"{package}/{kind}/{name} {part}".strip()] = made
     return found
 
 
-_ACTION = ("Goal", "Result", "Feedback")
+def _names(package: str, kind: str) -> set[str]:
+    """Those with a file here, of which the embedded engine makes classes; and those of ROS."""
+    files = [
+        path
+        for share in ("archo_tui/embedded/share", "tests/share")
+        for path in (_ROOT / share / package / kind).glob("*")
+    ]
+    own = (_ROOT / "interfaces" / kind).glob("*") if package == "archo_interfaces" else ()
+    names = {path.stem for path in (*files, *own)}
+    with contextlib.suppress(ImportError):
+        names |= set(dir(importlib.import_module(f"{package}.{kind}")))
+    return names
