@@ -308,7 +308,7 @@ class Robot:
 
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))
-            text = f"{title}: {outcome.text}"
+            text = harmless(f"{title}: {outcome.text}")
             self._node.get_logger().info(text)  # for other consoles
             self._others.heard(text, self._clock.monotonic())
             self._add_event(Event(self._clock.now(), "YOU", "console", text, command))
