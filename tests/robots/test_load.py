@@ -14,6 +14,7 @@ from archo_tui.robots.model import Robot
 from archo_tui.robots.save import dump
 
 HERE = Path(__file__).parent
+GOAL = "goals:\n  - id: a\n    title: t\n    action: a\n    type: a/action/B\n"
 
 
 @pytest.mark.parametrize(
@@ -63,6 +64,14 @@ def test_what_a_file_leaves_out_the_robot_does_not_have(tmp_path: Path) -> None:
         ("battery:\n  topic: a\n  period: .nan\n  types: {}\n", 3, "expected a number, not .nan"),
         ("battery:\n  topic: a\n  types:\n    b/c: {percentage: p}\n", 2, "'b/c' is no type"),
         ("battery:\n  topic: a\n  types:\n    a/msg/B:\n      voltage: v\n", 5, "percentage is missing"),
+        ("battery:\n  topic: a\n  period: 1:30\n  types: {}\n", 3, "period: expected a number, not 1:30"),
+        ("battery:\n  topic: a\n  period: 1_0\n  types: {}\n", 3, "period: expected a number, not 1_0"),
+        ("battery:\n  topic: a\n  period: 1e999\n  types: {}\n", 3, "too large for a number: 1e999"),
+        (f"battery:\n  topic: a\n  period: {'9' * 5000}\n  types: {{}}\n", 3, "a number of 5000 digits"),
+        ("battery:\n  topic: a\n  period: !!int x\n  types: {}\n", 3, "not of the kind !!int: x"),
+        (GOAL + "    fixed: {a: 1, a: 2}\n", 6, "a is given twice"),
+        (GOAL + "    fixed:\n      a:\n        b: 1\n        b: 2\n", 9, "b is given twice"),
+        (GOAL + "    fixed: {a: !!timestamp x}\n", 6, "!!timestamp is not read here"),
         (
             "battery:\n  topic: a\n  types:\n    a/msg/B:\n      percentage: {field: p, scael: 100}\n",
             5,
@@ -94,6 +103,15 @@ def test_a_mistake_names_its_line(tmp_path: Path, text: str, line: int, said: st
         load(file)
     assert str(caught.value).startswith(f"{file}:{line}: "), caught.value
     assert said in str(caught.value)
+
+
+def test_values_of_a_file_are_read_as_what_is_typed(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text(GOAL + "    fixed: {a: 010, b: 1:30, c: [yes, 1e3], d: {on: 0x10}, e: '1'}\n")
+    expected = {"a": 10, "b": "1:30", "c": ["yes", 1000.0], "d": {"on": 16}, "e": "1"}
+    assert load(file).goals[0].fixed == expected
+    file.write_text(dump(load(file)))
+    assert load(file).goals[0].fixed == expected
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:
