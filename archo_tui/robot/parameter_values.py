@@ -9,6 +9,7 @@ from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.fields import checked
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import parse_bool, parse_integer, parse_number, text_of
+from archo_tui.written import flow
 
 # rcl_interfaces/ParameterType's numbers, in words
 TYPES = {
@@ -44,6 +45,11 @@ def range_text(parameter: Parameter) -> str:
     if parameter.low is None or parameter.high is None:
         return ""
     return f"{parameter.low:g} .. {parameter.high:g}"
+
+
+def typed_text(value: Any) -> str:
+    """A value as it stands in a field, which `parse` reads back."""
+    return flow(value) if isinstance(value, list) else text_of(value)
 
 
 def parse(parameter: Parameter, text: str) -> Any:
