@@ -249,7 +249,7 @@ FAULTS = [
     Fault("robot/messages.py", "isinstance(value, bytes) and not as_bytes", "isinstance(value, bytes)", ROBOT + "/test_written.py"),
     Fault("robot/parameters.py", "if value == [] and known is not None:", "if False:", ROBOT + "/test_parameters_are_checked.py"),
     Fault("robot/parameters.py", "checked(kinds[field], value, name)", "value", ROBOT + "/test_parameters_are_checked.py"),
-    Fault("robot/parameter_values.py", "checked(_FIELDS[parameter.type], value, parameter.name)", "value", ROBOT + "/test_parameters_are_checked.py"),
+    Fault("robot/parameter_values.py", "checked(_FIELDS[parameter.type], value, \"value\")", "value", ROBOT + "/test_parameters_are_checked.py"),
     Fault("robot/forms.py", "if high is not None and not value <= high:", "if high is not None and value > high:", ROBOT + "/test_forms.py"),
     Fault("robot/forms.py", "    checked(leaf.type, value, label)\n", "", ROBOT + "/test_forms.py"),
     Fault("robot/ros2_command.py", 'f" {flow(v)}" if flow(v)[0] == "-" else flow(v)', "flow(v)", ROBOT + "/test_written.py"),

@@ -92,7 +92,7 @@ def named(leaves: Iterable[Leaf], form: Mapping[str, Input], words: list[str]) -
     for word in words:
         name, equals, text = word.partition("=")
         path = lower.get(name.lower())
-        if not equals or path is None:
+        if not equals or path is None or path in found:
             raise ValueError(f"expected {_expected(labels)}, not {word[:_SHOWN]}")
         found[path] = text
     if set(found) != set(lower.values()):

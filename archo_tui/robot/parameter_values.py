@@ -77,7 +77,7 @@ def fit(parameter: Parameter, value: Any) -> Any:
     if parameter.read_only and value != parameter.value:
         raise ValueError(f"read-only; its value is {text_of(parameter.value)}")
     _check_range(parameter, value, text_of(value))
-    return checked(_FIELDS[parameter.type], value, parameter.name)
+    return checked(_FIELDS[parameter.type], value, "value")
 
 
 def _type_of(value: Any) -> str:

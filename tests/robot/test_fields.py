@@ -11,11 +11,14 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message, serialize_message
+from std_msgs.msg import Int8
+from unique_identifier_msgs.msg import UUID
 
 from archo_tui.embedded import bounded_yaml
 from archo_tui.robot.fields import checked, filled, put
 from archo_tui.robot.interfaces import load
 from archo_tui.written import block
+from tests.support import chosen
 from tests.support.quiet import ended
 from tests.support.robot import robot
 from tests.support.values import installed, told, values_of
@@ -75,6 +78,12 @@ def test_what_does_not_fit_its_field_is_refused_in_one_line(
     assert line.startswith("x")
     assert said in line
     assert len(line.splitlines()) == 1
+
+
+@pytest.mark.skipif(chosen.ENGINE != "ros2", reason="the embedded engine always checks")
+def test_nobody_else_checks_what_the_console_sends() -> None:
+    assert Int8(data=300).data == 300
+    assert UUID(uuid=[1]).uuid.tolist() == [1]
 
 
 def test_a_wrong_value_of_any_length_is_shown_in_short() -> None:

@@ -99,7 +99,7 @@ def test_a_number_in_a_file_that_is_too_large_is_a_problem(here: Path) -> None:
     found = plan(path, [Parameter("/node", "count", "integer", 1, 1)])
     assert found.changes == ()
     assert found.problems == (
-        "p.yaml:3: node count: count: 9223372036854775808 is not within "
+        "p.yaml:3: node count: value: 9223372036854775808 is not within "
         "-9223372036854775808 .. 9223372036854775807",
     )
 
