@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import random
 from typing import Any
 
 import pytest
 
 from archo_tui.embedded.bounded_yaml import MAX_BYTES, load, texts
 from archo_tui.embedded.core_schema import YamlFault
+from archo_tui.written import block, flow
 
 
 @pytest.mark.parametrize(
@@ -85,6 +87,9 @@ def test_nan_is_written_with_a_dot(text: str) -> None:
         ("? [a]\n: 1", 1, "expected a name"),
         ("9" * 5000, 1, "a number of 5000 digits"),
         ("1e999", 1, "too large for a number: 1e999"),
+        ('!!int "a\nb"', 1, "not of the kind !!int: a b"),
+        ('!!int "a\\nb"', 1, "not of the kind !!int: 'a\\nb'"),
+        ('{"a\\u2028": 1, "a\\u2028": 2}', 1, "'a\\u2028' is given twice"),
         ("a" * (MAX_BYTES + 1), 1, f"more than {MAX_BYTES} characters"),
     ],
 )
@@ -104,3 +109,29 @@ def test_the_elements_of_a_list_are_read_as_they_were_typed() -> None:
 def test_what_is_no_list_of_single_values_is_refused(text: str) -> None:
     with pytest.raises(YamlFault):
         texts(text)
+
+
+def test_whatever_is_typed_is_a_value_or_one_line() -> None:
+    chance = random.Random(24)
+    parts = [
+        "&a",
+        "*a",
+        "!!int ",
+        "!x ",
+        "<<",
+        "? ",
+        "|",
+        "\\U0011ffff",
+        "\0",
+        "\ud800",
+        "%YAML 9\n",
+    ]
+    parts += ["---", "0x", "1e", "!!map {", "!!str [", "\u2028", "\t", *"[]{}:,-'\"#~>ab12. \n"]
+    for _ in range(3000):
+        text = "".join(chance.choices(parts, k=chance.randint(1, 25)))
+        try:
+            value = load(text)
+        except YamlFault as fault:
+            assert len(str(fault).splitlines()) == 1
+        else:
+            assert repr(load(flow(value))) == repr(load(block(value))) == repr(value)

@@ -24,7 +24,7 @@ _KINDS = (
     ("float", rf"{_FLOAT}|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)", (*"-+.0123456789",)),
 )
 _FORMS = {kind: re.compile(rf"(?:{form})\Z") for kind, form, _ in _KINDS}
-_DIGITS = 40  # of a whole number; ROS's have 64 bits
+_DIGITS = 40  # of a whole number; ROS's have 64 bits. And characters of a text that are shown
 
 
 class YamlFault(ValueError):
@@ -57,7 +57,7 @@ def value(node: yaml.Node) -> Any:
         return node.value
     if isinstance(node, yaml.ScalarNode) and kind in _FORMS:
         return _scalar(kind, node)
-    raise _fault(node, f"{node.tag.replace(_TAG, '!!')} is not read here")
+    raise _fault(node, f"{_shown(node.tag.replace(_TAG, '!!'))} is not read here")
 
 
 def pairs(node: yaml.MappingNode) -> list[tuple[str, yaml.Node]]:
@@ -67,7 +67,7 @@ def pairs(node: yaml.MappingNode) -> list[tuple[str, yaml.Node]]:
         if not isinstance(key, yaml.ScalarNode):
             raise _fault(key, "expected a name")
         if key.value in found:
-            raise _fault(key, f"{key.value} is given twice")
+            raise _fault(key, f"{_shown(key.value)} is given twice")
         found[key.value] = item
     return list(found.items())
 
@@ -75,7 +75,7 @@ def pairs(node: yaml.MappingNode) -> list[tuple[str, yaml.Node]]:
 def _scalar(kind: str, node: yaml.ScalarNode) -> Any:
     text: str = node.value
     if not _FORMS[kind].match(text) and not (kind == "float" and _FORMS["int"].match(text)):
-        raise _fault(node, f"not of the kind !!{kind}: {text[:_DIGITS]}")
+        raise _fault(node, f"not of the kind !!{kind}: {_shown(text)}")
     if kind in ("null", "bool"):
         return _WORDS.get(text.lower())
     read: Callable[[str], Any] = _whole if kind == "int" else _number
@@ -95,8 +95,13 @@ def _number(text: str) -> float:
     infinite = "n" in text.lower()  # of inf and nan
     found = float(text.replace(".", "") if infinite else text)
     if math.isinf(found) and not infinite:
-        raise ValueError(f"too large for a number: {text[:_DIGITS]}")
+        raise ValueError(f"too large for a number: {_shown(text)}")
     return found
+
+
+def _shown(text: str) -> str:
+    """In one line, and no longer than one."""
+    return text[:_DIGITS] if text.isprintable() else ascii(text[:_DIGITS])
 
 
 def _fault(node: yaml.Node, said: str) -> YamlFault:

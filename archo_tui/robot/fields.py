@@ -14,6 +14,7 @@ from typing import Any
 import yaml
 
 from archo_tui.robot.interfaces import EMPTY, load
+from archo_tui.robot.text import harmless
 from archo_tui.written import flow
 
 NESTED = re.compile(r"(\w+)/(\w+)")
@@ -47,10 +48,11 @@ def put(message: Any, path: str, value: Any, where: str = "") -> None:
     where = f"{where}.{first}".lstrip(".")
     if first not in kinds:
         known = ", ".join(sorted(set(kinds) - {EMPTY})) or "it takes none"
-        raise ValueError(f"there is no field {where}: {known}")
+        raise ValueError(harmless(f"there is no field {where}: {known}"))
     if rest:
         if not NESTED.fullmatch(kinds[first]):
-            raise ValueError(f"there is no field {where}.{rest}: {where} is of type {kinds[first]}")
+            why = f"{where} is of type {kinds[first]}"
+            raise ValueError(harmless(f"there is no field {where}.{rest}: {why}"))
         put(getattr(message, first), rest, value, where)
         return
     made = checked(kinds[first], value, where)
