@@ -70,7 +70,7 @@ class HostedNode:
             return
         except BaseException as error:  # SystemExit, too: it ends the node, not the console
             self._executor.remove_node(self.node)
-            self.node.destroy_node()
+            _destroy(self.node)
             said = in_one_line(error)
             report = own_frames(error, rclpy, archo_tui)
             if self.file is not None:
@@ -93,7 +93,7 @@ class HostedNode:
                 self.state = self.state._replace(life=Life.STUCK)
                 return False
         self._executor.shutdown(0)
-        self.node.destroy_node()
+        _destroy(self.node)
         if self.state.life != Life.CRASHED:
             self.state = self.state._replace(life=Life.STOPPED)
         return True
@@ -102,7 +102,7 @@ class HostedNode:
         """Take a node off the graph whose callback does not return; False when that goes on."""
         ended = interrupt(self._thread)
         self._executor.remove_node(self.node)
-        self.node.destroy_node()
+        _destroy(self.node)
         return ended
 
 
@@ -113,6 +113,19 @@ def in_its_file(file: NodeFile, said: str) -> str:
         return said
     rest = said.removeprefix(prefix)
     return f"line {rest}" if rest[:1].isdigit() else rest.strip()
+
+
+def _destroy(node: Node) -> None:
+    """Take a node off the graph, with its actions.
+
+    rclpy leaves their servers there until they are collected: beside the node that is started next
+    they would be second servers of its actions.
+    """
+    for waitable in list(getattr(node, "waitables", ())):
+        destroy = getattr(waitable, "destroy", None)
+        if destroy is not None:
+            destroy()
+    node.destroy_node()
 
 
 def _served(node: Node) -> tuple[str, ...]:

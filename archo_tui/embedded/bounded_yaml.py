@@ -13,7 +13,8 @@ from typing import Any
 
 import yaml
 
-_FAST: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # in C where PyYAML was built with it
+from archo_tui.embedded.core_schema import FAST_LOADER, LOADER, YamlFault, value
+
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
 
@@ -40,47 +41,80 @@ def read(path: Path) -> str:
 def compose(text: str, path: Path) -> yaml.Node | None:
     """The node tree of a text, None when it is empty. Raises YamlError."""
     try:
-        return _composed(text, path, _FAST)
-    except yaml.YAMLError:
+        return node_of(text)
+    except YamlFault as fault:
+        raise YamlError(f"{path}:{fault.line}: {fault.said}") from None
+
+
+def load(text: str) -> Any:
+    """What a text that was typed says, None when it is empty. Raises YamlFault."""
+    if len(text) > MAX_BYTES:
+        raise YamlFault(1, f"more than {MAX_BYTES} characters")
+    node = node_of(text)
+    return None if node is None else value(node)
+
+
+def texts(text: str) -> list[str]:
+    """The elements of a list of single values as they were typed: their type says what they mean.
+
+    Raises YamlFault.
+    """
+    node = node_of(text)
+    if not isinstance(node, yaml.SequenceNode):
+        raise YamlFault(1, "not a list")
+    for item in node.value:
+        if not isinstance(item, yaml.ScalarNode):
+            raise YamlFault(item.start_mark.line + 1, "not a list of single values")
+    return [item.value for item in node.value]
+
+
+def node_of(text: str) -> yaml.Node | None:
+    """The node tree of a text, None when it is empty. Raises YamlFault."""
+    try:
+        return _composed(text, FAST_LOADER)
+    except YamlFault:
+        raise
+    except (yaml.YAMLError, ValueError):
         pass  # said by the other one, whose lines are the same on every machine
     try:
-        return _composed(text, path, yaml.SafeLoader)
+        return _composed(text, LOADER)
+    except YamlFault:
+        raise
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else 1
-        raise YamlError(f"{path}:{line}: not YAML: {error.problem}") from None
+        raise YamlFault(mark.line + 1 if mark else 1, f"not YAML: {error.problem}") from None
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position) + 1
-        raise YamlError(f"{path}:{line}: not YAML: {str(error).splitlines()[0]}") from None
-    except (ValueError, OverflowError) as error:  # PyYAML's own: "\UFFFFFFFF", %YAML 9...9
-        raise YamlError(f"{path}:{_reached(text)}: not YAML: {error}") from None
+        raise YamlFault(line, f"not YAML: {str(error).splitlines()[0]}") from None
+    except (yaml.YAMLError, ValueError, OverflowError) as error:  # "\UFFFFFFFF", %YAML 9...9
+        raise YamlFault(_reached(text), f"not YAML: {str(error).splitlines()[0]}") from None
 
 
 def _reached(text: str) -> int:
     """The line up to which a text can be read."""
-    loader: Any = yaml.SafeLoader(text)
-    with contextlib.suppress(ValueError, OverflowError):
+    loader: Any = LOADER(text)
+    with contextlib.suppress(ValueError, OverflowError, yaml.YAMLError):
         while loader.check_event():
             loader.get_event()
     return int(loader.line) + 1
 
 
-def _composed(text: str, path: Path, loader: Any) -> yaml.Node | None:
-    _check(text, path, loader)
+def _composed(text: str, loader: Any) -> yaml.Node | None:
+    _check(text, loader)
     node: yaml.Node | None = yaml.compose(text, Loader=loader)
     return node
 
 
-def _check(text: str, path: Path, loader: Any) -> None:
+def _check(text: str, loader: Any) -> None:
     """Look at the events, which costs no more than the text is long."""
     depth = 0
     for event in yaml.parse(text, Loader=loader):
         line = event.start_mark.line + 1 if event.start_mark else 1
         if isinstance(event, yaml.AliasEvent):
-            raise YamlError(f"{path}:{line}: aliases (*{event.anchor}) are not read: write it out")
+            raise YamlFault(line, f"aliases (*{event.anchor}) are not read: write it out")
         if isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
             depth += 1
         elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
             depth -= 1
         if depth > MAX_DEPTH:
-            raise YamlError(f"{path}:{line}: nested more than {MAX_DEPTH} deep")
+            raise YamlFault(line, f"nested more than {MAX_DEPTH} deep")

@@ -19,6 +19,7 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot import interfaces, messages, ros2_command, services
 from archo_tui.robot.consoles import author, own_name
 from archo_tui.robot.events import EventLog
+from archo_tui.robot.fields import filled
 from archo_tui.robot.followed import FARTHEST
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph, logger_node
@@ -200,7 +201,7 @@ class Robot:
         if srv_type is None:
             return Outcome(False, check.missing(service, type_name))
         try:
-            request = messages.filled(srv_type.Request(), values)
+            request = filled(srv_type.Request(), values)
         except ValueError as error:
             return Outcome(False, str(error))
 
@@ -247,7 +248,7 @@ class Robot:
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
         """Set parameters of one node, all or none, to values of the types that fit."""
-        command = "; ".join(ros2_command.set_parameter(node, *item) for item in values.items())
+        command = ros2_command.set_parameters(node, values)
         texts = ", ".join(f"{name} {text_of(value)}" for name, value in values.items())
         return await self._do(
             f"set {node.lstrip('/')} {texts}",
@@ -293,7 +294,10 @@ class Robot:
         srv_type, reason = self._offers.fitting(name, fields)
         if srv_type is None:
             return Outcome(False, reason)
-        request = srv_type.Request(**fields)
+        try:
+            request = filled(srv_type.Request(), fields)
+        except ValueError as error:
+            return Outcome(False, str(error))
         answer = await self._services.call(srv_type, name, request, gate=gate)
         if answer is None:
             return Outcome(False, f"no answer in {services.DEADLINE:g} s")
@@ -312,7 +316,7 @@ class Robot:
 
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))
-            text = f"{title}: {outcome.text}"
+            text = harmless(f"{title}: {outcome.text}")
             self._node.get_logger().info(text)  # for other consoles
             self._others.heard(text, self._clock.monotonic())
             self._add_event(Event(self._clock.now(), "YOU", "console", text, command))

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-import re
+import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import yaml
-
+from archo_tui.embedded import bounded_yaml
+from archo_tui.embedded.core_schema import YamlFault
+from archo_tui.robot.fields import INTEGERS, checked, element_of
 from archo_tui.robot.state import Leaf
-from archo_tui.robot.values import parse_bool, parse_integer, parse_number, text_of
+from archo_tui.robot.values import (
+    parse_any_number,
+    parse_bool,
+    parse_integer,
+    text_of,
+)
 from archo_tui.robots.model import Input
+from archo_tui.written import flow
 
-_INTEGER = re.compile(r"(u?)int(8|16|32|64)")
-_ARRAY = re.compile(r"sequence<(.+?)(?:, *\d+)?>|(.+)\[\d+\]")
 _SHOWN = 20  # characters of a wrong text that are shown
 _LONGEST = 10_000  # characters of a typed value
 _FARTHEST = 10**30  # beyond every type's range, which is said by itself
@@ -21,7 +26,7 @@ _FARTHEST = 10**30  # beyond every type's range, which is said by itself
 
 def is_integer(leaf: Leaf) -> bool:
     """True for a field that takes whole numbers only."""
-    return _INTEGER.fullmatch(leaf.type) is not None or leaf.type in ("byte", "char", "octet")
+    return leaf.type in INTEGERS
 
 
 def is_number(leaf: Leaf) -> bool:
@@ -31,16 +36,7 @@ def is_number(leaf: Leaf) -> bool:
 
 def is_list(leaf: Leaf) -> bool:
     """True for a field that takes a list."""
-    return "sequence<" in leaf.type or leaf.type.endswith("]")
-
-
-def range_of(leaf: Leaf) -> tuple[int, int] | None:
-    """What a whole number of the field's type may be."""
-    found = _INTEGER.fullmatch(leaf.type)
-    if found is None:
-        return (0, 255) if is_integer(leaf) else None
-    bits = int(found[2])
-    return (0, 2**bits - 1) if found[1] else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    return element_of(leaf.type) is not None
 
 
 def parse(leaf: Leaf, given: Input, text: str) -> Any:
@@ -51,20 +47,32 @@ def parse(leaf: Leaf, given: Input, text: str) -> Any:
         raise ValueError(f"{label}: type a value")
     try:
         value = _value(leaf, text)
+    except YamlFault as fault:
+        raise ValueError(f"{label}: {fault.said}: {shown}") from None
     except ValueError:
         kinds = "true or false" if leaf.type == "boolean" else "a number"
         kinds = "a whole number" if is_integer(leaf) else "a list" if is_list(leaf) else kinds
         raise ValueError(f"{label}: not {kinds}: {shown}") from None
-    whole = range_of(leaf)
-    low = given.low if given.low is not None or whole is None else whole[0]
-    high = given.high if given.high is not None or whole is None else whole[1]
-    if not is_number(leaf):  # a range of it is said where the file is checked
-        return value
-    if low is not None and value < low:
-        raise ValueError(f"{label}: at least {low:.15g}, not {shown}")
-    if high is not None and value > high:
-        raise ValueError(f"{label}: at most {high:.15g}, not {shown}")
+    if is_number(leaf):  # a range of another one is said where the file is checked
+        _check_range(leaf, given, value, label, shown)
+    checked(leaf.type, value, label)
     return value
+
+
+def _check_range(leaf: Leaf, given: Input, value: Any, label: str, shown: str) -> None:
+    low, high = INTEGERS.get(leaf.type, (None, None))
+    low, high = _or(given.low, low), _or(given.high, high)
+    # written so that nan, which is not less than anything, is no number of a range either
+    if low is not None and not value >= low:
+        raise ValueError(f"{label}: at least {low:.15g}, not {shown}")
+    if high is not None and not value <= high:
+        raise ValueError(f"{label}: at most {high:.15g}, not {shown}")
+    if given.convert and not math.isfinite(value):
+        raise ValueError(f"{label}: not a finite number: {shown}")
+
+
+def _or(given: float | None, otherwise: float | None) -> float | None:
+    return otherwise if given is None else given
 
 
 def parse_all(
@@ -89,7 +97,7 @@ def named(leaves: Iterable[Leaf], form: Mapping[str, Input], words: list[str]) -
     for word in words:
         name, equals, text = word.partition("=")
         path = lower.get(name.lower())
-        if not equals or path is None:
+        if not equals or path is None or path in found:
             raise ValueError(f"expected {_expected(labels)}, not {word[:_SHOWN]}")
         found[path] = text
     if set(found) != set(lower.values()):
@@ -104,8 +112,9 @@ def _expected(labels: Iterable[str]) -> str:
 def _value(leaf: Leaf, text: str) -> Any:
     if len(text) > _LONGEST:
         raise ValueError
-    if is_list(leaf):
-        return _list(leaf, text)
+    element = element_of(leaf.type)
+    if element is not None:
+        return _list(leaf._replace(type=element), text)
     if "string" in leaf.type:
         return text
     stripped = text.strip()
@@ -113,23 +122,19 @@ def _value(leaf: Leaf, text: str) -> Any:
         return parse_bool(stripped)
     if is_integer(leaf):
         return parse_integer(stripped, -_FARTHEST, _FARTHEST)
-    return parse_number(stripped)
+    return parse_any_number(stripped)
 
 
-def _list(leaf: Leaf, text: str) -> list[Any]:
-    found = _ARRAY.fullmatch(leaf.type)
-    element = leaf._replace(type="" if found is None else found[1] or found[2])
-    # YAML has numbers of its own, such as 1_2 and 1:30
-    loader = yaml.BaseLoader if is_number(element) else yaml.SafeLoader
-    try:
-        items = yaml.load(text, Loader=loader)
-    except yaml.YAMLError:
-        items = None
+def _list(element: Leaf, text: str) -> list[Any]:
+    """What each element means its type says, as for a field of one; of messages YAML does."""
+    if "/" not in element.type:
+        return [_value(element, item) for item in bounded_yaml.texts(text)]
+    items = bounded_yaml.load(text)
     if not isinstance(items, list):
         raise ValueError
-    return [_value(element, text_of(item)) for item in items] if is_number(element) else items
+    return items
 
 
 def default_text(leaf: Leaf) -> str:
-    """What stands in the field at first."""
-    return text_of(leaf.default) if isinstance(leaf.default, (int, float, str, list)) else ""
+    """What stands in the field at first: it means the value that the message has by itself."""
+    return flow(leaf.default) if isinstance(leaf.default, list) else text_of(leaf.default)

@@ -20,6 +20,7 @@ from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
+from archo_tui.errors import in_one_line
 from archo_tui.robot import interfaces, messages, services
 from archo_tui.robot.followed import ENDS, Followed
 from archo_tui.robot.services import Services
@@ -210,7 +211,12 @@ class Goals:
             answered.set_result(True)
             self._wake()
 
-        future = action.client.send_goal_async(request, goal_uuid=goal_id)
+        try:
+            future = action.client.send_goal_async(request, goal_uuid=goal_id)
+        except Exception as error:  # it never left
+            reason = f"not sent: {in_one_line(error)}"
+            one.end(Phase.REFUSED, reason)
+            return Outcome(False, reason)
         future.add_done_callback(on_answer)
         self._services.watch(answered)
         if await answered is None:

@@ -1,36 +1,39 @@
-"""Messages of any type: their fields by dotted path, filled from what was typed, and as text."""
+"""Messages of any type: their fields by dotted path, goals made of values, and as text."""
 
 from __future__ import annotations
 
 import itertools
 import math
-import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from archo_tui.robot.interfaces import EMPTY, load
+from archo_tui.robot.fields import NESTED, checked, put
+from archo_tui.robot.interfaces import EMPTY
 from archo_tui.robot.state import Leaf
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robots.model import GoalKind
+from archo_tui.written import flow
 
-_NESTED = re.compile(r"(\w+)/(\w+)")
-_ARRAY = re.compile(r"sequence<([^,<>]+(?:<\d+>)?)(?:, *\d+)?>|(.+)\[\d+\]")
 _SHOWN = 20  # elements of an array that are shown
-_REFUSED = (AssertionError, TypeError, ValueError, AttributeError, OverflowError)  # of setters
 
 
-def leaves(message: Any, before: str = "") -> Iterator[Leaf]:
+def leaves(message: Any) -> Iterator[Leaf]:
     """Every field of a message and of the messages in it, in their order."""
+    for path, kind, value in _fields(message):
+        yield Leaf(path, kind, _plain(value))
+
+
+def _fields(message: Any, before: str = "") -> Iterator[tuple[str, str, Any]]:
     for name, kind in message.get_fields_and_field_types().items():
         value = getattr(message, name)
         if name == EMPTY:
             continue
-        if _NESTED.fullmatch(kind):
-            yield from leaves(value, f"{before}{name}.")
+        if NESTED.fullmatch(kind):
+            yield from _fields(value, f"{before}{name}.")
         else:
-            yield Leaf(before + name, kind, _plain(value))
+            yield before + name, kind, value
 
 
 def types(message: Any, before: str = "") -> dict[str, str]:
@@ -40,7 +43,7 @@ def types(message: Any, before: str = "") -> dict[str, str]:
         if name == EMPTY:
             continue
         found[before + name] = kind
-        if _NESTED.fullmatch(kind):
+        if NESTED.fullmatch(kind):
             found |= types(getattr(message, name), f"{before}{name}.")
     return found
 
@@ -51,107 +54,69 @@ def paths(message_class: Any) -> frozenset[str]:
     return frozenset(types(message_class()))
 
 
-def put(message: Any, path: str, value: Any) -> None:
-    """Set the field at a dotted path, whole messages from mappings.
-
-    Raises ValueError with one line that says which field takes what.
-    """
-    first, _, rest = path.partition(".")
-    kinds = message.get_fields_and_field_types()
-    if first not in kinds:
-        raise ValueError(f"there is no field {first}: {', '.join(sorted(set(kinds) - {EMPTY}))}")
-    if rest:
-        put(getattr(message, first), rest, value)
-        return
-    try:
-        made = _made(kinds[first], value)
-    except ValueError as error:
-        raise ValueError(f"{first}: {error}") from None
-    try:
-        setattr(message, first, made)
-    except _REFUSED:
-        raise ValueError(f"{first}: not a value of type {kinds[first]}") from None
-
-
-def _made(kind: str, value: Any) -> Any:
-    """The value as a message of that kind takes it."""
-    array = _ARRAY.fullmatch(kind)
-    if array is not None:
-        if not isinstance(value, list):
-            raise ValueError(f"not a list: {text_of(value)}")
-        return [_made(array[1] or array[2], item) for item in value]
-    nested = _NESTED.fullmatch(kind)
-    if nested is not None:
-        if not isinstance(value, Mapping):
-            raise ValueError(f"not fields of {kind}: {text_of(value)}")
-        made = load(f"{nested[1]}/msg/{nested[2]}")()
-        for name, item in value.items():
-            put(made, str(name), item)
-        return made
-    if kind in ("float", "double") and type(value) is int:
-        return float(value)
-    if kind == "octet" and type(value) is int:
-        return bytes([value])
-    return value
-
-
-def filled(message: Any, values: Mapping[str, Any]) -> Any:
-    """The message with values by dotted path. Raises ValueError as `put` does."""
-    for path, value in values.items():
-        put(message, path, value)
-    return message
-
-
 def goal(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) -> Any:
     """The goal that a robot file and what was typed make. Raises ValueError as `put` does."""
     made = action_type.Goal()
     for path, value in itertools.chain(kind.fixed.items(), values.items()):
         given = kind.form.get(path)
-        if given is not None and given.convert == "yaw":
-            half = math.radians(value) / 2
-            value = {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
-        put(made, path, value)
+        put(made, path, _turned(path, value) if given is not None and given.convert else value)
     return made
+
+
+def _turned(path: str, degrees: Any) -> dict[str, float]:
+    """The quaternion of a yaw."""
+    half = math.radians(finite(path, degrees)) / 2
+    return {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
+
+
+def finite(where: str, value: Any) -> float:
+    """A number that something is computed of. Raises ValueError as `put` does."""
+    number: float = checked("double", value, where)
+    if not math.isfinite(number):
+        raise ValueError(f"{where}: {flow(number)} is not a finite number")
+    return number
 
 
 def text(message: Any) -> str:
     """Every field and its value in one line."""
-    return harmless(", ".join(f"{leaf.path} {_short(leaf.default)}" for leaf in leaves(message)))
+    return harmless(", ".join(f"{path} {_short(value)}" for path, _, value in _fields(message)))
 
 
 def as_yaml(message: Any) -> str:
     """The message as `ros2` takes it on its command line: `{pose: {x: 1.0}}`."""
-    parts = []
-    for name, kind in message.get_fields_and_field_types().items():
-        if name == EMPTY:
-            continue
-        value = getattr(message, name)
-        nested = _NESTED.fullmatch(kind)
-        parts.append(f"{name}: {as_yaml(value) if nested else _flow(_plain(value))}")
-    return f"{{{', '.join(parts)}}}"
-
-
-def _flow(value: Any) -> str:
-    if isinstance(value, list):
-        return f"[{', '.join(_flow(item) for item in value)}]"
-    if hasattr(value, "get_fields_and_field_types"):
-        return as_yaml(value)
-    if isinstance(value, str):
-        return value if re.fullmatch(r"[A-Za-z_][\w/]*", value) else f'"{value}"'
-    return text_of(value)
+    return flow(_plain(message, as_bytes=True))
 
 
 def _short(value: Any) -> str:
+    value = _listed(value)
     if isinstance(value, list):
         more = ", ..." if len(value) > _SHOWN else ""
         return f"[{', '.join(_short(item) for item in value[:_SHOWN])}{more}]"
-    if hasattr(value, "get_fields_and_field_types"):
+    if _is_message(value):
         return f"{{{text(value)}}}"
-    return f"{value:g}" if isinstance(value, float) else text_of(value)
+    return f"{value:g}" if isinstance(value, float) else text_of(_plain(value))
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: Any, as_bytes: bool = False) -> Any:
+    """Messages as mappings, arrays as lists, and a byte as a number.
+
+    `ros2` takes a byte for what it is, and would take a number for a length.
+    """
+    value = _listed(value)
+    if isinstance(value, list):
+        return [_plain(item, as_bytes) for item in value]
+    if _is_message(value):
+        names = [name for name in value.get_fields_and_field_types() if name != EMPTY]
+        return {name: _plain(getattr(value, name), as_bytes) for name in names}
+    return value[0] if isinstance(value, bytes) and not as_bytes else value
+
+
+def _listed(value: Any) -> Any:
     """Arrays, numpy's too, as lists."""
     if hasattr(value, "tolist"):
         return value.tolist()
     return list(value) if isinstance(value, tuple) else value
+
+
+def _is_message(value: Any) -> bool:
+    return hasattr(value, "get_fields_and_field_types")

@@ -11,6 +11,7 @@ from typing import Any
 from rclpy.node import Node
 
 from archo_tui.robot import forms, interfaces, messages, ros2_command
+from archo_tui.robot.fields import filled
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.state import Leaf
 from archo_tui.robots import check, model
@@ -73,7 +74,11 @@ class Offers:
         srv_type = interfaces.load(types[0]) if len(types) == 1 else None
         if srv_type is None or interfaces.fields(srv_type.Request) != set(fields):
             return ""
-        return ros2_command.service_call(full, types[0], srv_type.Request(**fields))
+        try:
+            request = filled(srv_type.Request(), fields)
+        except ValueError:  # calling it says why
+            return ""
+        return ros2_command.service_call(full, types[0], request)
 
     def goal_command(self, kind: model.GoalKind, values: Mapping[str, Any]) -> str:
         """The `ros2` command line that sends a goal, empty when none can be made."""
@@ -123,7 +128,7 @@ def _form_fault(kind: model.GoalKind, goal: Any) -> str:
 def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
     """The first fixed value that its field does not take."""
     try:
-        messages.filled(goal, kind.fixed)
+        filled(goal, kind.fixed)
     except ValueError as error:
         return f"{kind.where}: fixed: {error}"
     return ""

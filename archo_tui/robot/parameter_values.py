@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
-import yaml
-
+from archo_tui.embedded import bounded_yaml
+from archo_tui.embedded.core_schema import YamlFault
+from archo_tui.robot.fields import checked
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import parse_bool, parse_integer, parse_number, same, text_of
+from archo_tui.written import flow
 
 # rcl_interfaces/ParameterType's numbers, in words
 TYPES = {
     1: "bool", 2: "integer", 3: "double", 4: "string", 5: "byte[]",
     6: "bool[]", 7: "integer[]", 8: "double[]", 9: "string[]",
 }  # fmt: skip
+
+# the types of the fields that hold those that files have
+_FIELDS = {"bool": "boolean", "integer": "int64", "double": "double", "string": "string"}
+_FIELDS |= {f"{kind}[]": f"sequence<{of}>" for kind, of in _FIELDS.items()}
 
 _LONGEST = 10_000  # characters of a typed value
 
@@ -23,8 +29,13 @@ def as_python(message: Any) -> Any:
     kind = TYPES.get(message.type)
     if kind is None:
         return None
-    value = getattr(message, f"{kind.replace('[]', '_array')}_value")
+    value = getattr(message, value_field(kind))
     return list(value) if kind.endswith("[]") else value
+
+
+def value_field(kind: str) -> str:
+    """The field of rcl_interfaces/ParameterValue that holds a value of that type."""
+    return f"{kind.replace('[]', '_array')}_value"
 
 
 def range_text(parameter: Parameter) -> str:
@@ -34,6 +45,11 @@ def range_text(parameter: Parameter) -> str:
     if parameter.low is None or parameter.high is None:
         return ""
     return f"{parameter.low:g} .. {parameter.high:g}"
+
+
+def typed_text(value: Any) -> str:
+    """A value as it stands in a field, which `parse` reads back."""
+    return flow(value) if isinstance(value, list) else text_of(value)
 
 
 def parse(parameter: Parameter, text: str) -> Any:
@@ -61,7 +77,7 @@ def fit(parameter: Parameter, value: Any) -> Any:
     if parameter.read_only and not same(value, parameter.value):
         raise ValueError(f"read-only; its value is {text_of(parameter.value)}")
     _check_range(parameter, value, text_of(value))
-    return value
+    return checked(_FIELDS[parameter.type], value, "value")
 
 
 def _type_of(value: Any) -> str:
@@ -97,9 +113,7 @@ def _value(kind: str, text: str) -> Any:
 
 def _sequence(element: str, text: str) -> list[Any]:
     try:
-        items = yaml.load(text, Loader=yaml.BaseLoader)  # as typed: their type is declared
-    except yaml.YAMLError:
-        items = None
-    if not isinstance(items, list):
-        raise ValueError(f"not a list like [1, 2]: {text}")
-    return [_value(element, text_of(item)) for item in items]
+        items = bounded_yaml.texts(text)  # as typed: their type is declared
+    except YamlFault:
+        raise ValueError(f"not a list like [1, 2]: {text}") from None
+    return [_value(element, item) for item in items]

@@ -10,13 +10,15 @@ from collections.abc import Callable, Container, Mapping
 from typing import Any
 
 from rcl_interfaces import srv
-from rcl_interfaces.msg import ParameterEvent, ParameterType
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from archo_tui.clock import Clock
 from archo_tui.robot import services
-from archo_tui.robot.parameter_values import TYPES, as_python
+from archo_tui.robot.fields import checked
+from archo_tui.robot.parameter_values import TYPES, as_python, value_field
 from archo_tui.robot.rounds import Rounds
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Outcome, Parameter
@@ -157,9 +159,11 @@ class Parameters:
         The outcome says what the node answers when it is asked for them afterwards.
         """
         before = {name: text_of(self._value(node, name)) for name in values}
-        request = srv.SetParametersAtomically.Request(
-            parameters=[RosParameter(n, value=v).to_parameter_msg() for n, v in values.items()]
-        )
+        try:
+            parameters = [self._message(node, name, value) for name, value in values.items()]
+        except ValueError as error:
+            return Outcome(False, str(error))
+        request = srv.SetParametersAtomically.Request(parameters=parameters)
         answer = await self._services.call(
             srv.SetParametersAtomically,
             f"{node}/set_parameters_atomically",
@@ -180,6 +184,20 @@ class Parameters:
             f"{name} is {text_of(self._value(node, name))}, was {before[name]}" for name in names
         )
         return Outcome(True, said)
+
+    def _message(self, node: str, name: str, value: Any) -> Any:
+        """A parameter with a value of the type that it has here. Raises ValueError."""
+        known = self._by_node.get(node, {}).get(name)
+        if value == [] and known is not None:  # of any type, and only the declared one is taken
+            number = next((number for number, kind in TYPES.items() if kind == known.type), 0)
+        else:
+            number = RosParameter(name, value=value).type_.value
+        made = ParameterMessage(name=name, value=ParameterValue(type=number))
+        if number in TYPES:
+            field = value_field(TYPES[number])
+            kinds = ParameterValue.get_fields_and_field_types()
+            setattr(made.value, field, checked(kinds[field], value, name))
+        return made
 
     def _value(self, node: str, name: str) -> Any:
         known = self._by_node.get(node, {}).get(name)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from shlex import quote
 from typing import Any
 
 from archo_tui.robot import messages
-from archo_tui.robot.values import text_of
+from archo_tui.written import flow
 
 
 def service_call(name: str, type_name: str, request: Any) -> str:
@@ -24,6 +25,14 @@ def cancel(name: str) -> str:
     return f"ros2 service call {name}/_action/cancel_goal action_msgs/srv/CancelGoal"
 
 
-def set_parameter(node: str, name: str, value: Any) -> str:
-    """Set one parameter."""
-    return f"ros2 param set {quote(node)} {quote(name)} {quote(text_of(value))}"
+def set_parameters(node: str, values: Mapping[str, Any]) -> str:
+    """Set parameters; nothing for what `ros2` would guess another type for."""
+    if any(value == [] or _holds_bytes(value) for value in values.values()):
+        return ""
+    # behind a blank a number below zero is not taken for an option
+    texts = [(name, f" {flow(v)}" if flow(v)[0] == "-" else flow(v)) for name, v in values.items()]
+    return "; ".join(f"ros2 param set {quote(node)} {quote(n)} {quote(text)}" for n, text in texts)
+
+
+def _holds_bytes(value: Any) -> bool:
+    return isinstance(value, list) and isinstance(value[0], bytes)

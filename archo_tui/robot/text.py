@@ -12,7 +12,7 @@ from rich.cells import cell_len
 
 _LONGEST = 500  # characters of a line that are kept
 _MARKS = 4  # combining marks on one letter: more would reach into the lines around
-_SHOWN = "\N{REPLACEMENT CHARACTER}"
+HIDDEN = "\N{REPLACEMENT CHARACTER}"  # what stands for a character that is not shown
 # C0 and C1 controls; marks that turn the direction of text around, join or hide; other line ends;
 # lone surrogates, which no encoding of a terminal can hold; tags, which carry unseen text
 _UNSAFE = re.compile(
@@ -27,12 +27,12 @@ def safe(text: str) -> str:
     """One line of text without anything that a terminal could act on."""
     if text.isascii() and text.isprintable():  # nearly all is, and this is fast
         return text
-    return _HEAPED.sub(r"\1", _UNSAFE.sub(_SHOWN, text))
+    return _HEAPED.sub(r"\1", _UNSAFE.sub(HIDDEN, text))
 
 
 def safe_in_place(text: str) -> str:
     """The same in as many cells, for a line that was laid out already."""
-    text = _UNSAFE.sub(lambda found: _SHOWN * cell_len(found[0]), text)
+    text = _UNSAFE.sub(lambda found: HIDDEN * cell_len(found[0]), text)
     return _HEAPED.sub(r"\1", text)
 
 

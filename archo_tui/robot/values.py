@@ -9,6 +9,7 @@ from typing import Any
 # as people write them: int() and float() also take `1_2`, and the digits of every script
 _WHOLE = re.compile(r"[+-]?[0-9]+")
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
+_INFINITE = re.compile(r"[+-]?\.?(inf|Inf|INF)|\.?(nan|NaN|NAN)")  # with YAML's dot or without
 _DIGITS = 30  # more than any type has room for: what follows makes no number fit
 
 
@@ -62,3 +63,10 @@ def parse_number(text: str) -> float:
     if not _NUMBER.fullmatch(text.strip()):
         raise ValueError(f"not a number: {text}")
     return value
+
+
+def parse_any_number(text: str) -> float:
+    """A number as messages hold them: `nan` and `inf` too."""
+    if _INFINITE.fullmatch(text):
+        return float(text.replace(".", ""))
+    return parse_number(text)

@@ -17,13 +17,11 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import yaml
 
+from archo_tui.embedded import core_schema
 from archo_tui.errors import ArchoError
 
 NONE = ("", "~", "null", "none")
-_YAML = "tag:yaml.org,2002:"
 _SHOWN = 40  # characters of a wrong value that are shown
-# what PyYAML's constructors raise beside its own errors: for `!!int x`, `!!bool x`, `!!timestamp x`
-_REFUSED = (ValueError, KeyError, AttributeError, IndexError, OverflowError, TypeError)
 _WORDS = {str: "a text", float: "a number", int: "a whole number", bool: "true or false"}
 
 
@@ -33,7 +31,7 @@ def read(kind: Any, node: yaml.Node, path: Path) -> Any:
     if origin in (Union, types.UnionType):
         return _one_of(arguments, node, path)
     if kind is Any:
-        return _constructed(node)
+        return _any(node, path)
     if origin is Literal:
         return _word(arguments, node, path)
     if origin is tuple:
@@ -98,6 +96,13 @@ def _record(kind: Any, node: yaml.Node, path: Path) -> Any:
     return kind(**given)
 
 
+def _any(node: yaml.Node, path: Path) -> Any:
+    try:
+        return core_schema.value(node)
+    except core_schema.YamlFault as fault:
+        raise ArchoError(f"{path}:{fault.line}: {fault.said}") from None
+
+
 class _Unfit(ArchoError):
     """Not a value of the type; the record that it stands in knows its name."""
 
@@ -136,18 +141,12 @@ def _scalar(kind: Any, node: yaml.Node) -> Any:
         raise _Unfit(f"expected {_WORDS[kind]}")
     if kind is str:
         return node.value
-    value = _constructed(node)
+    try:
+        value = core_schema.value(node)
+    except core_schema.YamlFault as fault:
+        raise _Unfit(f"expected {_WORDS[kind]}: {fault.said}") from None
     if kind is float and type(value) is int:
         value = float(value) if abs(value) < sys.float_info.max else math.inf
     if type(value) is not kind or (kind is float and not math.isfinite(value)):
         raise _Unfit(f"expected {_WORDS[kind]}, not {node.value[:_SHOWN]}")
     return value
-
-
-def _constructed(node: yaml.Node) -> Any:
-    """What the node says by itself."""
-    try:
-        return yaml.SafeLoader("").construct_object(node, deep=True)
-    except (yaml.YAMLError, *_REFUSED):
-        said = node.value[:_SHOWN] if isinstance(node, yaml.ScalarNode) else "it"
-        raise _Unfit(f"cannot read {said} as {node.tag.removeprefix(_YAML)[:_SHOWN]}") from None

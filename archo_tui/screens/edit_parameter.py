@@ -11,9 +11,9 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Button, Static
 
-from archo_tui.robot.parameter_values import parse, range_text
+from archo_tui.robot.parameter_values import parse, range_text, typed_text
 from archo_tui.robot.state import Outcome, Parameter
-from archo_tui.robot.text import harmless
+from archo_tui.robot.text import HIDDEN, harmless, safe
 from archo_tui.robot.values import text_of
 from archo_tui.screens.dialog import Form
 from archo_tui.terminal.app import COMMANDS
@@ -30,7 +30,8 @@ class EditParameter(Form):
     ) -> None:
         """`offered` is the value that stands in the field."""
         super().__init__()
-        self._offered = "" if offered is None else harmless(text_of(offered))
+        self._offered = offered
+        self._text = safe(typed_text(offered))  # in full: what is sent must not be a part of it
         self._parameter, self._send = parameter, send
         self._sending = False
         if parameter.read_only:
@@ -48,7 +49,7 @@ class EditParameter(Form):
             yield Static(Content(f"type   {kind}"))
             yield Static(Content(f"now    {harmless(text_of(parameter.value))}"))
             yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
-            field = Field(self._offered, id="value")
+            field = Field(self._text, id="value")
             field.disabled = parameter.read_only
             yield field
             yield Static(Content(self.standing), classes="error")
@@ -63,13 +64,22 @@ class EditParameter(Form):
         if self._sending:
             return
         try:
-            value = parse(self._parameter, typed)
+            value = self._value(typed)
         except ValueError as error:
             self.say(str(error))
             return
         self._sending = True
         self.say("asking the node ...")
         self.app.run_worker(self._ask(value), group=COMMANDS)
+
+    def _value(self, typed: str) -> Any:
+        """What was typed; where the field could not show all there is, untouched it means that."""
+        if self._text != typed_text(self._offered):
+            if typed == self._text:
+                return self._offered
+            if HIDDEN in typed:
+                raise ValueError(f"{HIDDEN} stands for what cannot be shown: type it anew")
+        return parse(self._parameter, typed)
 
     async def _ask(self, value: Any) -> None:
         outcome = await self._send(value)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any
 
-import yaml
 from textual import widgets  # of these TextArea is loaded with its first use: it is large
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -13,12 +12,15 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Button, Label, Static
 
+from archo_tui.embedded.bounded_yaml import load
+from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.state import Leaf, Outcome
 from archo_tui.robots.model import Input
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
+from archo_tui.written import block
 
 MOST_FIELDS = 12  # beyond that it is one YAML text
 Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
@@ -140,18 +142,14 @@ class MessageForm(Dialog[None]):
         text = self.query_one(widgets.TextArea).text
         self._typed[""] = text
         try:
-            values = yaml.safe_load(text)
-        except yaml.MarkedYAMLError as error:
-            mark = error.problem_mark
-            self.say(f"line {mark.line + 1 if mark else 1}: {error.problem}")
-            return None
-        except (yaml.YAMLError, ValueError) as error:
-            self.say(f"not YAML: {str(error).splitlines()[0]}")
+            values = load(text)
+        except YamlFault as fault:
+            self.say(str(fault))
             return None
         if not isinstance(values, dict):
             self.say("expected lines like 'field: value'")
             return None
-        return {str(name): value for name, value in values.items()}
+        return values
 
     async def _ask(self, values: Mapping[str, Any]) -> None:
         outcome = await self._send(values)
@@ -167,6 +165,5 @@ def _yaml(leaves: Sequence[Leaf]) -> str:
         place = nested
         for name in before:
             place = place.setdefault(name, {})
-        known = isinstance(leaf.default, (bool, int, float, str, list))
-        place[last] = leaf.default if known else 0
-    return str(yaml.safe_dump(nested, sort_keys=False))
+        place[last] = leaf.default
+    return block(nested)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rclpy.node import Node
 from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
@@ -382,3 +383,46 @@ async def test_only_what_differs_is_shown_with_both_values_and_backspace_offers_
         assert "wheel_radius" not in op.text
         await op.press("backspace", "enter")
         await op.until("nothing differs from the start")
+
+
+LABELS = ["a, b", "yes", "", "it's\n\u202e"]
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("label", "x" * 600), ("label", "two\nlines\u202e"), ("labels", LABELS)]
+)
+async def test_a_value_that_is_sent_untouched_stays_what_it_is(name: str, value: Any) -> None:
+    made: list[Node] = []
+
+    def labelled(**options: Any) -> Node:
+        made.append(Node("labelled", **options))
+        made[0].declare_parameter(name, value)
+        return made[0]
+
+    async with console(node_makers=[labelled], wait=False) as op:
+        await op.until(lambda: op.app.view.snapshot.parameter(name) is not None)
+        await op.press("4")
+        names = [p.name for p in op.app.view.snapshot.parameters]
+        op.send("home", *["down"] * names.index(name), "enter")
+        await op.until(lambda: op.app.screen.query("#value"))
+        await op.press("enter")
+        await op.until(f"set labelled {name}")
+        assert made[0].get_parameter(name).value == value
+        assert op.app.view.snapshot.parameter(name).value == value  # type: ignore[union-attr]
+
+
+async def test_what_cannot_be_shown_is_not_sent_as_its_mark() -> None:
+    def labelled(**options: Any) -> Node:
+        node = Node("labelled", **options)
+        node.declare_parameter("label", "two\nlines")
+        return node
+
+    async with console(node_makers=[labelled], wait=False) as op:
+        await op.until(lambda: op.app.view.snapshot.parameter("label") is not None)
+        await op.press("4")
+        names = [p.name for p in op.app.view.snapshot.parameters]
+        op.send("home", *["down"] * names.index("label"), "enter")
+        await op.until(lambda: op.app.screen.query("#value"))
+        await op.press("end", "!", "enter")
+        await op.until("stands for what cannot be shown: type it anew")
+        assert op.app.view.snapshot.parameter("label").value == "two\nlines"  # type: ignore[union-attr]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -23,6 +24,17 @@ from archo_tui.robots.model import Input
         ("sequence<double, 5>", "[1, .5]", [1.0, 0.5]),
         ("double[2]", "[1e3, +2]", [1000.0, 2.0]),
         ("sequence<string>", "[a, 'b c']", ["a", "b c"]),
+        ("sequence<string>", "[010, yes]", ["010", "yes"]),
+        ("sequence<string<3>, 3>", "[abc]", ["abc"]),
+        ("int32", "010", 10),
+        ("sequence<int32>", "[010]", [10]),
+        ("boolean", "on", True),
+        ("sequence<boolean>", "[on, false]", [True, False]),
+        ("sequence<float>", "[1e3]", [1000.0]),
+        ("double", "inf", math.inf),
+        ("double", "-.inf", -math.inf),
+        ("sequence<double>", "[inf, -.Inf]", [math.inf, -math.inf]),
+        ("sequence<octet>", "[0, 255]", [0, 255]),
     ],
 )
 def test_the_type_of_the_field_decides(kind: str, text: str, value: Any) -> None:
@@ -39,3 +51,54 @@ def test_what_only_python_or_yaml_takes_is_no_number(kind: str, what: str, text:
     with pytest.raises(ValueError) as caught:
         parse(Leaf("x", kind, None), Input(label="Way"), typed)
     assert str(caught.value) == f"Way: not {what}: {typed}"
+
+
+@pytest.mark.parametrize("text", ["nan", ".nan", ".NaN"])
+def test_nan_is_the_same_in_a_field_and_in_a_list(text: str) -> None:
+    assert math.isnan(parse(Leaf("x", "float", None), Input(), text))
+    assert math.isnan(parse(Leaf("x", "sequence<float>", None), Input(), f"[{text}]")[0])
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "said"),
+    [
+        ("int32", "3000000000", "x: at most 2147483647, not 3000000000"),
+        ("octet", "256", "x: at most 255, not 256"),
+        ("float", "1e39", "x: 1.0e+39 is not within -3.402823466e+38 .. 3.402823466e+38"),
+        ("uint8[4]", "[1]", "x: [1] has 1 elements, not 4"),
+        ("sequence<int8>", "[1, 300]", "x[1]: 300 is not within -128 .. 127"),
+        ("sequence<int64>", "[true]", "x: not a list: [true]"),
+        ("sequence<int64>", "[1:30]", "x: not a list: [1:30]"),
+        ("sequence<string>", "[[a]]", "x: not a list of single values: [[a]]"),
+        ("sequence<int8>", "&a [*a]", "x: aliases (*a) are not read: write it out: &a [*a]"),
+        ("sequence<int8>", "[" * 9000, f"x: nested more than 20 deep: {'[' * 20} ..."),
+        ("sequence<a_msgs/A>", "[" * 9000, f"x: nested more than 20 deep: {'[' * 20} ..."),
+        ("string<8>", "abcdefghijkl", "x: abcdefghijkl has 12 characters, at most 8"),
+        ("string", "a\0", 'x: "a\\0" holds a character of code 0'),
+        ("builtin_interfaces/Time[1]", "[{sec: 1, sec: 2}]", "x: sec is given twice: "),
+        ("builtin_interfaces/Time[1]", "[{sec: 1.5}]", "x[0].sec: 1.5 is not a whole number"),
+    ],
+)
+def test_what_does_not_fit_the_field_is_said_as_it_is_typed(
+    kind: str, text: str, said: str
+) -> None:
+    with pytest.raises(ValueError) as caught:
+        parse(Leaf("x", kind, None), Input(), text)
+    assert str(caught.value).startswith(said)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("given", "text", "said"),
+    [
+        (Input(low=0.0), "nan", "x: at least 0, not nan"),
+        (Input(high=9.0), "nan", "x: at most 9, not nan"),
+        (Input(high=9.0), "inf", "x: at most 9, not inf"),
+        (Input(convert="yaw"), "inf", "x: not a finite number: inf"),
+        (Input(convert="yaw"), "nan", "x: not a finite number: nan"),
+    ],
+)
+def test_what_is_no_number_fits_no_range(given: Input, text: str, said: str) -> None:
+    with pytest.raises(ValueError) as caught:
+        parse(Leaf("x", "double", None), given, text)
+    assert str(caught.value) == said

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
+import random
 from typing import Any
 
 import pytest
 
-from archo_tui.robot.parameter_values import parse, range_text
+from archo_tui.robot.parameter_values import parse, range_text, typed_text
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import text_of
+from tests.support.values import value_of
 
 
 def parameter(kind: str, **options: Any) -> Parameter:
@@ -76,6 +79,19 @@ def test_what_means_nothing_is_said_in_one_line(kind: str, text: str, said: str)
     with pytest.raises(ValueError) as caught:
         parse(parameter(kind), text)
     assert str(caught.value) == said
+
+
+@pytest.mark.parametrize("kind", ["bool", "integer", "double", "string"])
+def test_the_text_of_a_value_is_read_as_that_value(kind: str) -> None:
+    chance = random.Random(kind)
+    of = {"bool": "boolean", "integer": "int64"}.get(kind, kind)
+    for _ in range(200):
+        value = value_of(of, chance)
+        if kind == "double" and not math.isfinite(value):
+            continue  # which cannot be typed
+        if value != "" and str(value).isprintable():
+            assert parse(parameter(kind), typed_text(value)) == value
+        assert parse(parameter(f"{kind}[]"), typed_text([value, value])) == [value, value]
 
 
 def test_ranges_and_read_only() -> None:

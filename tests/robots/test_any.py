@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
@@ -12,13 +13,17 @@ import pytest
 
 pytest.importorskip("depot_interfaces")
 
+from rclpy.node import Node
 from textual.widgets import TextArea
 
+from archo_tui.robot.interfaces import load as load_interface
 from archo_tui.robots.load import load
 from archo_tui.screens.message_form import MessageForm
+from archo_tui.written import block
 from tests.robots.rover import Counting
 from tests.support.archo import ARCHO
 from tests.support.console import Console, console
+from tests.support.values import told, values_of
 
 
 @asynccontextmanager
@@ -113,8 +118,8 @@ async def test_a_wrong_element_of_an_array_is_said_and_nothing_is_sent() -> None
         screen = await form(op, "C", *"plan", "enter")
         places = {leaf.path: number for number, leaf in enumerate(screen._leaves)}
         for path, text, said in (
-            ("waypoints", "[{q: 1}]", "there is no field q: x, y, z"),
-            ("waypoints", "[3]", "not fields of depot_interfaces/Vector: 3"),
+            ("waypoints", "[{q: 1}]", "there is no field waypoints[0].q: x, y, z"),
+            ("waypoints", "[3]", "waypoints[0]: 3 is not the fields of depot_interfaces/Vector"),
             ("waypoints", "5", "waypoints: not a list: 5"),
             ("weights", "[a]", "weights: "),
         ):
@@ -134,7 +139,7 @@ async def test_a_goal_of_many_fields_is_one_yaml_text() -> None:
         assert "frame_id" in area.text
         area.text = "first: {pose: {position: {x: oops}}}"
         await op.press("ctrl+s")
-        await op.until("x: not a value of type double")
+        await op.until("first.pose.position.x: oops is not a number")
         area.text = "first: [1, 2"
         await op.press("ctrl+s")
         await op.until("line 1:")
@@ -145,6 +150,98 @@ async def test_a_goal_of_many_fields_is_one_yaml_text() -> None:
         assert node.inspected[0].first.pose.position.x == 2.0
         assert node.inspected[0].second.pose.orientation.w == 1.0
         assert node.inspected[0].labels == ["a", "b"]
+
+
+class Echoing(Node):
+    """Answers with what it was asked, of every type there is."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("echoing", **options)
+        self.asked: list[Any] = []
+        self.create_service(load_interface("depot_interfaces/srv/Echo"), "echo", self._echo)
+
+    def _echo(self, request: Any, response: Any) -> Any:
+        self.asked.append(request)
+        response.sample, response.more = request.sample, request.more
+        return response
+
+
+@asynccontextmanager
+async def echoing() -> AsyncIterator[tuple[Console, Echoing, MessageForm]]:
+    """The form of that service."""
+    if load_interface("depot_interfaces/srv/Echo") is None:
+        pytest.skip("depot_interfaces is an older one")
+    made: list[Echoing] = []
+
+    def make(**given: Any) -> Echoing:
+        made.append(Echoing(**given))
+        return made[-1]
+
+    async with console(node_makers=[make], wait=False) as op:
+        await op.until(lambda: "/echo" in op.app.view.snapshot.services)
+        yield op, made[-1], await form(op, "C", *"echo", "enter")
+
+
+async def test_a_prefilled_text_that_is_sent_untouched_is_the_types_defaults() -> None:
+    async with echoing() as (op, node, _):
+        await op.press("ctrl+s")
+        await op.until(lambda: node.asked)
+        assert told(node.asked[0]) == told(type(node.asked[0])())
+
+
+async def test_values_of_every_type_are_typed_sent_and_received_unaltered() -> None:
+    async with echoing() as (op, node, screen):
+        chance, area = random.Random(24), screen.query_one(TextArea)
+        for number in range(1, 13):
+            values = values_of(load_interface("depot_interfaces/srv/Echo").Request, chance)
+            area.text = block(values)
+            await op.press("ctrl+s")
+            await op.until(lambda number=number: len(node.asked) == number)  # type: ignore[misc]
+            assert told(node.asked[-1]) == told(values)
+            await op.until(lambda: not isinstance(op.app.screen, MessageForm))
+            await form(op, "C", *"echo", "enter")
+            area = op.app.screen.query_one(TextArea)
+
+
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        ("sample: {i32: 3000000000}", "sample.i32: 3000000000 is not within -2147483648 .. "),
+        ("sample: {u8s: [1]}", "sample.u8s: [1] has 1 elements, not 4"),
+        ("sample: {i8: 300}", "sample.i8: 300 is not within -128 .. 127"),
+        ("sample: {f32: 1.0e+39}", "sample.f32: 1.0e+39 is not within -3.402823466e+38 .. "),
+        ("sample: {short_text: abcdefghijkl}", "sample.short_text: abcdefghijkl has 12 char"),
+        ("sample: {flags: [yes]}", 'sample.flags[0]: "yes" is not true or false'),
+        ("sample: {i32: 1:30}", 'sample.i32: "1:30" is not a whole number'),
+        ("sample: {i32: 1_0}", 'sample.i32: "1_0" is not a whole number'),
+        ("sample: {i32: 1, i32: 2}", "line 1: i32 is given twice"),
+        ("sample:\n  <<: {i32: 1}", "there is no field sample.<<"),
+        ("sample: &a [*a]", "line 1: aliases (*a) are not read: write it out"),
+        ("[" * 9000, "line 1: nested more than 20 deep"),
+        ("sample: {i32: !!int x}", "line 1: not of the kind !!int: x"),
+        (f"sample: {{i32: {'9' * 5000}}}", "line 1: a number of 5000 digits"),
+        ("sample: {f64: 1e999}", "line 1: too large for a number: 1e999"),
+    ],
+)
+async def test_a_text_with_a_wrong_value_stays_and_says_why(typed: str, said: str) -> None:
+    async with echoing() as (op, node, screen):
+        area = screen.query_one(TextArea)
+        area.text = typed
+        await op.press("ctrl+s")
+        await op.until(said)
+        assert area.text == typed
+        assert node.asked == []
+
+
+async def test_numbers_in_a_text_are_read_as_in_a_field() -> None:
+    async with echoing() as (op, node, screen):
+        numbers = "{i32: 010, on: false, i64s: [010, 0, -08], f32s: [1e3, .nan, 1]}"
+        screen.query_one(TextArea).text = f"sample: {numbers}"
+        await op.press("ctrl+s")
+        await op.until(lambda: node.asked)
+        sample = node.asked[0].sample
+        assert (sample.i32, sample.on, list(sample.i64s)) == (10, False, [10, 0, -8])
+        assert str(list(sample.f32s)) == "[1000.0, nan, 1.0]"
 
 
 async def test_what_was_used_is_kept_as_a_robot_file(
@@ -214,6 +311,4 @@ def _stopping(**given: Any) -> Any:
 
 
 def _bare(**given: Any) -> Any:
-    from rclpy.node import Node
-
     return Node("bare", **given)

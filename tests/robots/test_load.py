@@ -20,6 +20,7 @@ from tests.robots.mutated import mutated
 
 HERE = Path(__file__).parent
 FILES = [*default().parent.glob("*.yaml"), *HERE.glob("*.yaml")]
+ONE_GOAL = "goals:\n  - id: a\n    title: t\n    action: a\n    type: a/action/B\n"
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
@@ -66,6 +67,14 @@ def test_what_a_file_leaves_out_the_robot_does_not_have(tmp_path: Path) -> None:
         ("battery:\n  topic: a\n  period: .nan\n  types: {}\n", 3, "expected a number, not .nan"),
         ("battery:\n  topic: a\n  types:\n    b/c: {percentage: p}\n", 2, "'b/c' is no type"),
         ("battery:\n  topic: a\n  types:\n    a/msg/B:\n      voltage: v\n", 5, "percentage is missing"),
+        ("battery:\n  topic: a\n  period: 1:30\n  types: {}\n", 3, "period: expected a number, not 1:30"),
+        ("battery:\n  topic: a\n  period: 1_0\n  types: {}\n", 3, "period: expected a number, not 1_0"),
+        ("battery:\n  topic: a\n  period: 1e999\n  types: {}\n", 3, "too large for a number: 1e999"),
+        (f"battery:\n  topic: a\n  period: {'9' * 5000}\n  types: {{}}\n", 3, "a number of 5000 digits"),
+        ("battery:\n  topic: a\n  period: !!int x\n  types: {}\n", 3, "not of the kind !!int: x"),
+        (ONE_GOAL + "    fixed: {a: 1, a: 2}\n", 6, "a is given twice"),
+        (ONE_GOAL + "    fixed:\n      a:\n        b: 1\n        b: 2\n", 9, "b is given twice"),
+        (ONE_GOAL + "    fixed: {a: !!timestamp x}\n", 6, "!!timestamp is not read here"),
         (
             "battery:\n  topic: a\n  types:\n    a/msg/B:\n      percentage: {field: p, scael: 100}\n",
             5,
@@ -152,13 +161,16 @@ def test_what_cannot_be_meant_is_refused_with_its_line(
 @pytest.mark.parametrize(
     ("value", "said"),
     [
-        ("!!int x", "scale: cannot read x as int"),
-        ("!!timestamp bad", "scale: cannot read bad as timestamp"),
+        ("!!int x", "scale: expected a number: not of the kind !!int: x"),
+        ("!!timestamp bad", "scale: expected a number: !!timestamp is not read here"),
         ("2020-99-99", "scale: "),
-        ("!!bool maybe", "scale: cannot read maybe as bool"),
+        ("!!bool maybe", "scale: expected a number: not of the kind !!bool: maybe"),
         ("9" * 5000, "scale: "),
-        ("9" * 400, "scale: expected a number, not 9999"),
-        ("!!python/object:os.system x", "scale: cannot read x as python/object:os.system"),
+        ("9" * 400, "scale: expected a number: a number of 400 digits"),
+        (
+            "!!python/object:os.system x",
+            "scale: expected a number: !!python/object:os.system is not read here",
+        ),
         ('"\\UFFFFFFFF"', "not YAML: "),
         ("\x1b", "not YAML: unacceptable character #x001b"),
         ('"\\x1b[2J"', "scale: expected a number, not \N{REPLACEMENT CHARACTER}[2J"),
@@ -211,6 +223,17 @@ def test_whatever_is_changed_in_a_file_it_loads_or_is_one_line(tmp_path: Path) -
     for said in refusals:
         assert said.isprintable(), said
         assert re.match(rf"{re.escape(str(file))}:\d+: .", said), said
+
+
+def test_values_of_a_file_are_read_as_what_is_typed(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text(
+        ONE_GOAL + "    fixed: {a: 010, b: 1:30, c: [yes, 1e3], d: {on: 0x10}, e: '1'}\n"
+    )
+    expected = {"a": 10, "b": "1:30", "c": ["yes", 1000.0], "d": {"on": 16}, "e": "1"}
+    assert load(file).goals[0].fixed == expected
+    file.write_text(dump(load(file)))
+    assert load(file).goals[0].fixed == expected
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:

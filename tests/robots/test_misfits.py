@@ -30,8 +30,8 @@ MISFITS = [
     (f"{X[:-1]}y: {{convert: yaw}}", "", 9, "is double: convert: yaw is for a quaternion"),
     (f"{X[:-2]}: {{label: y, convert: yaw}}", "", 9, "convert: yaw is for a quaternion"),
     (f"{X[:-2]}: {{label: y}}", "", 9, "is depot_interfaces/Vector: name one of its fields"),
-    (f"{X[:-1]}y: {{}}", f"{X[:-1]}z: far", 3, "fixed: z: "),
-    (f"{X[:-1]}y: {{}}", f"{TURN}: 3", 3, "fixed: orientation: not fields of"),
+    (f"{X[:-1]}y: {{}}", f"{X[:-1]}z: far", 3, "fixed: target.pose.position.z: "),
+    (f"{X[:-1]}y: {{}}", f"{TURN}: 3", 3, "fixed: target.pose.orientation: 3 is not the fields of"),
 ]
 
 

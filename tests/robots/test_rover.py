@@ -131,7 +131,10 @@ async def test_a_field_that_the_type_has_not_is_said_with_file_and_line(tmp_path
 
 async def test_it_is_operated_line_by_line() -> None:
     code, text = await plain(
-        "status\ngo x=1 y=2\ngo x=1 y=2 z=3\nstop\ngo x=1 y=2 yaw=0\n", Rover, robot=FILE
+        "status\ngo x=1 y=2\ngo x=1 y=2 z=3\ngo x=010 y=1_0 yaw=0\ngo x=010 y=1:30 yaw=0\n"
+        "go x=1 y=2 yaw=nan\ngo x=1 y=2 yaw=0 x=3\nstop\ngo x=010 y=2 yaw=0\n",
+        Rover,
+        robot=FILE,
     )
     assert code == 1
     for part in (
@@ -139,7 +142,11 @@ async def test_it_is_operated_line_by_line() -> None:
         "failed: go: expected x=... y=... yaw=...\n",
         "failed: go: expected x=... y=... yaw=..., not z=3",
         "failed: stop: Rover has no STOP: use the hardware stop",
-        "go to pose x 1.0, y 2.0, yaw 0.0: accepted",
+        "failed: go: y: not a number: 1_0",
+        "failed: go: y: not a number: 1:30",
+        "failed: go: expected x=... y=... yaw=..., not x=3",
+        "failed: go: yaw: at least -360, not nan",
+        "go to pose x 10.0, y 2.0, yaw 0.0: accepted",
         "goal ✓ ARRIVED",
     ):
         assert part in text, text

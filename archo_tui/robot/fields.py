@@ -1,0 +1,162 @@
+"""Values into the fields of messages, each checked by the type of its field.
+
+rosidl's classes check only where ROS_PYTHON_CHECK_FIELDS=1 was set: without it, what does not fit
+is cut, and a list that is too short is filled up with whatever lies in memory.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from archo_tui.robot.interfaces import EMPTY, load
+from archo_tui.robot.text import harmless
+from archo_tui.written import flow
+
+NESTED = re.compile(r"(\w+)/(\w+)")
+# of a bound or length the digits: sequence<string<8>, 3> holds three texts of eight characters
+_ARRAY = re.compile(r"sequence<(?P<of>.+?)(?:, *(?P<most>\d+))?>|(?P<each>.+)\[(?P<size>\d+)\]")
+_STRING = re.compile(r"w?string(?:<(\d+)>)?")
+_FLOAT32_MAX = 3.402823466e38  # as rosidl has it; beyond it is infinite on the wire
+_SHOWN = 40  # characters of a wrong value that are shown
+_REFUSED = (AssertionError, TypeError, ValueError, AttributeError, OverflowError)  # of setters
+
+INTEGERS = {
+    f"{sign}int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
+    for sign in ("", "u")
+    for bits in (8, 16, 32, 64)
+} | {"octet": (0, 255)}
+
+
+def element_of(kind: str) -> str | None:
+    """The type of a list's elements; None of a type that is no list's."""
+    found = _ARRAY.fullmatch(kind)
+    return None if found is None else found["of"] or found["each"]
+
+
+def put(message: Any, path: str, value: Any, where: str = "") -> None:
+    """Set the field at a dotted path, whole messages from mappings.
+
+    Raises ValueError with one line: the field, the value, what is allowed.
+    """
+    first, _, rest = path.partition(".")
+    kinds = message.get_fields_and_field_types()
+    where = f"{where}.{first}".lstrip(".")
+    if first not in kinds:
+        known = ", ".join(sorted(set(kinds) - {EMPTY})) or "it takes none"
+        raise ValueError(harmless(f"there is no field {where}: {known}"))
+    if rest:
+        if not NESTED.fullmatch(kinds[first]):
+            why = f"{where} is of type {kinds[first]}"
+            raise ValueError(harmless(f"there is no field {where}.{rest}: {why}"))
+        put(getattr(message, first), rest, value, where)
+        return
+    made = checked(kinds[first], value, where)
+    try:
+        setattr(message, first, made)
+    except _REFUSED:
+        raise ValueError(f"{where}: {_shown(value)} is not of type {kinds[first]}") from None
+
+
+def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
+    """The message with values by dotted path. Raises ValueError as `put` does."""
+    for path, value in values.items():
+        put(message, path, value, where)
+    return message
+
+
+def checked(kind: str, value: Any, where: str) -> Any:
+    """The value as a field of that type takes it. Raises ValueError as `put` does."""
+    array, nested = _ARRAY.fullmatch(kind), NESTED.fullmatch(kind)
+    if array is not None:
+        return _list(array, value, where)
+    if nested is not None:
+        return _message(nested, value, where)
+    try:
+        return _single(kind, value)
+    except ValueError as error:
+        raise ValueError(f"{where}: {_shown(value)} {error}") from None
+
+
+def _list(array: re.Match[str], value: Any, where: str) -> list[Any]:
+    if not isinstance(value, list):
+        raise ValueError(f"{where}: {_shown(value)} is not a list")
+    size, most = array["size"], array["most"]
+    if size is not None and len(value) != int(size):
+        raise ValueError(f"{where}: {_shown(value)} has {len(value)} elements, not {size}")
+    if most is not None and len(value) > int(most):
+        raise ValueError(f"{where}: {_shown(value)} has {len(value)} elements, at most {most}")
+    of = array["of"] or array["each"]
+    return [checked(of, item, f"{where}[{place}]") for place, item in enumerate(value)]
+
+
+def _message(nested: re.Match[str], value: Any, where: str) -> Any:
+    if not isinstance(value, Mapping):
+        raise ValueError(f"{where}: {_shown(value)} is not the fields of {nested[0]}")
+    message_class = load(f"{nested[1]}/msg/{nested[2]}")
+    if message_class is None:
+        raise ValueError(f"{where}: {nested[0]} is not installed here")
+    return filled(message_class(), value, where)
+
+
+def _single(kind: str, value: Any) -> Any:
+    """Raises ValueError that says what is allowed; the field and the value stand before it."""
+    text = _STRING.fullmatch(kind)
+    if text is not None:
+        return _text(value, None if text[1] is None else int(text[1]))
+    if kind in INTEGERS:
+        if kind == "octet" and isinstance(value, bytes) and len(value) == 1:
+            return value
+        whole = _whole(value, *INTEGERS[kind])
+        return bytes([whole]) if kind == "octet" else whole
+    if kind in ("float", "double"):
+        return _number(value, kind)
+    if kind != "boolean":
+        raise ValueError(f"is for a field of type {kind}, which cannot be set from here")
+    if not isinstance(value, bool):
+        raise ValueError("is not true or false")
+    return value
+
+
+def _whole(value: Any, low: int, high: int) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise ValueError("is not a whole number")
+    if not low <= value <= high:
+        raise ValueError(f"is not within {low} .. {high}")
+    return value
+
+
+def _number(value: Any, kind: str) -> float:
+    if not isinstance(value, (int, float)) or isinstance(value, bool):
+        raise ValueError("is not a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise ValueError("is too large for a number") from None
+    if kind == "float" and math.isfinite(number) and abs(number) > _FLOAT32_MAX:
+        raise ValueError(f"is not within -{_FLOAT32_MAX} .. {_FLOAT32_MAX}")
+    return number
+
+
+def _text(value: Any, most: int | None) -> str:
+    if not isinstance(value, str):
+        raise ValueError("is not a text")
+    if most is not None and len(value) > most:
+        raise ValueError(f"has {len(value)} characters, at most {most}")
+    if "\0" in value:  # a text of DDS ends there
+        raise ValueError("holds a character of code 0")
+    if any("\ud800" <= character <= "\udfff" for character in value):
+        raise ValueError("holds half of a character")
+    return value
+
+
+def _shown(value: Any) -> str:
+    try:
+        text = flow(value)
+    except yaml.YAMLError:  # nothing that can be typed
+        text = str(value)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."

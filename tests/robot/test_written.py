@@ -1,0 +1,108 @@
+"""What the console writes means what it stands for: to the console itself, and to `ros2`."""
+
+from __future__ import annotations
+
+import array
+import random
+import shlex
+from typing import Any
+
+import pytest
+import yaml
+from rclpy.parameter import get_parameter_value
+
+from archo_tui.embedded import bounded_yaml
+from archo_tui.robot import messages, ros2_command
+from archo_tui.robot.fields import checked, filled
+from archo_tui.robot.forms import default_text, parse
+from archo_tui.robot.parameter_values import as_python
+from archo_tui.robots.model import Input
+from archo_tui.screens.message_form import _yaml
+from archo_tui.written import flow
+from tests.support.values import installed, told, value_of, values_of
+
+TYPES = installed()
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_a_prefilled_form_that_is_sent_untouched_is_the_types_defaults(name: str) -> None:
+    made = TYPES[name]()
+    leaves = list(messages.leaves(made))
+    typed = {leaf.path: parse(leaf, Input(), default_text(leaf)) for leaf in leaves}
+    assert told(filled(TYPES[name](), typed)) == told(made)
+    assert told(filled(TYPES[name](), bounded_yaml.load(_yaml(leaves)))) == told(made)
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_a_form_of_any_values_that_is_sent_untouched_is_those(name: str) -> None:
+    chance = random.Random(name)
+    for _ in range(10):
+        made = filled(TYPES[name](), values_of(TYPES[name], chance))
+        leaves = list(messages.leaves(made))
+        typed = {leaf.path: parse(leaf, Input(), default_text(leaf)) for leaf in leaves}
+        assert told(filled(TYPES[name](), typed)) == told(made)
+        assert told(filled(TYPES[name](), bounded_yaml.load(_yaml(leaves)))) == told(made)
+
+
+def set_as_ros2_does(message: Any, values: dict[str, Any]) -> None:
+    """What `ros2 service call` and its like do with what they were given.
+
+    By the type of the value that the field has: bytes of a number are so many zeros.
+    """
+    kinds = message.get_fields_and_field_types()
+    for name, given in values.items():
+        has = getattr(message, name)
+        if hasattr(has, "dtype"):
+            value: Any = checked(kinds[name], given, name)
+        elif isinstance(has, array.array):
+            value = array.array(has.typecode, given)
+        elif hasattr(has, "get_fields_and_field_types"):
+            value = type(has)()
+            set_as_ros2_does(value, given)
+        else:
+            value = given if type(given) is type(has) else type(has)(given)
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            value = checked(kinds[name], [{}] * len(value), name)  # as many, with their defaults
+            for made, item in zip(value, given, strict=True):
+                set_as_ros2_does(made, item)
+        setattr(message, name, value)
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_the_copied_command_sends_the_same_message(name: str) -> None:
+    chance = random.Random(name)
+    for _ in range(20):
+        sent = filled(TYPES[name](), values_of(TYPES[name], chance))
+        for command in (
+            ros2_command.service_call("/it", "its/srv/Type", sent),
+            ros2_command.send_goal("/it", "its/action/Type", sent),
+        ):
+            assert "\n" not in command
+            received = TYPES[name]()
+            set_as_ros2_does(received, yaml.safe_load(shlex.split(command)[5]))
+            assert told(received) == told(sent)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["boolean", "int64", "double", "string"]
+    + [f"sequence<{kind}>" for kind in ("boolean", "int64", "double", "string")],
+)
+def test_the_copied_command_sets_the_parameter_to_the_same_value(kind: str) -> None:
+    chance = random.Random(kind)
+    for _ in range(100):
+        value = value_of(kind, chance)
+        command = ros2_command.set_parameters("/node", {"name": value})
+        if value == []:  # of booleans, `ros2` would say
+            assert command == ""
+            continue
+        words = shlex.split(command)
+        assert words[:5] == ["ros2", "param", "set", "/node", "name"]
+        assert words[5][0] != "-"  # which would be an option
+        got = as_python(get_parameter_value(words[5]))
+        assert type(got) is type(value)
+        assert told(got) == told(value)
+
+
+def test_what_is_plainly_a_word_is_not_quoted() -> None:
+    assert flow({"frame": "map", "y": 1, "on": "on"}) == '{frame: map, y: 1, "on": "on"}'
