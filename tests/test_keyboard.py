@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 
 import pytest
@@ -122,14 +123,13 @@ def test_an_incomplete_sequence_is_waited_for_and_dropped() -> None:
     assert typed("\x1bO", "P", gap=0.4).keys == ["f1"]
 
 
-@pytest.mark.parametrize("gap", GAPS)
 @pytest.mark.parametrize("sent", SENT)
-def test_in_two_pieces_it_is_no_key_either(sent: str, gap: float) -> None:
+def test_in_two_pieces_it_is_no_key_either(sent: str) -> None:
     """Cut anywhere: an escape may be read as the key, and no other."""
-    for at in range(1, len(sent)):
+    for at, gap in itertools.product(range(1, len(sent)), GAPS):
         rest = f"x{END}r" if sent == BEGIN else "r"
         pressed = typed(sent[:at], sent[at:] + rest, gap=gap)
-        assert pressed.keys in (["r"], ["escape", "r"]), (sent[:at], sent[at:])
+        assert pressed.keys in (["r"], ["escape", "r"]), (sent[:at], sent[at:], gap)
         assert pressed.pastes == (["x"] if sent == BEGIN else [])
 
 
@@ -384,7 +384,7 @@ def test_each_step_of_the_wheel_counts() -> None:
 # all of it
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(8))
 def test_whatever_comes_in_whatever_pieces_only_what_was_typed_acts(seed: int) -> None:
     """Keys among answers and pastes, cut anywhere: each acts once, and nothing else does."""
     chance = random.Random(seed)
@@ -412,7 +412,7 @@ def test_whatever_comes_in_whatever_pieces_only_what_was_typed_acts(seed: int) -
     assert keyboard.pastes == pasted
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(6))
 def test_whatever_came_before_stop_alone_is_stop(seed: int) -> None:
     chance = random.Random(seed)
     noise = [*SENT, *"\x1b\x1b\x1b[]P_^XOM20;~u<\\\x07\x18\x1aé\x9b\x9d", "\x1b[", "\x1bO"]

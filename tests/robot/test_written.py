@@ -22,26 +22,33 @@ from archo_tui.written import flow
 from tests.support.values import installed, told, value_of, values_of
 
 TYPES = installed()
+PACKAGES = sorted({name.partition("/")[0] for name in TYPES})
 
 
-@pytest.mark.parametrize("name", TYPES)
-def test_a_prefilled_form_that_is_sent_untouched_is_the_types_defaults(name: str) -> None:
-    made = TYPES[name]()
+def types_of(package: str) -> list[str]:
+    """The names of its messages, and of the parts of its services and actions."""
+    return [name for name in TYPES if name.startswith(f"{package}/")]
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_prefilled_form_that_is_sent_untouched_is_the_types_defaults(package: str) -> None:
+    for name in types_of(package):
+        sends_untouched(name, TYPES[name]())
+
+
+def sends_untouched(name: str, made: Any) -> None:
+    """A form, and a text, that are filled with that message send it."""
     leaves = list(messages.leaves(made))
     typed = {leaf.path: parse(leaf, Input(), default_text(leaf)) for leaf in leaves}
-    assert told(filled(TYPES[name](), typed)) == told(made)
-    assert told(filled(TYPES[name](), bounded_yaml.load(_yaml(leaves)))) == told(made)
+    assert told(filled(TYPES[name](), typed)) == told(made), name
+    assert told(filled(TYPES[name](), bounded_yaml.load(_yaml(leaves)))) == told(made), name
 
 
-@pytest.mark.parametrize("name", TYPES)
-def test_a_form_of_any_values_that_is_sent_untouched_is_those(name: str) -> None:
-    chance = random.Random(name)
-    for _ in range(10):
-        made = filled(TYPES[name](), values_of(TYPES[name], chance))
-        leaves = list(messages.leaves(made))
-        typed = {leaf.path: parse(leaf, Input(), default_text(leaf)) for leaf in leaves}
-        assert told(filled(TYPES[name](), typed)) == told(made)
-        assert told(filled(TYPES[name](), bounded_yaml.load(_yaml(leaves)))) == told(made)
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_form_of_any_values_that_is_sent_untouched_is_those(package: str) -> None:
+    chance = random.Random(package)
+    for name in 3 * types_of(package):
+        sends_untouched(name, filled(TYPES[name](), values_of(TYPES[name], chance)))
 
 
 def set_as_ros2_does(message: Any, values: dict[str, Any]) -> None:
@@ -68,19 +75,19 @@ def set_as_ros2_does(message: Any, values: dict[str, Any]) -> None:
         setattr(message, name, value)
 
 
-@pytest.mark.parametrize("name", TYPES)
-def test_the_copied_command_sends_the_same_message(name: str) -> None:
-    chance = random.Random(name)
-    for _ in range(20):
+@pytest.mark.parametrize("package", PACKAGES)
+def test_the_copied_command_sends_the_same_message(package: str) -> None:
+    chance = random.Random(package)
+    for name in 5 * types_of(package):
         sent = filled(TYPES[name](), values_of(TYPES[name], chance))
         for command in (
             ros2_command.service_call("/it", "its/srv/Type", sent),
             ros2_command.send_goal("/it", "its/action/Type", sent),
         ):
-            assert "\n" not in command
+            assert "\n" not in command, name
             received = TYPES[name]()
             set_as_ros2_does(received, yaml.safe_load(shlex.split(command)[5]))
-            assert told(received) == told(sent)
+            assert told(received) == told(sent), name
 
 
 @pytest.mark.parametrize(
