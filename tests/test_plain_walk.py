@@ -37,6 +37,9 @@ async def walk(person: Typed, seed: int, rounds: int, made: list[Any], stands: A
         await Quiet().until(lambda: clock.seconds() >= end, lambda: f"{seconds} s")
 
     for number in range(rounds):
+        if choose.random() < 0.5:
+            person.type("release\ngo 12\n")
+            await pause(1.0)
         for _ in range(choose.randrange(4)):
             lines = choose.choices(_LINES, k=choose.randrange(1, 5))
             if choose.random() < 0.3:
@@ -58,14 +61,24 @@ def length(which: int, request: pytest.FixtureRequest) -> tuple[int, int]:
     return (random.randrange(10**6), FAR) if far else (which, ROUNDS)
 
 
+class Counting(MotorController):
+    """Counts its goals: a walk in which nothing drives shows nothing."""
+
+    driven = 0
+
+    async def execute_move(self, goal: Any) -> Any:
+        self.driven += 1
+        return await super().execute_move(goal)
+
+
 @pytest.mark.parametrize("which", [1, 2])
 async def test_after_the_last_stop_line_a_robot_that_latches_stays_stopped(
     which: int, request: pytest.FixtureRequest
 ) -> None:
-    made: list[MotorController] = []
+    made: list[Counting] = []
 
     def motor(**given: Any) -> MotorController:
-        made.append(MotorController(**given))
+        made.append(Counting(**given))
         return made[-1]
 
     async with operated(BatteryMonitor, motor, ros_args=LONG) as person:
@@ -75,6 +88,7 @@ async def test_after_the_last_stop_line_a_robot_that_latches_stays_stopped(
             made,
             lambda: made[0].emergency_stopped and made[0].goal is None,
         )
+        assert made[0].driven
 
 
 @pytest.mark.parametrize("which", [3, 4])
@@ -89,3 +103,4 @@ async def test_after_the_last_stop_line_a_robot_that_does_not_latch_stands(
 
     async with operated(cart, robot=ROBOTS / "cart.yaml") as person:
         await walk(person, *length(which, request), made, lambda: made[0].drives == 0)
+        assert made[0].driven

@@ -94,6 +94,9 @@ async def walk(op: Console, seed: int, rounds: int, stands: Any) -> None:
     typist = Typist(op, choose)
     for number in range(rounds):
         typist.typed.clear()
+        for keys in (b"\x1b", b"\x1b", b"R", b"y", b"g12\r") if choose.random() < 0.5 else ():
+            await typist.write(keys)
+            await typist.pause(0.8)
         await typist.mess()
         await typist.pause(choose.choice([0.0, 0.15, 0.6]))  # no escape is begun, no paste open
         await typist.write(b"\x1b[201~")
@@ -104,6 +107,7 @@ async def walk(op: Console, seed: int, rounds: int, stands: Any) -> None:
             (before if before[:1] != b"\x1b" else b"") + keys + STOP + choose.choice(_ENDS)
         )
         await typist.pause(3.5)
+        assert not op.session.robot._goals.are_over, "the walk must not quit"
         assert stands(), f"seed {seed}, round {number}: {typist.typed}\n{op.text}"
         await typist.pause(1.0)
 
@@ -114,14 +118,24 @@ def length(which: int, request: pytest.FixtureRequest) -> tuple[int, int]:
     return (random.randrange(10**6), FAR) if far else (which, ROUNDS)
 
 
+class Counting(MotorController):
+    """Counts its goals: a walk in which nothing drives shows nothing."""
+
+    driven = 0
+
+    async def execute_move(self, goal: Any) -> Any:
+        self.driven += 1
+        return await super().execute_move(goal)
+
+
 @pytest.mark.parametrize("which", [1, 2])
 async def test_after_the_last_stop_a_robot_that_latches_stays_stopped(
     which: int, request: pytest.FixtureRequest
 ) -> None:
-    made: list[MotorController] = []
+    made: list[Counting] = []
 
     def motor(**given: Any) -> MotorController:
-        made.append(MotorController(**given))
+        made.append(Counting(**given))
         return made[-1]
 
     async with console(*LONG, node_makers=(BatteryMonitor, motor), wait=False) as op:
@@ -132,6 +146,7 @@ async def test_after_the_last_stop_a_robot_that_latches_stays_stopped(
             *length(which, request),
             lambda: made[-1].emergency_stopped and made[-1].goal is None,
         )
+        assert made[-1].driven
 
 
 @pytest.mark.parametrize("which", [3, 4])
@@ -148,3 +163,4 @@ async def test_after_the_last_stop_a_robot_that_does_not_latch_stands(
         await op.until(lambda: "emergency_stop" in op.app.view.snapshot.offered)
         await op.until(lambda: op.app.view.snapshot.actions)
         await walk(op, *length(which, request), lambda: made[-1].drives == 0)
+        assert made[-1].driven

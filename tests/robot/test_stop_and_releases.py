@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
+import pytest
 from archo_interfaces.srv import EmergencyStop
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.node import Node
@@ -14,7 +14,6 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from archo_tui.robot.client import Robot
-from archo_tui.robot.state import Outcome
 from tests.support import clock
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
@@ -50,28 +49,14 @@ class Busy(Node):
         self.executor.create_task(lambda: self.awake.set_result(True))
 
 
-@contextmanager
-def making(made: list[Busy]) -> Iterator[Any]:
+def making(made: list[Busy]) -> Callable[..., Busy]:
+    """A maker of it, which keeps it."""
+
     def busy(**options: Any) -> Busy:
         made.append(Busy(**options))
         return made[-1]
 
-    yield busy
-
-
-async def released_late(it: Robot, made: list[Busy], how: Any, wait: float) -> None:
-    """A release is asked for, so many seconds later STOP; then the robot takes the release."""
-    await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
-    task = asyncio.ensure_future(how(it))
-    await until(lambda: made[0].asked == 1)
-    stop = clock.seconds() + wait
-    await until(lambda: clock.seconds() >= stop)
-    it.stops.read()
-    assert (await ended(it.emergency_stop())).ok
-    made[0].wake()
-    await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))
-    await until(task.done)
-    assert made[0].latched
+    return busy
 
 
 def by_its_key(it: Robot) -> Any:
@@ -82,36 +67,33 @@ def by_a_form(it: Robot) -> Any:
     return it.call("/release_emergency_stop", "std_srvs/srv/Trigger", {})
 
 
-async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop() -> None:
+# behind 2 s without an answer the console has given the release up; the robot has not
+@pytest.mark.parametrize(("how", "wait"), [(by_its_key, 0.3), (by_its_key, 3.0), (by_a_form, 0.3)])
+async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop(
+    how: Any, wait: float
+) -> None:
     made: list[Busy] = []
-    with making(made) as busy:
-        async with robot(busy) as it:
-            await released_late(it, made, by_its_key, 0.3)
-
-
-async def test_so_is_one_that_was_given_up_for_want_of_an_answer() -> None:
-    made: list[Busy] = []
-    with making(made) as busy:
-        async with robot(busy) as it:
-            await released_late(it, made, by_its_key, 3.0)
-
-
-async def test_so_is_one_that_was_called_by_a_form() -> None:
-    made: list[Busy] = []
-    with making(made) as busy:
-        async with robot(busy) as it:
-            await released_late(it, made, by_a_form, 0.3)
+    async with robot(making(made)) as it:
+        await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
+        task = asyncio.ensure_future(how(it))
+        await until(lambda: made[0].asked == 1)
+        stop = clock.seconds() + wait
+        await until(lambda: clock.seconds() >= stop)
+        it.stops.read()
+        assert (await ended(it.emergency_stop())).ok
+        made[0].wake()
+        await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))
+        await until(task.done)
+        assert made[0].latched
 
 
 async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None:
     made: list[Busy] = []
-    with making(made) as busy:
-        async with robot(busy) as it:
-            await until(lambda: "emergency_stop" in it.snapshot.offered)
-            assert (await ended(it.emergency_stop())).ok
-            made[0].wake()
-            outcome: Outcome = await ended(it.release_emergency_stop())
-            assert outcome.ok
-            later = clock.seconds() + 1.0
-            await until(lambda: clock.seconds() >= later)
-            assert not made[0].latched
+    async with robot(making(made)) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.offered)
+        assert (await ended(it.emergency_stop())).ok
+        made[0].wake()
+        assert (await ended(it.release_emergency_stop())).ok
+        later = clock.seconds() + 1.0
+        await until(lambda: clock.seconds() >= later)
+        assert not made[0].latched

@@ -21,6 +21,7 @@ class Cart(Node):
     def __init__(self, **options: Any) -> None:
         super().__init__("cart", **options)
         self.drives = 0
+        self.driven = 0  # goals so far
         self._left = 0.0
         self._goal: Any = None
         self._end: Any = None
@@ -49,7 +50,7 @@ class Cart(Node):
             self._end.set_result("succeed")
 
     async def _execute(self, goal: Any) -> MoveToShelf.Result:
-        self.drives = goal.request.shelf_number
+        self.drives, self.driven = goal.request.shelf_number, self.driven + 1
         self.get_logger().warning(f"drives to {self.drives}")
         self._end, self._left, self._goal = Future(executor=self.executor), WAY, goal
         how = await self._end
