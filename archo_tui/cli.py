@@ -375,5 +375,10 @@ def _need_terminal() -> None:
     for name, stream in streams.items():
         if stream is None or not stream.isatty():  # None: it is closed
             raise ArchoError(f"{name} is not a terminal: run archo-tui in one, or use --plain")
-        if os.fstat(stream.fileno()).st_rdev != os.fstat(sys.stdin.fileno()).st_rdev:
+        if sys.platform != "win32" and _device(stream) != _device(sys.stdin):
             raise ArchoError(f"{name} is another terminal than stdin: run archo-tui in one of them")
+
+
+def _device(stream: TextIO) -> int:
+    """Which terminal it is: its name may not be known in a container."""
+    return 0 if sys.platform == "win32" else os.fstat(stream.fileno()).st_rdev
