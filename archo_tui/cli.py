@@ -15,6 +15,8 @@ from archo_tui.errors import ArchoError
 
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
 if TYPE_CHECKING:
+    from typing import TextIO
+
     from archo_tui.session import Session
 
 FAILED, MISUSED = 1, 2  # exit codes
@@ -375,10 +377,12 @@ def _need_terminal() -> None:
     for name, stream in streams.items():
         if stream is None or not stream.isatty():  # None: it is closed
             raise ArchoError(f"{name} is not a terminal: run archo-tui in one, or use --plain")
-        if sys.platform != "win32" and _device(stream) != _device(sys.stdin):
+        if _device(stream) != _device(sys.stdin):
             raise ArchoError(f"{name} is another terminal than stdin: run archo-tui in one of them")
 
 
 def _device(stream: TextIO) -> int:
     """Which terminal it is: its name may not be known in a container."""
-    return 0 if sys.platform == "win32" else os.fstat(stream.fileno()).st_rdev
+    if sys.platform == "win32":
+        return 0
+    return os.fstat(stream.fileno()).st_rdev
