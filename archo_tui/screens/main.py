@@ -201,6 +201,8 @@ class MainScreen(Base[None]):
             self.focused.close()
         elif self._before is None or self._before is self.focused:
             self.focus_panel(4)
+        elif isinstance(self._before, Search):  # out of a field is not into another one
+            self._panels[_panel_number(self._before)].take_focus()
         else:
             self.set_focus(self._before)
 

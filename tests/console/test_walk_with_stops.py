@@ -30,7 +30,7 @@ _KEYS = [
 _REPLIES = [b"\x1b]11;rgb:1e1e/1e1e/1e1e\x1b\\", b"\x1bP>|XTerm(388)\x1b\\", b"\x1b[?1;2c"]
 _REPLIES += [b"\x1b_Gi=31;OK\x1b\\", b"\x1b[?997;1n", b"\x1b[8;24;80t", b"\x1b]52;c;ZzEyDQ==\x07"]
 _ENDS = [b"", b"\x1b", b"?", b"1", b"4", *_REPLIES[:3]]  # what may follow the last STOP
-ROUNDS, FAR = 12, 80
+ROUNDS, FAR = 10, 80
 
 
 class Typist:
@@ -128,7 +128,7 @@ class Counting(MotorController):
         return await super().execute_move(goal)
 
 
-@pytest.mark.parametrize("which", [1, 2])
+@pytest.mark.parametrize("which", [1])
 async def test_after_the_last_stop_a_robot_that_latches_stays_stopped(
     which: int, request: pytest.FixtureRequest
 ) -> None:
@@ -149,7 +149,7 @@ async def test_after_the_last_stop_a_robot_that_latches_stays_stopped(
         assert made[-1].driven
 
 
-@pytest.mark.parametrize("which", [3, 4])
+@pytest.mark.parametrize("which", [3])
 async def test_after_the_last_stop_a_robot_that_does_not_latch_stands(
     which: int, request: pytest.FixtureRequest
 ) -> None:
