@@ -284,3 +284,14 @@ async def test_an_unanswered_stop_is_sent_again_every_half_second_while_the_key_
         assert isinstance(deaf, Deaf)
         assert len(deaf.calls) <= 3
         await op.until("use the hardware stop")
+
+
+async def test_escape_out_of_a_field_leads_into_no_search() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash", "s")
+        op.app.main.focus_panel(3)  # as a click on the footer's Go does
+        await op.settle()
+        assert isinstance(op.app.focused, Input)
+        await op.press("escape")
+        assert not isinstance(op.app.focused, Input)
+        assert op.focused_panel == 4
