@@ -70,8 +70,7 @@ async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> No
         made[0].executor.create_task(lambda: made[0].takes.set_result(True))
         await until(task.done)
         assert not task.result().ok
-        assert "accepted after a STOP" in task.result().text
-        await until(lambda: made[0].cancels == 1)
+        await until(lambda: made[0].cancels >= 1)
 
 
 async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> None:

@@ -63,11 +63,15 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
         await op.press("ctrl+x")  # ends, too
         await op.until("no answer in 2 s")
         processes.start(MOTOR, *FAST)
-        await op.until("✗ ABORTED      the robot no longer knows this goal", deadline=30)
-        await op.press("7", "enter")  # the field still has the focus
+        await op.until("✗ ABORTED      the robot no longer knows this goal", deadline=60)
+        await op.until("✗ STOPPED")  # the STOP was sent again until a robot had it
+        await op.until(lambda: not op.app.view.snapshot.several, deadline=60)
+        await op.press("escape", "R", "y")
+        await op.until("● IDLE")
+        await op.press("g", "7", "enter")
         await op.until("Arrived at shelf 7", deadline=30)
         await op.until(lambda: value("feedback_period") == 0.05)  # the new one's parameters, too
-        await op.until("● IDLE")  # and nothing more of the stop that the old one never heard
+        await op.until("● IDLE")  # and nothing more of that STOP
 
 
 async def test_the_textbooks_own_nodes_are_operated(processes: Processes) -> None:
