@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections.abc import Iterable, Mapping
+from functools import partial
 from typing import Any
 
 from textual import events
@@ -108,8 +109,8 @@ class ArchoApp(TerminalApp):
         sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
         self.station.drive = self._drive
         self.station.robot.subscribe(self._take)
-        self.run_worker(self._recall(), group="recall")
-        self.run_worker(self._tick_for_ever(), group="tick")
+        self.run_worker(self._recall, group="recall")
+        self.run_worker(self._tick_for_ever, group="tick")
         if self._failed_before:
             said = "The screen crashed and was restarted; the nodes kept running."
             text = f"{said}\n\n{self._failed_before}"
@@ -453,7 +454,7 @@ class ArchoApp(TerminalApp):
         """End, when every command that was given has its answer."""
         if not self._leaves:
             self._leaves = True
-            self.run_worker(self._leave(), group="leave")
+            self.run_worker(self._leave, group="leave")
 
     async def _leave(self) -> None:
         if self.unanswered:
@@ -475,7 +476,7 @@ class ArchoApp(TerminalApp):
         """For the arrows, also after a restart."""
         kind, panel = self.view.snapshot.robot.goals[0], self.main.goal
         panel.recalls([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
-        self.run_worker(asyncio.to_thread(recall.add, kind.id, typed), group="recall")
+        self.run_worker(partial(asyncio.to_thread, recall.add, kind.id, typed), group="recall")
 
     async def _recall(self) -> None:
         goals = self.view.snapshot.robot.goals
@@ -486,7 +487,7 @@ class ArchoApp(TerminalApp):
             self.main.goal.recalls([*earlier, *since][-recall.MOST :])
 
     def _drive(self, target: Target, queued: bool) -> None:
-        self.run_worker(self._send(target, queued), group=COMMANDS)
+        self.run_worker(partial(self._send, target, queued), group=COMMANDS)
 
     async def _send(self, target: Target, queued: bool) -> None:
         outcome = await self.station.send(target, queued=queued)

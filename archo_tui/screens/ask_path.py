@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from functools import partial
 from pathlib import Path
 
 from textual.app import ComposeResult
@@ -52,7 +53,7 @@ class AskPath(Form):
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#path"))
-        self.run_worker(self._recall())
+        self.run_worker(self._recall)
 
     async def _recall(self) -> None:
         used = await asyncio.to_thread(recall.load, _KIND)
@@ -79,7 +80,7 @@ class AskPath(Form):
             return
         if not self._working:
             self._working = True
-            self.app.run_worker(self._try(path), group=COMMANDS)
+            self.app.run_worker(partial(self._try, path), group=COMMANDS)
 
     async def _try(self, path: Path) -> None:
         said = await self._work(path)

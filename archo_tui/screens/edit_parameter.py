@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from functools import partial
 from typing import Any
 
 from textual.app import ComposeResult
@@ -70,7 +71,7 @@ class EditParameter(Form):
             return
         self._sending = True
         self.say("asking the node ...")
-        self.app.run_worker(self._ask(value), group=COMMANDS)
+        self.app.run_worker(partial(self._ask, value), group=COMMANDS)
 
     def _value(self, typed: str) -> Any:
         """What was typed; where the field could not show all there is, untouched it means that."""

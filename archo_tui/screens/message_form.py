@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from textual import widgets  # of these TextArea is loaded with its first use: it is large
@@ -123,7 +124,7 @@ class MessageForm(Dialog[None]):
         if values is not None:
             self._sending = True
             self.say("asking the robot ...")
-            self.app.run_worker(self._ask(values), group=COMMANDS)
+            self.app.run_worker(partial(self._ask, values), group=COMMANDS)
 
     def _values(self, submitted: Mapping[int, str]) -> dict[str, Any] | None:
         values = {}
