@@ -40,6 +40,7 @@ _POSIX = {
     *("test_plain", "test_plain_input", "test_plain_output", "test_plain_stops"),
     *("test_files", "test_save_load", "test_two_processes", "test_kill"),
     *("test_stop_is_final", "test_terminal_keys", "test_plain_walk", "test_walk_with_stops"),
+    "test_own_files",
 }
 
 
