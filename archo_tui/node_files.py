@@ -32,6 +32,7 @@ IMPORT_TIME = 10.0  # s that a file may take to be imported
 CONSTRUCTION_TIME = 2.0  # s that a node's constructor may take
 # what rclpy raises without a word
 WORDLESS = {"TypeError": "TypeError: a message of another type is expected here"}
+_NOT_CALLED = "give the callback itself: self.name, not self.name()"
 _OURS = ("archo_tui", "archo_bringup", "rclpy")  # never read again, wherever the file is
 
 
@@ -246,7 +247,9 @@ class NodeFile:
             why = "rclpy.init() runs here already: call it in main() only"
         stack = traceback.extract_tb(error.__traceback__)
         where, line = self.place(stack)
-        if not line:
+        if line:
+            why = self._plainly(where, why)
+        else:
             where, why = self._place_of_callback(error, where, why)
         said = f"{name}: {why}".rstrip(": ")
         return f"{where}: {WORDLESS.get(said, said)}{line}", report
@@ -259,13 +262,24 @@ class NodeFile:
         last = frames[-1]
         return f"{self.named(last.filename)}:{last.lineno}", _quoted(last.line or "")
 
+    def _plainly(self, where: str, why: str) -> str:
+        """What rclpy says of how it was called, in the words of who called it."""
+        early = self.source.called_too_early()
+        if "callback" in why and where == f"{self}:{early}":
+            return _NOT_CALLED
+        if "_TYPE_SUPPORT" in why:
+            return "the type comes first, then the name, as in Float32, 'battery_level'"
+        if "__init__() takes 1 positional argument but" in why:
+            return f"{why}: name the fields, as in Float32(data=87.5)"
+        return why
+
     def _place_of_callback(self, error: BaseException, where: str, why: str) -> tuple[str, str]:
         """Of what rclpy says of a callback that it calls, or has called."""
         # rclpy's timer stumbles over a variable of its own then
         if isinstance(error, UnboundLocalError) or "'NoneType' object is not callable" in why:
             line = self.source.called_too_early()
             if line is not None:
-                return f"{self}:{line}", "give the callback itself: self.name, not self.name()"
+                return f"{self}:{line}", _NOT_CALLED
         for frame, _ in reversed([*traceback.walk_tb(error.__traceback__)]):
             for value in frame.f_locals.values():
                 code = _code(value)
@@ -274,6 +288,8 @@ class NodeFile:
                     lacks = named == str(self) and self.source.gives_nothing(line)
                     if lacks:
                         why = f"{code.co_name} gives nothing back: end it with return {lacks}"
+                    elif isinstance(error, TypeError) and code.co_varnames[:1] != ("self",):
+                        why += ": its first parameter is to be self" if _is_method(value) else ""
                     return f"{named}:{line}", why
         return where, why
 
@@ -298,6 +314,10 @@ def _code(value: Any) -> CodeType | None:
         code = getattr(getattr(callback, "__func__", callback), "__code__", None)
         return code if isinstance(code, CodeType) else None
     return None
+
+
+def _is_method(value: Any) -> bool:
+    return hasattr(getattr(value, "callback", value), "__self__")
 
 
 def _quoted(line: str) -> str:

@@ -27,12 +27,28 @@ class Source:
 
         What stands below `if __name__ == "__main__"` counts as `main()`.
         """
-        for call in self._calls(*self._main()):
-            if _name(call) == MULTI_THREADED:
+        roots = [*self._main()]
+        for call in self._calls(*roots):
+            if self._is_multi_threaded(call.func):
                 given = [*call.args[:1], *(k.value for k in call.keywords if k.arg)]
                 numbers = [n.value for n in given if isinstance(n, ast.Constant)]
-                return next((n for n in numbers if isinstance(n, int)), 0)
-        return None
+                number = next((n for n in numbers if isinstance(n, int)), 0)
+                return None if number == 1 else number
+        named = any(self._is_multi_threaded(node) for root in roots for node in ast.walk(root))
+        return 0 if named else None
+
+    def _is_multi_threaded(self, node: ast.AST) -> bool:
+        """True where the class is named, by another name too, under which it was imported."""
+        others = {
+            alias.asname
+            for imported in ast.walk(self._tree)
+            if isinstance(imported, ast.ImportFrom)
+            for alias in imported.names
+            if alias.name == MULTI_THREADED
+        }
+        if isinstance(node, ast.Attribute):
+            return node.attr == MULTI_THREADED
+        return isinstance(node, ast.Name) and node.id in {MULTI_THREADED, *others}
 
     def runs_at_import(self) -> tuple[str, int] | None:
         """The name and line of a function that spins and is called when the file is imported."""
@@ -41,11 +57,11 @@ class Source:
             for function in self._functions
             if any(_name(call) in _SPINS for call in self._calls(function))
         }
-        for statement in self._tree.body:
-            if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
-                name = _name(statement.value)
-                if name in spinning and isinstance(statement.value.func, ast.Name):
-                    return name, statement.lineno
+        defined = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.If)
+        run = [node for node in self._tree.body if not isinstance(node, defined)]
+        for call in self._calls(*run):
+            if isinstance(call.func, ast.Name) and call.func.id in spinning:
+                return call.func.id, call.lineno
         return None
 
     def called_too_early(self) -> int | None:

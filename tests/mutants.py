@@ -31,7 +31,7 @@ class Fault(NamedTuple):
 E = "embedded/rclpy/"
 BRINGUP = "nodes/archo_bringup/"
 CONSOLE, ROBOT, CONTRACT = "tests/console", "tests/robot", "tests/contract"
-LEARNERS = "tests/test_learners.py"
+LEARNERS = "tests/test_check.py"
 FAULTS = [
     # seen to go unnoticed once
     Fault("robot/goals.py", "now - age if 0 <= age <= _LONGEST_AGE else now", "now - age", ROBOT + "/test_odd_robots.py"),
@@ -287,6 +287,22 @@ FAULTS = [
     Fault("embedded/core_schema.py", "if math.isinf(found) and not infinite:", "if False:", "tests/test_core_schema.py"),
     Fault("robots/typed_yaml.py", "        return _any(node, path)\n", '        return yaml.SafeLoader("").construct_object(node, deep=True)\n', "tests/robots/test_load.py"),
     Fault("screens/edit_parameter.py", "                return self._offered\n", "                pass\n", CONSOLE + "/test_parameters.py"),
+    # learners' files, and the nodes of a process
+    Fault("host.py", "self._on_change, self._rename)", "self._on_change)", ROBOT + "/test_host.py"),
+    Fault("host.py", "            if old.state.life == Life.UP:\n                return", "            if False:\n                return", ROBOT + "/test_host.py"),
+    Fault("cli.py", 'in ("--ros-args", "--") and inside != (word == "--ros-args"):', 'in ("--ros-args", "--"):', "tests/test_cli.py"),
+    Fault("source.py", "            if _name(call) == MULTI_THREADED:", "            if False:", LEARNERS),
+    Fault("workers.py", "            if error_of() is not None:", "            if False:", LEARNERS),
+    Fault("host.py", "for thread in (self._thread, *workers) if", "for thread in (self._thread,) if", ROBOT + "/test_reloading.py"),
+    Fault("chapter/asker.py", "            self._host.start_node(hosted.name)\n", "", LEARNERS),
+    Fault("chapter/asker.py", "                if hosted.state.life == Life.CRASHED:\n                    raise", "                if False:\n                    raise", LEARNERS),
+    Fault("chapter/topics.py", "for level in _HIGH if alone else ():", "for level in _HIGH:", LEARNERS),
+    Fault("chapter/topics.py", "_HIGH = 87.5, 55.0, 21.0", "_HIGH = 87.5, 55.0", LEARNERS),
+    Fault("chapter/topics.py", "_LOW = 19.0, 5.0", "_LOW = (19.0,)", LEARNERS),
+    Fault("chapter/services.py", "        if abs(value) < _TICKS:  #", "        if False:  #", LEARNERS),
+    Fault("chapter/moves.py", "_SHELVES = 11, 6", "_SHELVES = 12, 6", LEARNERS),
+    Fault("chapter/__init__.py", "    return 1 if failed or nothing else 0", "    return 1 if failed else 0", LEARNERS),
+    Fault("chapter/names.py", "return bool(own) and (own <= words or words <= own)", "return False", LEARNERS),
 ]  # fmt: skip
 
 

@@ -44,6 +44,7 @@ def check(
             for result in part(asker):
                 show(result)
         nothing = skipped == count
+        asker.wait_for_crashes()
         show(Result("no node crashes", "\n".join(asker.all_crashes())))
     finally:
         asker.close()

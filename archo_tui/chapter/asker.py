@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import linecache
 import re
 from collections.abc import Callable, Iterator, Sequence
@@ -19,6 +20,7 @@ from archo_tui.robot.state import Life
 from archo_tui.session import Session
 
 ANSWER = 3.0  # s until an answer or a log line must be there
+_WATCHED = 1.5  # s that every node runs at least, for a timer of one second
 _SLICE = 0.05  # s of one turn of the checker's executor
 _FRAME = re.compile(r'  File "(.+)", line (\d+), in ')
 
@@ -38,6 +40,7 @@ class Asker:
         self.node = Node("_archo_check", context=context)
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
+        self._began = self.now()
         self._crashes: dict[str, None] = {}  # in the order in which they came
         self.logs: list[Log] = []
         self.node.create_subscription(Log, "/rosout", self.logs.append, 100)
@@ -63,6 +66,12 @@ class Asker:
     def running(self) -> list[HostedNode]:
         """Those that run, or have crashed since `nodes()`."""
         return [h for h in self._host.nodes if h.state.life in (Life.UP, Life.CRASHED)]
+
+    def wait_for_crashes(self) -> None:
+        """Until what runs once a second has run: until now it may not have."""
+        nodes = self.nodes()
+        with contextlib.suppress(CrashedError):
+            self.until(lambda: False, self._began + _WATCHED - self.now(), nodes)
 
     def all_crashes(self) -> list[str]:
         """What every crash was, once."""

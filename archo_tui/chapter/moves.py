@@ -19,6 +19,7 @@ MOVE = "move_to_shelf"
 _WHOLE = "move_to_shelf gives feedback 15, 12 ... 0 and arrives"
 _CANCEL = "a cancel at 9 m ends the move as CANCELED"
 _WHOLE_MOVE = 8.0  # s that the chapter's move of 3 s may take
+_SHORTEST = 0.5  # s that a move takes at least: feedback may get lost behind its end
 _LATE = 0.5  # s in which feedback may come behind the result
 _TAKEN = 1.0  # s in which a cancel must be answered
 _WAY = [15.0, 12.0, 9.0, 6.0, 3.0, 0.0]  # m, the feedback of a whole move
@@ -33,6 +34,10 @@ _NAMES = {
     GoalStatus.STATUS_CANCELED: "CANCELED",
     GoalStatus.STATUS_ABORTED: "ABORTED",
 }
+_FROM_REQUEST = ": take it from goal_handle.request.shelf_number"
+_OVER = CancelGoal.Response.ERROR_GOAL_TERMINATED, CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID
+_TOO_FAST = "the move is over at once: 0.5 s between two feedbacks"
+_NOT_ACCEPTED = "the cancel_callback did not accept it: return CancelResponse.ACCEPT"
 
 
 def moves(asker: Asker) -> Iterator[Result]:
@@ -115,6 +120,7 @@ class _Move:
     def whole(self) -> str:
         """What is wrong with a whole move."""
         shelf = _SHELVES[0]
+        began = self._asker.now()
         handle, way, why = self._send(shelf)
         if handle is None:
             return why
@@ -123,11 +129,14 @@ class _Move:
             busy = self._asker.busy(self._nodes)
             where = f"; execute is at {busy}" if busy else ""
             return f"no result in {_WHOLE_MOVE:g} s; feedback so far: {way}{where}"
+        lasted = self._asker.now() - began
         self._until(lambda: len(way) >= len(_WAY), _LATE)
         answer, words = future.result(), f"Arrived at shelf {shelf}"
         if answer.status != GoalStatus.STATUS_SUCCEEDED:
             ended = _NAMES.get(answer.status, str(answer.status))
             return f"it ended as {ended}: call goal_handle.succeed() before return"
+        if lasted < _SHORTEST:
+            return _TOO_FAST
         if way != _WAY:
             return f"the feedback was {_listed(way)}; the chapter's is {_listed(_WAY)}"
         if answer.result.final_message != words:
@@ -138,11 +147,14 @@ class _Move:
 
     def cancelled(self) -> str:
         """What is wrong with a cancel at 9 m."""
+        began = self._asker.now()
         handle, way, why = self._send(_SHELVES[1])
         if handle is None:
             return why
         future = handle.get_result_async()
         self._until(lambda: 9.0 in way or future.done(), _WHOLE_MOVE)
+        if future.done() and self._asker.now() - began < _SHORTEST:
+            return _TOO_FAST
         if not self._until(lambda: 9.0 in way, _LATE):
             return f"no feedback of 9 m; it was {_listed(way)}"
         asked = handle.cancel_goal_async()
@@ -151,9 +163,8 @@ class _Move:
             self._until(lambda: asked.done() and future.done(), _WHOLE_MOVE)
             return "\n".join(filter(None, [_blocked(busy), self._no_callback()]))
         if not asked.result().goals_canceling:
-            over = CancelGoal.Response.ERROR_GOAL_TERMINATED, 2  # 2: it is not known any more
-            if asked.result().return_code in over or future.done():
-                return "the move was over before the cancel came: 0.5 s between two feedbacks"
+            if asked.result().return_code in _OVER or future.done():
+                return _TOO_FAST
             self._until(future.done, _WHOLE_MOVE)
             return self._no_callback() or _NOT_ACCEPTED
         self._until(future.done, _WHOLE_MOVE)
@@ -188,10 +199,6 @@ class _Move:
                     "rejects every cancel without one: one that returns CancelResponse.ACCEPT"
                 )
         return ""
-
-
-_FROM_REQUEST = ": take it from goal_handle.request.shelf_number"
-_NOT_ACCEPTED = "the cancel_callback did not accept it: return CancelResponse.ACCEPT"
 
 
 def _blocked(busy: str) -> str:

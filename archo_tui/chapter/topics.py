@@ -16,6 +16,7 @@ from archo_tui.host import HostedNode
 from archo_tui.robot import interfaces
 
 LEVEL = "battery_level"
+_MOTOR = "motor_controller"
 _KIND = "battery_level is a std_msgs/msg/Float32"
 _RATE = "battery_level is published about once a second"
 _FALLS = "the battery level only falls, and stays within 0 .. 100"
@@ -126,7 +127,9 @@ def _wrong_type(made: Any) -> str:
 
 
 def _dashboard(asker: Asker, heard: Sequence[float]) -> Result:
-    ends = _ends(asker.nodes(), "subscriptions")
+    # the motor may listen, too: it stops where the battery is empty
+    listening = [h for h in asker.nodes() if h.node.get_name() != _MOTOR]
+    ends = _ends(listening, "subscriptions")
     nodes = [hosted for hosted, topics in ends.items() if LEVEL in topics]
     if not nodes:
         others = {f"/{name}" for topics in ends.values() for name in topics}
