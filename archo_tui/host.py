@@ -77,14 +77,14 @@ class HostedNode:
         except (ExternalShutdownException, Interrupted):
             return
         except BaseException as error:  # SystemExit, too: it ends the node, not the console
-            self._executor.remove_node(self.node)
-            _destroy(self.node)
             said = in_one_line(error)
             report = own_frames(error, rclpy, archo_tui)
             if self.file is not None:
                 self.crash = self.file.said(error)[0]
                 said = in_its_file(self.file, self.crash)
             self.state = self.state._replace(life=Life.CRASHED, error=said, traceback=report)
+            self._executor.remove_node(self.node)
+            _destroy(self.node)
             self._on_change(self)
 
     def threads(self) -> list[threading.Thread]:
@@ -188,7 +188,8 @@ class Host:
     def start_node(self, name: str) -> Outcome:
         """Construct a stopped or crashed node again and spin it."""
         with self._changing:
-            old = self._find(name)
+            named = [hosted for hosted in self.nodes if hosted.name == name]
+            old = next((h for h in named if h.state.life != Life.UP), named[0])
             if old.state.life == Life.UP:
                 return Outcome(False, f"{name} is running")
             said = f"{name} started"

@@ -92,7 +92,7 @@ class FileNode:
             return self._unmade()
         if not isinstance(error, TypeError) or any(own):
             return None
-        init = _code(self._kind.__init__)
+        init = code_of(self._kind.__init__)
         if init is None or not self.file.is_own(init.co_filename):
             return self._unmade()
         where = f"{self.file.named(init.co_filename)}:{init.co_firstlineno}"
@@ -267,7 +267,7 @@ class NodeFile:
         early = self.source.called_too_early()
         if "callback" in why and where == f"{self}:{early}":
             return _NOT_CALLED
-        if "_TYPE_SUPPORT" in why:
+        if "_TYPE_SUPPORT" in why or "resolve_name(): incompatible" in why:
             return "the type comes first, then the name, as in Float32, 'battery_level'"
         if "__init__() takes 1 positional argument but" in why:
             return f"{why}: name the fields, as in Float32(data=87.5)"
@@ -282,7 +282,7 @@ class NodeFile:
                 return f"{self}:{line}", _NOT_CALLED
         for frame, _ in reversed([*traceback.walk_tb(error.__traceback__)]):
             for value in frame.f_locals.values():
-                code = _code(value)
+                code = code_of(value)
                 if code is not None and self.is_own(code.co_filename):
                     named, line = self.named(code.co_filename), code.co_firstlineno
                     lacks = named == str(self) and self.source.gives_nothing(line)
@@ -307,7 +307,7 @@ class NodeFile:
         return str(self) if path == self.path else path.name
 
 
-def _code(value: Any) -> CodeType | None:
+def code_of(value: Any) -> CodeType | None:
     """Of a callback, or of a timer or service that has one."""
     with contextlib.suppress(Exception):  # whatever a stranger's property raises
         callback = getattr(value, "callback", value)

@@ -83,6 +83,22 @@ class Source:
         later = any(_name(c) == "register_cancel_callback" for c in self._calls(self._tree))
         return found[0].lineno, later or bool(names & {"cancel_callback", None})
 
+    def line_of_text(self, text: str) -> int | None:
+        """The first line with that string, or with that name of a topic."""
+        lines = [
+            node.lineno
+            for node in ast.walk(self._tree)
+            if isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and node.value.strip("/") == text.strip("/")
+        ]
+        return min(lines, default=None)
+
+    def line_of_call(self, name: str) -> int | None:
+        """Where a function is called, when that is one place only."""
+        lines = [call.lineno for call in self._calls(self._tree) if _name(call) == name]
+        return lines[0] if len(lines) == 1 else None
+
     def unmade(self, name: str) -> tuple[int, str]:
         """Line and words for a class whose `__init__` does not call that of Node."""
         classes = [node for node in ast.walk(self._tree) if isinstance(node, ast.ClassDef)]

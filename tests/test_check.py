@@ -172,13 +172,33 @@ def test_a_listing_is_asked_for_what_it_offers_only(capsys: pytest.CaptureFixtur
     assert [line[:6] for line in lines] == ["ok 9 -", "ok 11 "]
 
 
-def test_a_crash_in_one_file_leaves_the_checks_of_another(
+def test_a_crash_leaves_the_other_checks_and_a_node_of_the_same_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    broken = (LISTINGS / "reset_service.py").read_text().replace("        return response\n", "")
-    (tmp_path / "reset.py").write_text(broken)
-    code, lines = check(capsys, tmp_path / "reset.py", LISTINGS / "battery_subscriber.py")
+    listing = (LISTINGS / "reset_service.py").read_text().replace("        return response\n", "")
+    stop = 'self.create_service(ResetEncoder, "emergency_stop", ResetStop())'
+    listing = listing.replace("self.encoder_ticks = 15420", stop)
+    stops = "\n\nclass ResetStop:\n    def __call__(self, request, response):\n"
+    stops += "        response.success = True\n        return response\n"
+    (tmp_path / "reset.py").write_text(listing + stops)
+    files = [LISTINGS / "motor_parameters.py", tmp_path / "reset.py"]
+    code, lines = check(capsys, *files, LISTINGS / "battery_subscriber.py")
     assert code == 1
-    assert "ok 4 - a level below 20 % is logged as a warning, and no other one" in lines
+    passed = [int(line.split()[1]) for line in lines if line.startswith("ok ")]
+    assert passed == [4, 5, 6, 10]
     hint = f"# {tmp_path}/reset.py:12: TypeError: reset_callback gives nothing back: end it with"
     assert sum(line.startswith(hint) for line in lines) == 2, lines
+
+
+def test_an_interrupt_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("archo_tui.chapter.asker.Asker.wait_for_crashes", interrupt)
+    code = main(["--engine", chosen.ENGINE, "--check", str(LISTINGS / "motor_parameters.py")])
+    said = capsys.readouterr()
+    assert code == 1
+    assert said.out.splitlines()[-1] == "Bail out! interrupted"
+    assert said.err == "archo-tui: interrupted: not all was checked\n"

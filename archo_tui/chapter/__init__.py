@@ -46,6 +46,9 @@ def check(
         nothing = skipped == count
         asker.wait_for_crashes()
         show(Result("no node crashes", "\n".join(asker.all_crashes())))
+    except KeyboardInterrupt:
+        say("Bail out! interrupted")
+        raise
     finally:
         asker.close()
     if nothing:

@@ -6,22 +6,27 @@ import contextlib
 import linecache
 import re
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 from rcl_interfaces.msg import Log
+from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from archo_tui.host import HostedNode
 from archo_tui.limited import stack_of
-from archo_tui.node_files import WORDLESS
+from archo_tui.node_files import WORDLESS, code_of
 from archo_tui.robot.graph import logger_node
 from archo_tui.robot.state import Life
 from archo_tui.session import Session
+from archo_tui.source import Source
+
+T = TypeVar("T")
 
 ANSWER = 3.0  # s until an answer or a log line must be there
 _WATCHED = 1.5  # s that every node runs at least, for a timer of one second
 _SLICE = 0.05  # s of one turn of the checker's executor
+_LOOKS = 5  # at nodes that crash again and again
 _FRAME = re.compile(r'  File "(.+)", line (\d+), in ')
 
 
@@ -63,6 +68,13 @@ class Asker:
             self._host.start_node(hosted.name)
         return self.running()
 
+    def look(self, ask: Callable[[Node], T]) -> dict[HostedNode, T]:
+        """What each node says of itself; one that crashes in this moment is asked again."""
+        for _ in range(_LOOKS):
+            with contextlib.suppress(InvalidHandle, NodeNameNonExistentError):
+                return {hosted: ask(hosted.node) for hosted in self.nodes()}
+        return {}
+
     def running(self) -> list[HostedNode]:
         """Those that run, or have crashed since `nodes()`."""
         return [h for h in self._host.nodes if h.state.life in (Life.UP, Life.CRASHED)]
@@ -86,6 +98,26 @@ class Asker:
                     where, line = hosted.file.place(stack_of(thread))
                     if line:
                         return f"{where}{line}"
+        return ""
+
+    def place(self, nodes: Sequence[HostedNode], ask: Callable[[Source], int | None]) -> str:
+        """`FILE:LINE: ` of a line in their files; "" where there is none."""
+        for hosted in nodes:
+            line = ask(hosted.file.source) if hosted.file is not None else None
+            if line is not None:
+                return f"{hosted.file}:{line}: "
+        return ""
+
+    def place_of_text(self, text: str) -> str:
+        """`FILE:LINE: ` of a name, or of words."""
+        return self.place(self._host.nodes, lambda source: source.line_of_text(text))
+
+    def place_of(self, callback: Any) -> str:
+        """`FILE:LINE: ` of a callback."""
+        code = code_of(callback)
+        for hosted in self._host.nodes:
+            if code and hosted.file is not None and hosted.file.is_own(code.co_filename):
+                return f"{hosted.file.named(code.co_filename)}:{code.co_firstlineno}: "
         return ""
 
     def raised(self, nodes: Sequence[HostedNode], since: int) -> str:

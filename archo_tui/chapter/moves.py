@@ -42,19 +42,18 @@ _NOT_ACCEPTED = "the cancel_callback did not accept it: return CancelResponse.AC
 
 def moves(asker: Asker) -> Iterator[Result]:
     """The two checks."""
-    found = {
-        hosted: dict(
+    found = asker.look(
+        lambda node: dict(
             get_action_server_names_and_types_by_node(
-                asker.node, hosted.node.get_name(), hosted.node.get_namespace()
+                asker.node, node.get_name(), node.get_namespace()
             )
         )
-        for hosted in asker.nodes()
-    }
+    )
     nodes = [hosted for hosted, actions in found.items() if f"/{MOVE}" in actions]
     if not nodes:
         others = {name for actions in found.values() for name in actions}
         for title in (_WHOLE, _CANCEL):
-            yield names.missing(title, MOVE, "serve", "action", others)
+            yield names.missing(asker, title, MOVE, "serve", "action", others)
         return
     named = found[nodes[0]][f"/{MOVE}"][0]
     made = interfaces.load(named)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection
 from difflib import SequenceMatcher
 
+from archo_tui.chapter.asker import Asker
 from archo_tui.chapter.tap import Result
 
 _ALIKE = 0.8  # of two names, as difflib has it: from here on one was meant to be the other
@@ -17,7 +18,9 @@ _KNOWN = {
 }
 
 
-def missing(title: str, wanted: str, verb: str, kind: str, others: Collection[str]) -> Result:
+def missing(
+    asker: Asker, title: str, wanted: str, verb: str, kind: str, others: Collection[str]
+) -> Result:
     """Nobody offers what is wanted: a failure where another name was meant to be this one.
 
     `verb` and `kind` are of what is offered: publish, topic.
@@ -25,7 +28,8 @@ def missing(title: str, wanted: str, verb: str, kind: str, others: Collection[st
     others = sorted(name for name in others if name.strip("/") not in _KNOWN)
     meant = [name for name in others if _is_meant(name, wanted)]
     if meant or others:
-        said = f"you {verb} {', '.join(meant or others)}; the chapter's {kind} is {wanted}"
+        where = asker.place_of_text((meant or others)[0])
+        said = f"{where}you {verb} {', '.join(meant or others)}; the chapter's {kind} is {wanted}"
         return Result(title, hint=said) if meant else Result(title, skipped=said)
     return Result(title, skipped=f"no node {_third(verb)} {wanted}")
 

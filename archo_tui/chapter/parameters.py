@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
+
+from rclpy.node import Node
 
 from archo_tui.chapter import names
 from archo_tui.chapter.asker import Asker
@@ -14,25 +17,33 @@ _WANTED = ("max_speed", "wheel_radius")
 _OWN = ("use_sim_time", "start_type_description_service")  # every node's
 
 
-def parameters(asker: Asker) -> Iterator[Result]:
-    """The two checks."""
-    known = {
-        name: hosted.node.get_parameter_or(name).value
-        for hosted in asker.nodes()
-        for name in hosted.node.list_parameters([], 0).names
+def _declared(node: Node) -> dict[str, Any]:
+    """The values of a node's parameters, but for those of every node."""
+    return {
+        name: node.get_parameter_or(name).value
+        for name in node.list_parameters([], 0).names
         if name not in _OWN and not name.startswith("qos_overrides.")
     }
+
+
+def parameters(asker: Asker) -> Iterator[Result]:
+    """The two checks."""
+    known: dict[str, Any] = {}
+    for found in asker.look(_declared).values():
+        known |= found
     missing = [name for name in _WANTED if name not in known]
     if len(missing) == len(_WANTED):
         title = " and ".join(_WANTED)
-        results = [names.missing(_DECLARED, name, "declare", "name", known) for name in _WANTED]
+        results = [
+            names.missing(asker, _DECLARED, name, "declare", "name", known) for name in _WANTED
+        ]
         first = next((r for r in results if r.hint), results[0])
         yield first
         yield Result(_LOADED, skipped=f"no node declares {title}")
         return
     hints = []
     for name in missing:
-        near = names.missing(_DECLARED, name, "declare", "name", known).hint
+        near = names.missing(asker, _DECLARED, name, "declare", "name", known).hint
         hints.append(near or f"not declared: {name}: self.declare_parameter({name!r}, value)")
     yield Result(_DECLARED, "\n".join(hints))
     if "wheel_radius" in missing:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
+from rclpy.node import Node
+
 from archo_tui.chapter import names
 from archo_tui.chapter.asker import ANSWER, Asker, CrashedError
 from archo_tui.chapter.tap import Result
@@ -25,28 +27,31 @@ def services(asker: Asker) -> Iterator[Result]:
     yield _service(asker, _STOP, "emergency_stop", _stopped)
 
 
-Question = Callable[[Asker, list[HostedNode], Any], str]
+def _served(node: Node) -> dict[str, Any]:
+    """The services of a node by their names, but for every node's."""
+    return {
+        service.service_name.lstrip("/"): service
+        for service in node.services
+        if not service.srv_type.__module__.startswith(_OWN)
+        and "/_action/" not in service.service_name
+    }
+
+
+Question = Callable[[Asker, list[HostedNode], Any, str], str]
 
 
 def _service(asker: Asker, title: str, name: str, ask: Question) -> Result:
-    found = {
-        hosted: {
-            service.service_name.lstrip("/"): service
-            for service in hosted.node.services
-            if not service.srv_type.__module__.startswith(_OWN)
-            and "/_action/" not in service.service_name
-        }
-        for hosted in asker.nodes()
-    }
+    found = asker.look(_served)
     nodes = [hosted for hosted, services in found.items() if name in services]
     if not nodes:
         others = {f"/{name}" for services in found.values() for name in services}
-        return names.missing(title, name, "serve", "service", others)
+        return names.missing(asker, title, name, "serve", "service", others)
     made = found[nodes[0]][name].srv_type
     client = asker.node.create_client(made, name)
     try:
         asker.until(client.service_is_ready, ANSWER, nodes)
-        return Result(title, ask(asker, nodes, client))
+        where = asker.place_of(found[nodes[0]][name].callback)
+        return Result(title, ask(asker, nodes, client, where))
     except CrashedError as error:
         return Result(title, str(error))
     finally:
@@ -63,10 +68,11 @@ def _answer(asker: Asker, nodes: Sequence[HostedNode], client: Any) -> tuple[Any
     return None, f"no answer in {ANSWER:g} s{why}"
 
 
-def _reset(asker: Asker, nodes: list[HostedNode], client: Any) -> str:
+def _reset(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> str:
     named = interfaces.name_of(client.srv_type)
     if named.rpartition("/")[2] != "ResetEncoder":
-        return f"it is a {named}; the chapter's is an archo_interfaces/srv/ResetEncoder"
+        called = asker.place_of_text("reset_encoder")
+        return f"{called}it is a {named}; the chapter's is an archo_interfaces/srv/ResetEncoder"
     counters = _counters(nodes[0].node)
     for name, value in counters.items():
         if abs(value) < _TICKS:  # what is at zero already does not show a reset
@@ -80,9 +86,9 @@ def _reset(asker: Asker, nodes: list[HostedNode], client: Any) -> str:
         return why
     if not answer.success or answer.message != _WORDS:
         lacks = "" if answer.success else ": set response.success = True"
-        return f"answered {answer.success}, {answer.message!r}{lacks}"
+        return f"{where}answered {answer.success}, {answer.message!r}{lacks}"
     if left and all(abs(value) >= _TICKS for value in left.values()):
-        return f"self.{next(iter(left))} is what it was before: set it to 0 in the callback"
+        return f"{where}self.{next(iter(left))} is what it was before: set it to 0 in the callback"
     return ""
 
 
@@ -97,10 +103,10 @@ def _counters(node: Any) -> dict[str, Any]:
     }
 
 
-def _stopped(asker: Asker, nodes: list[HostedNode], client: Any) -> str:
+def _stopped(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> str:
     answer, why = _answer(asker, nodes, client)
     if answer is None:
         return why
     if interfaces.refuses(answer) and interfaces.fields(client.srv_type.Request) == set():
-        return "answered False: set response.success = True"
+        return f"{where}answered False: set response.success = True"
     return ""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from statistics import median
 from typing import Any
@@ -40,29 +40,26 @@ def topics(asker: Asker) -> Iterator[Result]:
     yield _dashboard(asker, heard)
 
 
-def _ends(nodes: Sequence[HostedNode], kind: str) -> dict[HostedNode, dict[str, Any]]:
-    """The publishers or subscriptions of each node by their topics, but for every node's."""
+def _ends(ends: Iterable[Any]) -> dict[str, Any]:
+    """Publishers or subscriptions by their topics, but for those of every node and of actions."""
     return {
-        hosted: {
-            end.topic_name.lstrip("/"): end
-            for end in getattr(hosted.node, kind)
-            if end.topic_name.lstrip("/") not in _OWN and "/_action/" not in end.topic_name
-        }
-        for hosted in nodes
+        end.topic_name.lstrip("/"): end
+        for end in ends
+        if end.topic_name.lstrip("/") not in _OWN and "/_action/" not in end.topic_name
     }
 
 
 def _battery(asker: Asker, heard: list[float]) -> Iterator[Result]:
-    ends = _ends(asker.nodes(), "publishers")
+    ends = asker.look(lambda node: _ends(node.publishers))
     nodes = [hosted for hosted, topics in ends.items() if LEVEL in topics]
     if not nodes:
         others = {f"/{name}" for topics in ends.values() for name in topics}
         for title in (_KIND, _RATE, _FALLS):
-            yield names.missing(title, LEVEL, "publish", "topic", others)
+            yield names.missing(asker, title, LEVEL, "publish", "topic", others)
         return
     publisher = ends[nodes[0]][LEVEL]
     wrong = _wrong_type(publisher.msg_type)
-    yield Result(_KIND, f"it is {wrong}" if wrong else "")
+    yield Result(_KIND, f"{asker.place_of_text(LEVEL)}it is {wrong}" if wrong else "")
     times: list[float] = []
 
     def take(message: Any) -> None:
@@ -83,7 +80,8 @@ def _battery(asker: Asker, heard: list[float]) -> Iterator[Result]:
         yield Result(_FALLS, "too few messages to tell")
         return
     period = median(b - a for a, b in pairwise(times))
-    slow = f"one every {period:.2f} s: the first argument of create_timer is in seconds"
+    where = asker.place(nodes, lambda source: source.line_of_call("create_timer"))
+    slow = f"{where}one every {period:.2f} s: the first argument of create_timer is in seconds"
     well = _PERIOD[0] <= period <= _PERIOD[1]
     yield Result(_RATE, said if len(times) < _LEVELS else "" if well else slow)
     yield Result(_FALLS, _wrong_levels(heard))
@@ -99,7 +97,8 @@ def _silence(
         return f"{said}: a callback does not return, {busy}: use create_timer(1.0, ...)"
     if publisher.qos_profile.reliability == QoSReliabilityPolicy.BEST_EFFORT:
         return f"{said}: its QoS is best effort, and who asks for reliable hears nothing: give 10"
-    return f"{said}: create_timer(1.0, ...), in seconds, and publish() in its callback"
+    where = asker.place(nodes, lambda source: source.line_of_call("create_timer"))
+    return f"{where}{said}: create_timer(1.0, ...), in seconds, and publish() in its callback"
 
 
 def _wrong_levels(levels: Sequence[float]) -> str:
@@ -127,17 +126,20 @@ def _wrong_type(made: Any) -> str:
 
 
 def _dashboard(asker: Asker, heard: Sequence[float]) -> Result:
+    ends = asker.look(lambda node: _ends(node.subscriptions))
     # the motor may listen, too: it stops where the battery is empty
-    listening = [h for h in asker.nodes() if h.node.get_name() != _MOTOR]
-    ends = _ends(listening, "subscriptions")
+    ends = {h: topics for h, topics in ends.items() if h.name.rpartition("/")[2] != _MOTOR}
     nodes = [hosted for hosted, topics in ends.items() if LEVEL in topics]
     if not nodes:
         others = {f"/{name}" for topics in ends.values() for name in topics}
-        return names.missing(_WARNS, LEVEL, "subscribe to", "topic", others)
-    made = ends[nodes[0]][LEVEL].msg_type
+        return names.missing(asker, _WARNS, LEVEL, "subscribe to", "topic", others)
+    subscription = ends[nodes[0]][LEVEL]
+    made, where = subscription.msg_type, asker.place_of(subscription.callback)
     wrong = _wrong_type(made)
     if wrong:
-        return Result(_WARNS, f"the type that is subscribed to is {wrong}")
+        return Result(
+            _WARNS, f"{asker.place_of_text(LEVEL)}the type that is subscribed to is {wrong}"
+        )
     publisher = asker.node.create_publisher(made, LEVEL, 10)
     # a battery of the learner's own may be low by itself
     alone = all(level >= 20.0 for level in heard)
@@ -149,7 +151,7 @@ def _dashboard(asker: Asker, heard: Sequence[float]) -> Result:
             said = said or _lacking(asker, nodes, publisher, level)
             if not said:  # one that warns once warns again when the battery was charged meanwhile
                 _published(asker, nodes, publisher, _HIGH[0], _EACH)
-        return Result(_WARNS, said)
+        return Result(_WARNS, where + said if said else "")
     except CrashedError as error:
         return Result(_WARNS, str(error))
     finally:

@@ -1,5 +1,5 @@
 """The right words at the wrong level."""
-# not ok 4: 19.0 was published, and 'Low battery!' only logged as information
+# not ok 4: HERE: 19.0 was published, and 'Low battery!' only logged as information
 from rclpy.node import Node
 from std_msgs.msg import Float32
 
@@ -9,6 +9,6 @@ class Dashboard(Node):
         super().__init__("dashboard")
         self.create_subscription(Float32, "battery_level", self.on_level, 10)
 
-    def on_level(self, msg):
+    def on_level(self, msg):  # here
         if msg.data < 20.0:
             self.get_logger().info("Low battery!")

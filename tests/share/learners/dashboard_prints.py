@@ -1,5 +1,5 @@
 """What is printed is no log."""
-# not ok 4: 19.0 was published, and 'WARNING: 19.0 %' only printed: self.get_logger().warning
+# not ok 4: HERE: 19.0 was published, and 'WARNING: 19.0 %' only printed: self.get_logger().warning
 from rclpy.node import Node
 from std_msgs.msg import Float32
 
@@ -9,6 +9,6 @@ class Dashboard(Node):
         super().__init__("dashboard")
         self.create_subscription(Float32, "battery_level", self.on_level, 10)
 
-    def on_level(self, msg):
+    def on_level(self, msg):  # here
         if msg.data < 20.0:
             print(f"WARNING: {msg.data} %")
