@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 FAILED, MISUSED = 1, 2  # exit codes
 _AGAIN = 100  # shutdown.RESTART, which is not loaded for --help: begin again, with the same words
-_RADIUS = 0.07  # m, of --check's parameter file: not what the chapter's listing declares
 _MOST_FAILURES = 3  # of the screen, after which it is given up
 
 
@@ -308,31 +307,22 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     """What the chapter asks, asked."""
-    import tempfile
     from pathlib import Path
 
-    from archo_tui.session import Options, Session
+    from archo_tui.check import run
 
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # the folder is to go
-    with tempfile.TemporaryDirectory(prefix="archo-check-") as folder:
-        values = Path(folder, "params.yaml")  # tell whether the nodes load a file at all
-        values.write_text(f"/**:\n  ros__parameters:\n    wheel_radius: {_RADIUS}\n")
-        given = Options(
-            engine=options.engine,
-            node_files=options.check,
-            interfaces=Path(options.interfaces) if options.interfaces else None,
-            only=True,
-            params_files=[values],
-            domain_id=None,
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # what it makes is to go
+    out = sys.stdout
+    try:
+        return run(
+            options.check,
+            options.engine,
+            Path(options.interfaces) if options.interfaces else None,
+            lambda line: print(line, file=out, flush=True),
         )
-        with Session(given) as session:
-            from archo_tui.chapter import check  # not before the engine is chosen
-
-            try:
-                return check(session, _RADIUS, lambda line: print(line, flush=True))
-            except KeyboardInterrupt:
-                _complain("interrupted: not all was checked")
-                return FAILED
+    except KeyboardInterrupt:
+        _complain("interrupted: not all was checked")
+        return FAILED
 
 
 def _plain(session: Session, options: argparse.Namespace, stdin: TextIO | None) -> int:

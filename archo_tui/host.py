@@ -11,7 +11,7 @@ from typing import Any
 import rclpy
 from rclpy.action import get_action_server_names_and_types_by_node
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -23,6 +23,7 @@ from archo_tui.robot.state import Hosted, Life, Outcome
 from archo_tui.robot.values import text_of
 from archo_tui.tracebacks import own_frames
 from archo_tui.watch import Stamps
+from archo_tui.workers import Workers, multi_threaded
 
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
 END_TIMEOUT = 1.5  # s for all of them when the console ends
@@ -50,7 +51,14 @@ class HostedNode:
             self.state = self.state._replace(file=named, saved=saved)
         self._on_change = on_change
         self._stopping = False
-        self._executor = SingleThreadedExecutor(context=context)
+        self.crash = ""  # FILE:LINE and what it raised
+        threads = make.threads if isinstance(make, FileNode) else None
+        self._executor: Executor
+        self._workers: Workers | None = None
+        if threads is None:
+            self._executor = SingleThreadedExecutor(context=context)
+        else:
+            self._executor, self._workers = multi_threaded(context, threads, self.name)
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._spin, name=self.name, daemon=True)
 
@@ -64,19 +72,25 @@ class HostedNode:
 
     def _spin(self) -> None:
         try:
-            while not self._stopping:
+            while not self._stopping and self._context.ok():
                 self._executor.spin_once()
         except (ExternalShutdownException, Interrupted):
             return
         except BaseException as error:  # SystemExit, too: it ends the node, not the console
-            self._executor.remove_node(self.node)
-            _destroy(self.node)
             said = in_one_line(error)
             report = own_frames(error, rclpy, archo_tui)
             if self.file is not None:
-                said = in_its_file(self.file, self.file.said(error)[0])
+                self.crash = self.file.said(error)[0]
+                said = in_its_file(self.file, self.crash)
             self.state = self.state._replace(life=Life.CRASHED, error=said, traceback=report)
+            self._executor.remove_node(self.node)
+            _destroy(self.node)
             self._on_change(self)
+
+    def threads(self) -> list[threading.Thread]:
+        """Those that run: the one that spins, and its workers'."""
+        workers = self._workers.threads if self._workers is not None else ()
+        return [thread for thread in (self._thread, *workers) if thread.is_alive()]
 
     def begin_to_stop(self) -> None:
         """Have the thread end when the callback returns that it runs."""
@@ -87,11 +101,12 @@ class HostedNode:
     def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
         """End the thread and destroy the node; False when a callback takes longer than that (s)."""
         self.begin_to_stop()
-        if self._thread.is_alive():
-            self._thread.join(timeout)
-            if self._thread.is_alive():
-                self.state = self.state._replace(life=Life.STUCK)
-                return False
+        end = time.monotonic() + timeout
+        for thread in self.threads():
+            thread.join(max(end - time.monotonic(), 0.0))
+        if self.threads():
+            self.state = self.state._replace(life=Life.STUCK)
+            return False
         self._executor.shutdown(0)
         _destroy(self.node)
         if self.state.life != Life.CRASHED:
@@ -100,7 +115,7 @@ class HostedNode:
 
     def abandon(self) -> bool:
         """Take a node off the graph whose callback does not return; False when that goes on."""
-        ended = interrupt(self._thread)
+        ended = all([interrupt(thread) for thread in self.threads()])
         self._executor.remove_node(self.node)
         _destroy(self.node)
         return ended
@@ -173,7 +188,8 @@ class Host:
     def start_node(self, name: str) -> Outcome:
         """Construct a stopped or crashed node again and spin it."""
         with self._changing:
-            old = self._find(name)
+            named = [hosted for hosted in self.nodes if hosted.name == name]
+            old = next((h for h in named if h.state.life != Life.UP), named[0])
             if old.state.life == Life.UP:
                 return Outcome(False, f"{name} is running")
             said = f"{name} started"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable
+from traceback import StackSummary, extract_stack
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -16,7 +18,11 @@ class Interrupted(BaseException):
 
 
 class TookTooLong(Exception):
-    """Work was given up."""
+    """Work was given up; `stack` is where it was by then."""
+
+    def __init__(self, said: str, stack: StackSummary) -> None:
+        super().__init__(said)
+        self.stack = stack
 
 
 def run_limited(work: Callable[[], T], seconds: float, name: str) -> T:
@@ -37,11 +43,18 @@ def run_limited(work: Callable[[], T], seconds: float, name: str) -> T:
     thread.start()
     thread.join(seconds)
     if thread.is_alive():
+        stack = stack_of(thread)
         interrupt(thread)
-        raise TookTooLong(f"did not return within {seconds:g} s")
+        raise TookTooLong(f"did not return within {seconds:g} s", stack)
     if errors:
         raise errors[0]
     return values[0]
+
+
+def stack_of(thread: threading.Thread) -> StackSummary:
+    """Where a thread is now; empty when it has ended."""
+    frame = sys._current_frames().get(thread.ident or 0)
+    return extract_stack(frame) if frame is not None else StackSummary()
 
 
 def interrupt(thread: threading.Thread) -> bool:

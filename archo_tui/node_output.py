@@ -63,6 +63,9 @@ class NodeOutput(io.TextIOBase):
     def flush(self) -> None:
         self._other.flush()
 
+    def close(self) -> None:
+        """Nothing is held back; the other is not ours, and may be closed when this one is freed."""
+
     def isatty(self) -> bool:
         return self._other.isatty()
 

@@ -31,6 +31,7 @@ class Fault(NamedTuple):
 E = "embedded/rclpy/"
 BRINGUP = "nodes/archo_bringup/"
 CONSOLE, ROBOT, CONTRACT = "tests/console", "tests/robot", "tests/contract"
+LEARNERS = "tests/test_check.py"
 FAULTS = [
     # seen to go unnoticed once
     Fault("robot/goals.py", "now - age if 0 <= age <= _LONGEST_AGE else now", "now - age", ROBOT + "/test_odd_robots.py"),
@@ -101,7 +102,7 @@ FAULTS = [
     Fault("robot/parameter_values.py", "not parameter.low <= value <= parameter.high", "value > parameter.high", ROBOT),
     Fault("robot/stopping.py", "        if self.asked is not None:\n            self.over()", "        pass", ROBOT + " " + CONSOLE),
     Fault("host.py", "            self._on_change(self)\n", "            pass\n", ROBOT),
-    Fault("host.py", "                return False\n        self._executor.shutdown(0)", "                return True\n        self._executor.shutdown(0)", "tests/test_terminal.py"),
+    Fault("host.py", "            return False\n        self._executor.shutdown(0)", "            return True\n        self._executor.shutdown(0)", "tests/test_terminal.py"),
     Fault("shutdown.py", "    if on_disconnect == LEAVE:\n", "    if False:\n", "tests/test_shutdown.py"),
     Fault("shutdown.py", "        if self._task is None:\n", "        if True:\n", "tests/test_shutdown.py"),
     Fault("app.py", "        if self.screen is not self.main or (", "        if (False and ", CONSOLE + "/test_registry.py"),
@@ -154,7 +155,7 @@ FAULTS = [
     Fault("app.py", "any(isinstance(screen, Palette) for screen in self.screen_stack)", "isinstance(self.screen, Palette)", CONSOLE + "/test_unlucky_moments.py"),
     Fault("screens/ask_path.py", 'self.write(".recent", Content', 'self.query_one(".recent", Static).update(Content', CONSOLE + "/test_parameters.py"),
     Fault("widgets/parameters_panel.py", "            if not view.changing:\n                self._flash(before)", "            self._flash(before)", CONSOLE + "/test_parameters.py"),
-    Fault("chapter.py", "        if not in_time:", "        if False:", "tests/test_check.py"),
+    Fault("chapter/moves.py", "        if not self._until(asked.done, _TAKEN):", "        if False:", LEARNERS),
     Fault("screens/main.py", "panel is not None and self._asked", "panel is not None", CONSOLE + "/test_snapshots.py"),
     Fault("own_interfaces.py", "            check(self._packages)\n", "            pass\n", "tests/embedded/test_own_interfaces.py"),
     # what is drawn
@@ -288,6 +289,26 @@ FAULTS = [
     Fault("embedded/core_schema.py", "if math.isinf(found) and not infinite:", "if False:", "tests/test_core_schema.py"),
     Fault("robots/typed_yaml.py", "        return _any(node, path)\n", '        return yaml.SafeLoader("").construct_object(node, deep=True)\n', "tests/robots/test_load.py"),
     Fault("screens/edit_parameter.py", "                return self._offered\n", "                pass\n", CONSOLE + "/test_parameters.py"),
+    # learners' files, and the nodes of a process
+    Fault("host.py", "self._on_change, self._rename)", "self._on_change)", ROBOT + "/test_host.py"),
+    Fault("host.py", "            if old.state.life == Life.UP:\n                return", "            if False:\n                return", ROBOT + "/test_host.py"),
+    Fault("cli.py", 'in ("--ros-args", "--") and inside != (word == "--ros-args"):', 'in ("--ros-args", "--"):', "tests/test_cli.py"),
+    Fault("source.py", "        roots = [*self._main()]", "        roots: list[ast.AST] = []", LEARNERS),
+    Fault("source.py", "None if number == 1 else number", "number", LEARNERS),
+    Fault("host.py", "(h for h in named if h.state.life != Life.UP)", "(h for h in named)", LEARNERS),
+    Fault("chapter/asker.py", "self._began + _WATCHED - self.now()", "0.0", LEARNERS),
+    Fault("chapter/moves.py", "        if lasted < _SHORTEST:", "        if False:", LEARNERS),
+    Fault("workers.py", "            if error_of() is not None:", "            if False:", LEARNERS),
+    Fault("host.py", "for thread in (self._thread, *workers) if", "for thread in (self._thread,) if", ROBOT + "/test_reloading.py"),
+    Fault("chapter/asker.py", "            self._host.start_node(hosted.name)\n", "", LEARNERS),
+    Fault("chapter/asker.py", "                if hosted.state.life == Life.CRASHED:\n                    raise", "                if False:\n                    raise", LEARNERS),
+    Fault("chapter/topics.py", "for level in _HIGH if alone else ():", "for level in _HIGH:", LEARNERS),
+    Fault("chapter/topics.py", "_HIGH = 87.5, 55.0, 21.0", "_HIGH = 87.5, 55.0", LEARNERS),
+    Fault("chapter/topics.py", "_LOW = 19.0, 5.0", "_LOW = (19.0,)", LEARNERS),
+    Fault("chapter/services.py", "        if abs(value) < _TICKS:  #", "        if False:  #", LEARNERS),
+    Fault("chapter/moves.py", "_SHELVES = 11, 6", "_SHELVES = 12, 6", LEARNERS),
+    Fault("chapter/__init__.py", "    return 1 if failed or nothing else 0", "    return 1 if failed else 0", LEARNERS),
+    Fault("chapter/names.py", "return bool(own) and (own <= words or words <= own)", "return False", LEARNERS),
 ]  # fmt: skip
 
 

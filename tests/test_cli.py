@@ -299,6 +299,10 @@ def test_a_bad_value_behind_ros_args_is_said(refused: Refused) -> None:
 def test_ros_args_are_taken_off() -> None:
     words = ["--use-sim", "--ros-args", "-p", "a:=1", "--", "--namespace", "/x"]
     assert split_ros_args(words) == (["--use-sim", "--namespace", "/x"], ["-p", "a:=1"])
+    twice = ["--ros-args", "-p", "a:=1", "--ros-args", "-p", "b:=2", "--", "--only"]
+    own, ros = split_ros_args(twice)  # the second one ends nothing
+    assert own == ["--only"]
+    assert [word for word in ros if word != "--ros-args"] == ["-p", "a:=1", "-p", "b:=2"]
 
 
 def run_patched(patch: str, *words: str) -> subprocess.CompletedProcess[str]:

@@ -19,6 +19,12 @@ def load(type_name: str) -> Any:
         return None
 
 
+def name_of(made: Any) -> str:
+    """ "package/kind/Name" of a class."""
+    package, kind, *_ = made.__module__.split(".")
+    return f"{package}/{kind}/{made.__name__}"
+
+
 def fields(message_class: Any) -> set[str]:
     """The names of a message's fields."""
     return set(message_class.get_fields_and_field_types()) - {EMPTY}

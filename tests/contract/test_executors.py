@@ -487,6 +487,16 @@ def test_what_is_ready_is_asked_for_by_nodes_and_until_a_condition_holds(ros: Ro
     executor.shutdown()
 
 
+def test_a_timer_whose_callback_is_none_ends_the_spin(ros: Ros) -> None:
+    executor = SingleThreadedExecutor(context=ros.context)
+    node = ros.node()
+    executor.add_node(node)
+    node.create_timer(0.01, None)  # type: ignore[arg-type]
+    with pytest.raises(UnboundLocalError, match="arg_name"):
+        executor.spin_once(5.0)
+    executor.shutdown()
+
+
 def test_a_group_knows_its_own(ros: Ros) -> None:
     node = ros.node()
     group = MutuallyExclusiveCallbackGroup()

@@ -61,3 +61,23 @@ def test_the_crashed_node_has_left_the_graph() -> None:
     with Session(options, clock.current) as session:
         wait_until(lambda: session.host.states()[0].error)
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == [])
+
+
+def test_a_restarted_copy_keeps_its_own_name() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
+    with Session(options, clock.current) as session:
+        assert session.host.copy_node("/good").ok
+        assert session.host.stop_node("/good_2").ok
+        assert session.host.start_node("/good_2") == (True, "/good_2 started")
+        assert [hosted.name for hosted in session.host.nodes] == ["/good", "/good_2"]
+        wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good", "/good_2"])
+
+
+def test_a_node_that_runs_is_not_started_again() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
+    with Session(options, clock.current) as session:
+        (good,) = session.host.nodes
+        assert session.host.start_node("/good") == (False, "/good is running")
+        assert session.host.nodes == [good]
+        seen = good.node.count  # type: ignore[attr-defined]
+        wait_until(lambda: good.node.count > seen)  # type: ignore[attr-defined]

@@ -232,6 +232,26 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
         await op.until("well again")
 
 
+@pytest.mark.real_time
+async def test_what_hangs_in_one_of_several_threads_is_replaced(
+    here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(HostedNode.stop, "__defaults__", (0.5,))
+    file = here / "talker.py"
+    several = "\n\ndef main():\n    MultiThreadedExecutor()\n"
+    endless = "print('from now on')\n        import time\n        while True: time.sleep(0.01)"
+    file.write_text(talker(endless) + several)
+    async with running(file) as op:
+        await op.press("6", "l")
+        await op.until("talker stdout")
+        await op.until("from now on")
+        await save(op, file, talker("1 / 0") + several)
+        await op.until("did not return and was interrupted")
+        await op.until("crashed: line 11: ZeroDivisionError: division by zero, in: 1 / 0")
+    names = [thread.name for thread in threading.enumerate()]
+    assert not any(name.startswith(("/talker", "ThreadPool")) for name in names), names
+
+
 def running_threads() -> list[str]:
     """Their names, without asyncio's, which come as they are needed and stay."""
     names = (thread.name for thread in threading.enumerate())

@@ -69,7 +69,7 @@ class Timer(TimedEntity):
         super().__init__(node, callback_group)
         if period_ns < 0:
             raise RCLError("failed to create timer: timer period must be non-negative")
-        self.callback: Callable[..., Any] = callback
+        self.callback: Callable[..., Any] | None = callback
         self._asked_of: object = None  # the callback that was looked at for such an argument
         self._wanted = ""
         self._clock = clock
@@ -190,6 +190,8 @@ class Timer(TimedEntity):
 
     def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
         """The callback, given a TimerInfo when one of its arguments is annotated so."""
+        if self.callback is None:  # rclpy stumbles over a variable of its own, by this name
+            raise UnboundLocalError("local variable 'arg_name' is not associated with a value")
         if self._asked_of is not self.callback:
             self._asked_of, self._wanted = self.callback, _info_argument(self.callback)
         if not self._wanted:

@@ -1,0 +1,112 @@
+"""The services of motor_controller."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from rclpy.node import Node
+
+from archo_tui.chapter import names
+from archo_tui.chapter.asker import ANSWER, Asker, CrashedError
+from archo_tui.chapter.tap import Result
+from archo_tui.host import HostedNode
+from archo_tui.robot import interfaces
+
+_RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
+_STOP = "emergency_stop answers True"
+_WORDS = "Encoder reset to zero"
+_OF_ENCODERS = ("tick", "encoder")  # in the names of attributes that count
+_TICKS = 15420  # the chapter's, before a reset
+_OWN = ("rcl_interfaces", "type_description_interfaces")  # packages of every node's services
+
+
+def services(asker: Asker) -> Iterator[Result]:
+    """The two checks."""
+    yield _service(asker, _RESET, "reset_encoder", _reset)
+    yield _service(asker, _STOP, "emergency_stop", _stopped)
+
+
+def _served(node: Node) -> dict[str, Any]:
+    """The services of a node by their names, but for every node's."""
+    return {
+        service.service_name.lstrip("/"): service
+        for service in node.services
+        if not service.srv_type.__module__.startswith(_OWN)
+        and "/_action/" not in service.service_name
+    }
+
+
+Question = Callable[[Asker, list[HostedNode], Any, str], str]
+
+
+def _service(asker: Asker, title: str, name: str, ask: Question) -> Result:
+    found = asker.look(_served)
+    nodes = [hosted for hosted, services in found.items() if name in services]
+    if not nodes:
+        others = {f"/{name}" for services in found.values() for name in services}
+        return names.missing(asker, title, name, "serve", "service", others)
+    made = found[nodes[0]][name].srv_type
+    client = asker.node.create_client(made, name)
+    try:
+        asker.until(client.service_is_ready, ANSWER, nodes)
+        where = asker.place_of(found[nodes[0]][name].callback)
+        return Result(title, ask(asker, nodes, client, where))
+    except CrashedError as error:
+        return Result(title, str(error))
+    finally:
+        asker.node.destroy_client(client)
+
+
+def _answer(asker: Asker, nodes: Sequence[HostedNode], client: Any) -> tuple[Any, str]:
+    """What a service answers, or why there is no answer."""
+    answer = asker.answer(client.call_async(client.srv_type.Request()), nodes)
+    if answer is not None:
+        return answer, ""
+    busy = asker.busy(nodes)
+    why = f": a callback does not return, {busy}" if busy else ""
+    return None, f"no answer in {ANSWER:g} s{why}"
+
+
+def _reset(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> str:
+    named = interfaces.name_of(client.srv_type)
+    if named.rpartition("/")[2] != "ResetEncoder":
+        called = asker.place_of_text("reset_encoder")
+        return f"{called}it is a {named}; the chapter's is an archo_interfaces/srv/ResetEncoder"
+    counters = _counters(nodes[0].node)
+    for name, value in counters.items():
+        if abs(value) < _TICKS:  # what is at zero already does not show a reset
+            setattr(nodes[0].node, name, type(value)(_TICKS))
+    answer, why = _answer(asker, nodes, client)
+    left = {name: value for name, value in _counters(nodes[0].node).items() if name in counters}
+    for name, value in left.items():
+        if value == _TICKS:
+            setattr(nodes[0].node, name, counters[name])
+    if answer is None:
+        return why
+    if not answer.success or answer.message != _WORDS:
+        lacks = "" if answer.success else ": set response.success = True"
+        return f"{where}answered {answer.success}, {answer.message!r}{lacks}"
+    if left and all(abs(value) >= _TICKS for value in left.values()):
+        return f"{where}self.{next(iter(left))} is what it was before: set it to 0 in the callback"
+    return ""
+
+
+def _counters(node: Any) -> dict[str, Any]:
+    """The attributes of a node that may be its encoder's."""
+    return {
+        name: value
+        for name, value in vars(node).items()
+        if any(word in name.lower() for word in _OF_ENCODERS)
+        and isinstance(value, (int, float))
+        and not isinstance(value, bool)
+    }
+
+
+def _stopped(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> str:
+    answer, why = _answer(asker, nodes, client)
+    if answer is None:
+        return why
+    if interfaces.refuses(answer) and interfaces.fields(client.srv_type.Request) == set():
+        return f"{where}answered False: set response.success = True"
+    return ""

@@ -1,0 +1,19 @@
+"""An int where a float belongs."""
+# ok: 1
+# not ok 2: HERE: AssertionError: The 'data' field must be of type 'float'
+# not ok 3: too few messages
+# not ok 11: HERE
+from rclpy.node import Node
+from std_msgs.msg import Float32
+
+
+class BatteryMonitor(Node):
+    def __init__(self):
+        super().__init__("battery_monitor")
+        self.publisher = self.create_publisher(Float32, "battery_level", 10)
+        self.create_timer(1.0, self.tick)
+
+    def tick(self):
+        msg = Float32()
+        msg.data = 87  # here
+        self.publisher.publish(msg)

@@ -1,0 +1,11 @@
+"""The level stays where it is, which is no rise."""
+# ok: 1 2 3
+from rclpy.node import Node
+from std_msgs.msg import Float32
+
+
+class BatteryMonitor(Node):
+    def __init__(self):
+        super().__init__("battery_monitor")
+        self.publisher = self.create_publisher(Float32, "battery_level", 10)
+        self.create_timer(1.0, lambda: self.publisher.publish(Float32(data=87.5)))

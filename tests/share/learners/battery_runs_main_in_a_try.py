@@ -1,0 +1,20 @@
+"""main() without its `if`, in a try."""
+# exit 2: HERE: main() runs when the file is imported: put it below if __name__ == "__main__":
+import rclpy
+from rclpy.node import Node
+
+
+class BatteryMonitor(Node):
+    def __init__(self):
+        super().__init__("battery_monitor")
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(BatteryMonitor())
+
+
+try:
+    main()  # here
+except KeyboardInterrupt:
+    pass

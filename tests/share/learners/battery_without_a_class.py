@@ -1,0 +1,12 @@
+"""A node that is no class."""
+# exit 2: defines no subclass of rclpy.node.Node
+import rclpy
+from std_msgs.msg import Float32
+
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node("battery_monitor")
+    publisher = node.create_publisher(Float32, "battery_level", 10)
+    node.create_timer(1.0, lambda: publisher.publish(Float32(data=87.5)))
+    rclpy.spin(node)

@@ -1,0 +1,15 @@
+"""The message is not its data."""
+# not ok 4: HERE: TypeError: '<' not supported
+# not ok 11: HERE
+from rclpy.node import Node
+from std_msgs.msg import Float32
+
+
+class Dashboard(Node):
+    def __init__(self):
+        super().__init__("dashboard")
+        self.create_subscription(Float32, "battery_level", self.on_level, 10)
+
+    def on_level(self, msg):
+        if msg < 20.0:  # here
+            self.get_logger().warning("Low battery")

@@ -1,0 +1,14 @@
+"""What is printed is no log."""
+# not ok 4: HERE: 19.0 was published, and 'WARNING: 19.0 %' only printed: self.get_logger().warning
+from rclpy.node import Node
+from std_msgs.msg import Float32
+
+
+class Dashboard(Node):
+    def __init__(self):
+        super().__init__("dashboard")
+        self.create_subscription(Float32, "battery_level", self.on_level, 10)
+
+    def on_level(self, msg):  # here
+        if msg.data < 20.0:
+            print(f"WARNING: {msg.data} %")

@@ -1,0 +1,36 @@
+"""Sleeps, and has no cancel_callback: both are named at once."""
+# ok: 7
+# not ok 8: HERE, in: time.sleep(0.5)
+# not ok 8: a single-threaded executor takes no cancel
+# not ok 8: THERE: ActionServer has no cancel_callback
+import time
+
+import rclpy
+from archo_interfaces.action import MoveToShelf
+from rclpy.action import ActionServer
+from rclpy.node import Node
+
+
+class MotorController(Node):
+    def __init__(self):
+        super().__init__("motor_controller")
+        self.server = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)  # there
+
+    def execute(self, goal_handle):
+        result = MoveToShelf.Result()
+        for distance in (15.0, 12.0, 9.0, 6.0, 3.0, 0.0):
+            if goal_handle.is_cancel_requested:
+                goal_handle.canceled()
+                result.final_message = "Cancelled mid-route"
+                return result
+            goal_handle.publish_feedback(MoveToShelf.Feedback(distance_remaining=distance))
+            time.sleep(0.5)  # here
+        goal_handle.succeed()
+        result.success = True
+        result.final_message = f"Arrived at shelf {goal_handle.request.shelf_number}"
+        return result
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(MotorController())

@@ -1,0 +1,10 @@
+"""A number in quotes."""
+# exit 2: HERE: InvalidParameterTypeException
+from rclpy.node import Node
+
+
+class MotorController(Node):
+    def __init__(self):
+        super().__init__("motor_controller")
+        self.declare_parameter("max_speed", "0.8")  # here
+        self.declare_parameter("wheel_radius", 0.05)
