@@ -91,6 +91,7 @@ class Robot:
             self._offers,
             self._look,
             self._flush,
+            lambda said: self._say("YOU", f"STOP, answered late: {said}"),
         )
         subscribe(node, Log, "/rosout", self._on_log, 1000)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
@@ -285,9 +286,7 @@ class Robot:
             lambda gate: self._call(name, fields, gate),
         )
 
-    async def _call(
-        self, name: str, fields: Mapping[str, Any], gate: Gate | None = None
-    ) -> Outcome:
+    async def _call(self, name: str, fields: Mapping[str, Any], gate: Gate) -> Outcome:
         """Call a service with the type that its server has, if its request is what is meant."""
         if name not in self._graph.offered:
             return Outcome(False, f"{self._offers.full(name)} is not offered by any node")
@@ -492,6 +491,7 @@ class Robot:
                 events=self._log.all(),
                 charge=self._telemetry.charge,
                 stop_asked=self._stopping.asked,
+                stop_answer=self._stopping.answer,
                 stop_why=self._stopping.why,
                 outlived=self._outlived,
                 namespace=self._graph.namespace,
