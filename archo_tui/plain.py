@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import io
+import re
 import sys
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine
@@ -16,7 +17,6 @@ from archo_tui.alarms import Alarm, advice, ways
 from archo_tui.clock import time_of_day
 from archo_tui.node_output import NodeOutput
 from archo_tui.plain_input import Input, Line
-from archo_tui.plain_lines import LONGEST
 from archo_tui.plain_output import Output
 from archo_tui.robot import forms
 from archo_tui.robot.parameter_values import parse, range_text
@@ -38,6 +38,7 @@ _APART = 1.0  # s between a STOP and the next but one, when they are all that is
 _SLOW = 2.0  # s for the reader to catch up before the next line; once, if it does not read at all
 _LAST = 0.5  # s after a signal for a STOP to be answered, and for what is not written yet
 _MOST_GOALS = 1000  # that wait in the queue
+_VALUE = re.compile(r"\A\s*\S+\s+\S+\s+\S+\s")  # what stands before it: set NODE NAME VALUE
 
 
 def help_text(robot: Robot) -> str:
@@ -162,7 +163,7 @@ class Plain:
 
     async def _serve(self) -> None:
         while (line := await self._line()) is not None and line.text.split() != ["quit"]:
-            if line.is_too_long or line.text.split():  # else blanks of some other script
+            if line.fault or line.text.split():  # else blanks of some other script
                 with self._robot.stops.at(line.stops):
                     await self._run(line)
         await self._hold(lambda: self._input.is_quiet)  # a stop may have come with the last line
@@ -214,15 +215,15 @@ class Plain:
         )
 
     async def _run(self, line: Line) -> None:
-        if line.is_too_long:
-            self._say(f"failed: a line of more than {LONGEST} bytes")
+        if line.fault:
+            self._say(f"failed: {line.fault}")
             self._failed = True
             return
         verb, *rest = line.text.split()
         gate = self._robot.stops.gate()
         self._has_run = self._has_run or not gate.is_shut
         try:
-            outcome = await self._do(verb, rest)
+            outcome = await self._do(verb, rest, line.text)
         except Void:
             outcome = Outcome(False, NOT_SENT)
         if outcome is not None and not outcome.ok:
@@ -230,10 +231,10 @@ class Plain:
             again = self._kind(verb) is not None and not gate.is_shut  # a goal may be tried again
             self._failed = self._failed or not again
 
-    async def _do(self, verb: str, rest: list[str]) -> Outcome | None:
+    async def _do(self, verb: str, rest: list[str], text: str) -> Outcome | None:
         robot = self._robot
         if verb == "set" and len(rest) >= 3:
-            return await self._set(rest[0], rest[1], " ".join(rest[2:]))
+            return await self._set(rest[0], rest[1], _VALUE.sub("", text))
         kind = self._kind(verb)
         if kind is not None:
             return await self._go(kind, rest)
