@@ -91,7 +91,7 @@ class Robot:
             self._offers,
             self._look,
             self._flush,
-            lambda said: self._say("YOU", f"STOP, answered late: {said}"),
+            lambda said: self._tell(f"STOP, answered late: {said}"),
         )
         subscribe(node, Log, "/rosout", self._on_log, 1000)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
@@ -315,10 +315,7 @@ class Robot:
 
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))
-            text = harmless(f"{title}: {outcome.text}")
-            self._node.get_logger().info(text)  # for other consoles
-            self._others.heard(text, self._clock.monotonic())
-            self._add_event(Event(self._clock.now(), "YOU", "console", text, command))
+            self._tell(f"{title}: {outcome.text}", command)
             self._flush()
             return outcome
 
@@ -361,13 +358,13 @@ class Robot:
     async def _stop_behind(self) -> None:
         """Something that was sent before a STOP was answered behind it, a release perhaps."""
         outcome = await self._stopping.send()
-        self._say("YOU", f"STOP, sent again behind an earlier command: {outcome.text}")
+        self._tell(f"STOP, sent again behind an earlier command: {outcome.text}")
 
     async def _stop_again(self) -> None:
         """A STOP that was not answered, while the robot is heard: it may drive on."""
         outcome = await self._stopping.send_again()
         if outcome.ok:
-            self._say("YOU", f"STOP, sent again: {outcome.text}")
+            self._tell(f"STOP, sent again: {outcome.text}")
 
     def _look(self) -> None:
         changed = self._graph.look()
@@ -458,6 +455,13 @@ class Robot:
 
     def _on_error(self, error: Exception) -> None:
         self._say("ERROR", in_one_line(error))
+
+    def _tell(self, text: str, command: str = "") -> None:
+        """What this console did, for other consoles as well."""
+        text = harmless(text)
+        self._node.get_logger().info(text)
+        self._others.heard(text, self._clock.monotonic())
+        self._add_event(Event(self._clock.now(), "YOU", "console", text, command))
 
     def _say(self, level: str, text: str) -> None:
         self._add_event(Event(self._clock.now(), level, "console", text))

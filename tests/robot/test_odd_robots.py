@@ -6,6 +6,8 @@ from typing import Any
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import MotorStatus
+from archo_interfaces.srv import EmergencyStop
 from rcl_interfaces import srv
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -15,6 +17,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
+from archo_tui.robot.others import Others
 from archo_tui.robot.state import Phase
 from tests.console.states import goal
 from tests.support import clock
@@ -182,6 +185,59 @@ def test_the_time_that_is_left_counts_down_between_two_feedbacks() -> None:
     assert moving.seconds_left(NOW) == 4.0
     assert moving.seconds_left(NOW + 1.5) == 2.5
     assert moving.seconds_left(NOW + 9.0) == 0.0
+
+
+def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
+    others = Others(["Reset encoder"])
+    others.heard("set motor speed 0.5: no answer in 2 s from /motor", 10.0)
+    others.heard("set motor ramp 2.0: ramp is 2.0, was 1.0", 10.0)
+    others.parameter("/motor", "speed", 1.0, 0.5, 15.0)
+    others.parameter("/motor", "ramp", 2.0, 3.0, 15.0)
+    assert others.unexplained(18.0) == ["motor ramp changed by another client (2.0 -> 3.0)"]
+    others.parameter("/motor", "speed", 0.5, 0.6, 40.0)
+    assert others.unexplained(43.0) == ["motor speed changed by another client (0.5 -> 0.6)"]
+
+
+class Dazed(Node):
+    """Takes a STOP only after it has been woken, and says how it moves meanwhile."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("dazed", **options)
+        self.is_awake = self.is_stopped = False
+        self.never: Future[bool] = Future()
+        group = ReentrantCallbackGroup()
+        self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=group)
+        self.motion = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.2, self.tell)
+
+    async def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        if not self.is_awake:
+            await self.never
+        response.success = self.is_stopped = True
+        return response
+
+    def tell(self) -> None:
+        self.motion.publish(MotorStatus(emergency_stopped=self.is_stopped))
+
+
+async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
+    made: list[Dazed] = []
+
+    def dazed(**options: Any) -> Dazed:
+        made.append(Dazed(**options))
+        return made[-1]
+
+    async with robot(dazed) as it:
+        await until(lambda: it.snapshot.motion.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        later = clock.seconds() + 3.0
+        await until(lambda: clock.seconds() > later)
+        made[0].is_awake = True
+        await until(lambda: it.snapshot.motion.stopped)
+        later = clock.seconds() + 4.0
+        await until(lambda: clock.seconds() > later)
+        assert not any("another client" in event.text for event in it.snapshot.events)
+        made[0].never.set_result(True)
 
 
 class Mute(Node):
