@@ -91,7 +91,7 @@ class Robot:
             self._offers,
             self._look,
             self._flush,
-            lambda said: self._tell(f"STOP, answered late: {said}"),
+            self._tell,
         )
         subscribe(node, Log, "/rosout", self._on_log, 1000)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
@@ -340,7 +340,7 @@ class Robot:
         """Every second."""
         self._look()
         if self._stopping.is_to_be_repeated and self._is_heard:
-            self._thread.submit(self._stop_again)
+            self._thread.submit(self._stopping.send_again)
 
     @property
     def _is_heard(self) -> bool:
@@ -359,12 +359,6 @@ class Robot:
         """Something that was sent before a STOP was answered behind it, a release perhaps."""
         outcome = await self._stopping.send()
         self._tell(f"STOP, sent again behind an earlier command: {outcome.text}")
-
-    async def _stop_again(self) -> None:
-        """A STOP that was not answered, while the robot is heard: it may drive on."""
-        outcome = await self._stopping.send_again()
-        if outcome.ok:
-            self._tell(f"STOP, sent again: {outcome.text}")
 
     def _look(self) -> None:
         changed = self._graph.look()
@@ -408,11 +402,14 @@ class Robot:
         motion = self.description.motion
         if motion is not None and topic == motion.topic:
             self._goals.heard()
-            self._others.motion(self._telemetry.motion, self._clock.monotonic())
+            if topic not in self._graph.publishers:  # else the readings of several come mixed
+                self._others.motion(self._telemetry.motion, self._clock.monotonic())
             alone = self.description.stop is None or (
                 self.description.stop.service not in self._graph.several
             )  # of several robots one says nothing about the others
             if alone and self._telemetry.motion.stopped and self._stopping.asked is not None:
+                if self._stopping.is_to_be_repeated:
+                    self._tell("STOP, sent again: the robot says that it is stopped")
                 self._stopping.over()
         self._unseen = True
         if news:

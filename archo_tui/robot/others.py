@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 from archo_tui.robot.state import Motion
 from archo_tui.robot.values import text_of
 
-_PATIENCE = 2.0  # s for a console to say that it was its doing, before and after
+# s for a console to say that it was its doing, before and after: STOP waits 3 s for its servers
+_PATIENCE = 4.0
 _UNANSWERED = "no answer in "  # of what was not answered in time, and may be done later:
 _LATE = 20.0  # s later
 _GAP = 2.0  # s without a word, after which the robot's node may have been restarted

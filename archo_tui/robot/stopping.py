@@ -46,15 +46,15 @@ class Stopping:
         offers: Offers,
         look: Callable[[], None],
         changed: Callable[[], None],
-        late: Callable[[str], None],
+        tell: Callable[[str], None],
     ) -> None:
         """`look()` looks at the graph, `changed()` is called with each new state.
 
-        `late(said)` is called with what is answered when nobody waits for it any more.
+        `tell(text)` is called with what came of a STOP that nobody waits for.
         """
         self._node, self._stop, self._clock = node, stop, clock
         self._services, self._graph, self._offers = pending, graph, offers
-        self._look, self._changed, self._late = look, changed, late
+        self._look, self._changed, self._tell = look, changed, tell
         self.asked: float | None = None  # monotonic s of the first that is not confirmed
         self.answer, self.why = StopAnswer.AWAITED, ""
         self._first = 0  # the turn of that first one: an answer to an earlier one is not to it
@@ -64,6 +64,22 @@ class Stopping:
 
     async def send(self) -> Outcome:
         """Stop the robot; ends when all servers answered, or did not in time."""
+        outcome, _ = await self._send()
+        return outcome if outcome.ok else Outcome(False, f"{outcome.text}: use the hardware stop")
+
+    async def send_again(self) -> None:
+        """A STOP that was not answered, while the robot is heard: it may drive on.
+
+        Answers to earlier calls still count.
+        """
+        if self.asked is None:
+            return
+        outcome, is_news = await self._send()
+        if is_news:
+            self._tell(f"STOP, sent again: {outcome.text}")
+
+    async def _send(self) -> tuple[Outcome, bool]:
+        """How one call ended, and whether that was news."""
         assert self._stop is not None
         sent, number = self._clock.monotonic(), self._services.turn()
         if self.asked is None:
@@ -71,38 +87,33 @@ class Stopping:
         self._changed()
 
         def late(said: _Said) -> None:
-            if self.asked is not None and number >= self._first:
-                self._late(said.outcome.text)
-            self._take(said, number, sent)
+            if self._take(said, number, sent):
+                self._tell(f"STOP, answered late: {said.outcome.text}")
 
         try:
             await self._found(self._stop.service)
             said = await self._call(self._stop.service, late)
         except Exception as error:  # whatever it is, nobody was stopped
             said = _not_sent(in_one_line(error))
-        self._take(said, number, sent)
-        if said.outcome.ok:
-            return said.outcome
-        return Outcome(False, f"{said.outcome.text}: use the hardware stop")
+        return said.outcome, self._take(said, number, sent)
 
-    def _take(self, said: _Said, number: int, sent: float) -> None:
-        """What came of the call of that turn, sent at that time."""
+    def _take(self, said: _Said, number: int, sent: float) -> bool:
+        """What came of the call of that turn, sent at that time; True when it is news."""
         if number < self._first:  # something was allowed behind it, and then stopped again
-            return
+            return False
         if said.outcome.ok or said.answer == StopAnswer.UNCONFIRMED:
             self._answered = sent, self._clock.monotonic()
+        if self.asked is None:  # another one was confirmed meanwhile
+            return False
         if said.outcome.ok:
             self.over()
-        # else another one was confirmed meanwhile, or has more to say
-        elif self.asked is not None and (number > self._told or self.answer == StopAnswer.NONE):
-            self.answer, self.why, self._told = said.answer, said.why, number
-            self._changed()
-
-    async def send_again(self) -> Outcome:
-        """Send it again; answers to earlier calls still count."""
-        if self.asked is None:
-            return Outcome(False, "it is over")
-        return await self.send()
+            return True
+        if number <= self._told and self.answer != StopAnswer.NONE:  # one has more to say
+            return False
+        is_news = (said.answer, said.why) != (self.answer, self.why)
+        self.answer, self.why, self._told = said.answer, said.why, number
+        self._changed()
+        return is_news
 
     def is_behind(self, turn: int) -> bool:
         """True when a STOP left after that turn: which of the two the robot takes last is open.

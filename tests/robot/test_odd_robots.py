@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
@@ -18,7 +20,7 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 
 from archo_tui.robot.others import Others
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state import Motion, Phase
 from tests.console.states import goal
 from tests.support import clock
 from tests.support.archo import go
@@ -193,9 +195,38 @@ def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
     others.heard("set motor ramp 2.0: ramp is 2.0, was 1.0", 10.0)
     others.parameter("/motor", "speed", 1.0, 0.5, 15.0)
     others.parameter("/motor", "ramp", 2.0, 3.0, 15.0)
-    assert others.unexplained(18.0) == ["motor ramp changed by another client (2.0 -> 3.0)"]
+    assert others.unexplained(19.5) == ["motor ramp changed by another client (2.0 -> 3.0)"]
     others.parameter("/motor", "speed", 0.5, 0.6, 40.0)
-    assert others.unexplained(43.0) == ["motor speed changed by another client (0.5 -> 0.6)"]
+    assert others.unexplained(44.5) == ["motor speed changed by another client (0.5 -> 0.6)"]
+
+
+def test_what_a_console_says_only_when_all_its_servers_had_their_time_is_its_doing() -> None:
+    others = Others(["Reset encoder"])
+    moving = Motion(count=1, moving=True, stopped=False, received=10.0)
+    others.motion(moving, 10.0)
+    others.motion(replace(moving, stopped=True, received=10.2), 10.2)
+    assert others.unexplained(13.0) == []
+    others.heard("STOP: 1 of 2 answered in 3 s: use the hardware stop", 13.1)
+    assert others.unexplained(20.0) == []
+
+
+class Told(Node):
+    """Says how it moves."""
+
+    def __init__(self, name: str, is_stopped: bool, **options: Any) -> None:
+        super().__init__(name, **options)
+        motion = self.create_publisher(MotorStatus, "motor_status", 10)
+        told = MotorStatus(emergency_stopped=is_stopped)
+        self.create_timer(0.2, lambda: motion.publish(told))
+
+
+async def test_readings_of_two_robots_that_come_mixed_are_no_doing_of_another_client() -> None:
+    makers = partial(Told, "a", True), partial(Told, "b", False)
+    async with robot(*makers) as it:
+        await until(lambda: "motor_status" in it.snapshot.publishers)
+        later = clock.seconds() + 6.0
+        await until(lambda: clock.seconds() > later)
+        assert not any("another client" in event.text for event in it.snapshot.events)
 
 
 class Dazed(Node):
@@ -233,11 +264,13 @@ async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
         later = clock.seconds() + 3.0
         await until(lambda: clock.seconds() > later)
         made[0].is_awake = True
+        made[0].never.set_result(True)  # what was sent before is answered, too
         await until(lambda: it.snapshot.motion.stopped)
-        later = clock.seconds() + 4.0
+        later = clock.seconds() + 6.0
         await until(lambda: clock.seconds() > later)
-        assert not any("another client" in event.text for event in it.snapshot.events)
-        made[0].never.set_result(True)
+        texts = [event.text for event in it.snapshot.events]
+        assert not any("another client" in text for text in texts)
+        assert len([text for text in texts if text.startswith("STOP, ")]) == 1, texts
 
 
 class Mute(Node):
