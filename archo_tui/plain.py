@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import io
-import re
 import sys
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine
@@ -38,7 +37,6 @@ _APART = 1.0  # s between a STOP and the next but one, when they are all that is
 _SLOW = 2.0  # s for the reader to catch up before the next line; once, if it does not read at all
 _LAST = 0.5  # s after a signal for a STOP to be answered, and for what is not written yet
 _MOST_GOALS = 1000  # that wait in the queue
-_VALUE = re.compile(r"\A\s*\S+\s+\S+\s+\S+\s")  # what stands before it: set NODE NAME VALUE
 
 
 def help_text(robot: Robot) -> str:
@@ -223,7 +221,7 @@ class Plain:
         gate = self._robot.stops.gate()
         self._has_run = self._has_run or not gate.is_shut
         try:
-            outcome = await self._do(verb, rest, line.text)
+            outcome = await self._do(verb, rest)
         except Void:
             outcome = Outcome(False, NOT_SENT)
         if outcome is not None and not outcome.ok:
@@ -231,10 +229,10 @@ class Plain:
             again = self._kind(verb) is not None and not gate.is_shut  # a goal may be tried again
             self._failed = self._failed or not again
 
-    async def _do(self, verb: str, rest: list[str], text: str) -> Outcome | None:
+    async def _do(self, verb: str, rest: list[str]) -> Outcome | None:
         robot = self._robot
         if verb == "set" and len(rest) >= 3:
-            return await self._set(rest[0], rest[1], _VALUE.sub("", text))
+            return await self._set(rest[0], rest[1], " ".join(rest[2:]))
         kind = self._kind(verb)
         if kind is not None:
             return await self._go(kind, rest)

@@ -9,7 +9,6 @@ import sys
 
 import pytest
 
-from tests.robot.test_parameters_are_checked import Tunable
 from tests.support.console import FAST as QUICK
 from tests.support.plain import plain
 from tests.support.script import FAST, SLOW, Script, shell
@@ -92,25 +91,6 @@ async def test_what_is_asked_is_told() -> None:
     assert "goal No goal yet." in said
     assert "\nbattery " in said
     assert "go N " in said
-
-
-@pytest.mark.parametrize(
-    ("typed", "has"),
-    [
-        ("set tunable name a  b", "a  b"),
-        (" set  tunable\tname  a b ", " a b "),
-        ('set tunable name ""', '""'),
-        ("set tunable names [ 'a  b',  c ]", ["a  b", "c"]),
-        ("set tunable counts [ 010,  2 ]", [10, 2]),
-        ("set tunable name \u3000\u00e9", "\u3000\u00e9"),
-    ],
-)
-async def test_a_parameter_is_set_to_what_is_typed_blanks_too(typed: str, has: object) -> None:
-    made: list[Tunable] = []
-    code, said = await plain(f"{typed}\n", lambda **given: Tunable(made, **given))
-    assert code == 0, said
-    name = typed.split()[2]
-    assert made[0].has(name) == has
 
 
 def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:

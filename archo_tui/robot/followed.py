@@ -178,7 +178,8 @@ class Followed:
     def _said(self, result: Any) -> str:
         """The robot's own words in a result; without a field for them, all its fields."""
         if self.goal.kind.message:
-            return text_of(getattr(result, self.goal.kind.message, "")) or _NO_REASON
+            said = read(Field(self.goal.kind.message), result)
+            return ("" if said is None else text_of(said)) or _NO_REASON
         return messages.text(result)
 
     def forgotten(self) -> None:

@@ -102,6 +102,8 @@ def _field(field: Field | None) -> Faults:
         return
     if field.scale == 0:
         yield field.where, "scale is 0: every reading would be the same"
+    if field.equals is not None and field.beyond is not None:
+        yield field.where, "equals and beyond are two questions: give one of them"
     if field.beyond is not None and field.beyond < 0:
         yield field.where, f"beyond is {field.beyond:g}: a size is never below 0"
 

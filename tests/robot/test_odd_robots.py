@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
@@ -19,6 +21,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
+from archo_tui.robot.followed import Followed
 from archo_tui.robot.others import Others
 from archo_tui.robot.state import Motion, Phase
 from tests.console.states import goal
@@ -28,7 +31,7 @@ from tests.support.clock import NOW
 from tests.support.console import console, screen_text
 from tests.support.quiet import Quiet, ended, until
 from tests.support.robot import robot
-from tests.support.stub import stub_app
+from tests.support.stub import StandingClock, stub_app
 
 
 class Unset(Node):
@@ -271,6 +274,40 @@ async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
         texts = [event.text for event in it.snapshot.events]
         assert not any("another client" in text for text in texts)
         assert len([text for text in texts if text.startswith("STOP, ")]) == 1, texts
+
+
+def test_the_words_for_the_end_may_stand_in_a_message_in_the_result() -> None:
+    moving = goal(Phase.MOVING).goal
+    assert moving is not None
+    kind = replace(moving.kind, message="end.words")
+    one: Any = Followed(moving._replace(kind=kind), b"", None, StandingClock(), lambda *_: None)
+    result = SimpleNamespace(end=SimpleNamespace(words="parked"))
+    one._on_result(SimpleNamespace(status=GoalStatus.STATUS_SUCCEEDED, result=result))
+    assert (one.goal.phase, one.goal.message) == (Phase.ARRIVED, "parked")
+
+
+class Counter(Node):
+    """Serves what the robot file toggles, but by a number."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("counter", **options)
+        self.asked: list[Any] = []
+        self.create_service(srv.GetParameterTypes, "count", self.count)
+
+    def count(self, request: Any, response: Any) -> Any:
+        self.asked.append(request)
+        return response
+
+
+async def test_a_toggle_of_what_is_no_bool_is_said_before_it_is_called(here: Path) -> None:
+    file = here / "robot.yaml"
+    file.write_text(
+        "battery: {topic: b, types: {std_msgs/msg/Float32: {percentage: data}}}\n"
+        "commands: [{id: light, title: Light, service: count, toggle: {names: battery.charging}}]\n"
+    )
+    async with robot(Counter, robot=file) as it:
+        await until(lambda: "count" in it.snapshot.faults)
+        assert it.snapshot.faults["count"].endswith("whose names is sequence<string>: not called")
 
 
 class Mute(Node):

@@ -65,6 +65,10 @@ class Drive(Node):
         self.over.set_result(True)
         return CancelResponse.ACCEPT
 
+    def leave(self) -> None:
+        self.action.destroy()
+        self.destroy_node()
+
     async def drive(self, goal: Any) -> MoveToShelf.Result:
         self.shelves.append(goal.request.shelf_number)
         await self.over
@@ -261,7 +265,7 @@ async def test_a_goal_of_a_server_that_was_restarted_at_once_does_not_run_for_ev
         assert (await ended(go(it, 3))).ok
         executor = made[0].executor
         assert executor is not None
-        executor.create_task(made[0].destroy_node)
+        executor.create_task(made[0].leave)
         again: Any = Drive("a", context=made[0].context)
         executor.create_task(executor.add_node, again)
         end = clock.seconds() + 20.0
@@ -272,7 +276,7 @@ async def test_a_goal_of_a_server_that_was_restarted_at_once_does_not_run_for_ev
         await until(lambda: clock.seconds() > end or it.snapshot.history)
         assert it.snapshot.history
         assert it.snapshot.history[0].message.startswith("the robot no longer knows this goal")
-        executor.create_task(again.destroy_node)
+        executor.create_task(again.leave)
 
 
 async def test_moving_behind_a_stop_that_is_not_confirmed_is_an_alarm() -> None:

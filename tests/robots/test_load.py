@@ -137,6 +137,7 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
         ("name: CHANGED\n", '"\\uD800"', 1, "holds half of a character"),
         (BATTERY, "scale: 0", 3, "scale is 0: every reading would be the same"),
         (BATTERY, "scale: 0.0", 3, "scale is 0"),
+        (BATTERY, "equals: 1, beyond: 2", 3, "equals and beyond are two questions"),
         (BATTERY, "beyond: -1", 3, "beyond is -1: a size is never below 0"),
         (LOW, "{node: n, parameter: p, otherwise: 500}", 3, "otherwise is 500: a charge is within 0 .. 100"),
         (LOW, "{node: n, parameter: p, otherwise: -1}", 3, "otherwise is -1"),
