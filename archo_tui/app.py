@@ -19,6 +19,7 @@ from archo_tui import recall
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
 from archo_tui.commands.keymap import shown_keys
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.node_output import NodeOutput
 from archo_tui.robot.state import WATCHING, Outcome, Snapshot
 from archo_tui.robot.stops import NOT_SENT
@@ -30,7 +31,7 @@ from archo_tui.screens.palette import Palette
 from archo_tui.screens.text import ShowText
 from archo_tui.station import Station, View
 from archo_tui.targets import Target
-from archo_tui.terminal.app import COMMANDS, TerminalApp
+from archo_tui.terminal.app import COMMANDS, TerminalApp, begin
 from archo_tui.terminal.typed import mark, typed_after
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.field import Field
@@ -38,6 +39,7 @@ from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.rows import Rows
 
 TICK = 1.0  # s between two looks at ages and the time of day
+LONGEST = 30.0  # s that the end waits for answers: longer than any request is waited for
 HELD = 0.7  # s within which the same key again means that it is held: X11 waits 0.66 s at first
 
 
@@ -109,8 +111,8 @@ class ArchoApp(TerminalApp):
         sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
         self.station.drive = self._drive
         self.station.robot.subscribe(self._take)
-        self.run_worker(self._recall, group="recall")
-        self.run_worker(self._tick_for_ever, group="tick")
+        begin(self, self._recall, "recall")
+        begin(self, self._tick_for_ever, "tick")
         if self._failed_before:
             said = "The screen crashed and was restarted; the nodes kept running."
             text = f"{said}\n\n{self._failed_before}"
@@ -454,12 +456,15 @@ class ArchoApp(TerminalApp):
         """End, when every command that was given has its answer."""
         if not self._leaves:
             self._leaves = True
-            self.run_worker(self._leave, group="leave")
+            begin(self, self._leave, "leave")
 
     async def _leave(self) -> None:
         if self.unanswered:
             self.say("Ending, as soon as the robot has answered.")
-        await self.answers()
+        try:
+            await self.station.clock.wait_for(self.answers(), LONGEST)
+        except TimeoutError:  # a disk that hangs: each request to a robot ends by itself
+            self.station.robot.note("ERROR", "console", f"ended: not all answered in {LONGEST:g} s")
         self.exit()
 
     # what the panels ask for
@@ -479,18 +484,18 @@ class ArchoApp(TerminalApp):
         """For the arrows, also after a restart."""
         kind, panel = self.view.snapshot.robot.goals[0], self.main.goal
         panel.recalls([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
-        self.run_worker(partial(asyncio.to_thread, recall.add, kind.id, typed), group="recall")
+        begin(self, partial(in_daemon, recall.add, kind.id, typed), COMMANDS)
 
     async def _recall(self) -> None:
         goals = self.view.snapshot.robot.goals
         if goals:
-            before = await asyncio.to_thread(recall.load, goals[0].id)
+            before = await in_daemon(recall.load, goals[0].id)
             since = self.main.goal.typed  # a slow disk: what was sent meanwhile comes behind
             earlier = [old for old in before if old not in since]
             self.main.goal.recalls([*earlier, *since][-recall.MOST :])
 
     def _drive(self, target: Target, queued: bool) -> None:
-        self.run_worker(partial(self._send, target, queued), group=COMMANDS)
+        begin(self, partial(self._send, target, queued), COMMANDS)
 
     async def _send(self, target: Target, queued: bool) -> None:
         outcome = await self.station.send(target, queued=queued)

@@ -6,6 +6,7 @@ import argparse
 import errno
 import gc
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from io import StringIO, TextIOWrapper
@@ -15,7 +16,7 @@ from archo_tui.errors import ArchoError
 
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
 if TYPE_CHECKING:
-    from typing import TextIO
+    from typing import NoReturn, TextIO
 
     from archo_tui.session import Session
 
@@ -36,11 +37,19 @@ def _columns() -> int:
         return 80
 
 
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong without what a terminal could act on: it quotes what was typed."""
+
+    def error(self, message: str) -> NoReturn:
+        super().error(_safe(message))
+
+
 def parser() -> argparse.ArgumentParser:
     """The options; what follows --ros-args is ROS's and is taken off before."""
     width = _columns() - 2  # as argparse has it by itself, for which it loads all of shutil
-    made = argparse.ArgumentParser(
+    made = _Parser(
         prog="archo-tui",
+        allow_abbrev=False,  # a typo is said, and not taken for something else
         formatter_class=lambda prog: argparse.HelpFormatter(prog, width=width),
         description="Operate the warehouse robot ARCHO from a terminal.",
         epilog="A stop from here is a software stop: it does not replace the hardware one. "
@@ -144,6 +153,8 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run; returns the exit code: 0, 1 when the console failed, 2 for a user's mistake."""
+    if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # until heed_signals nothing is to be undone
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # not where it is closed
             stream.reconfigure(errors="backslashreplace")
@@ -166,15 +177,22 @@ def main(argv: Sequence[str] | None = None) -> int:
         return FAILED
     finally:
         gc.enable()
+        if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
     return code
 
 
 def _complain(said: str) -> None:
     """One line on standard error, where that is open."""
+    if sys.stderr is not None:
+        print(f"archo-tui: {_safe(said)}", file=sys.stderr)
+
+
+def _safe(text: str) -> str:
+    """One line that no terminal acts on."""
     from archo_tui.robot.text import safe
 
-    if sys.stderr is not None:
-        print(f"archo-tui: {safe(said)}", file=sys.stderr)
+    return text if text.isascii() and text.isprintable() else safe(text)
 
 
 def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -201,10 +219,10 @@ def _keys(robot: str | None) -> int:
     path = config_file("keymap.yaml")
     commands = registry(load.load(Path(robot) if robot else load.default()))
     keys, others = keymap.load(path, commands)
-    print(f"# {path}")
+    print(_safe(f"# {path}"))
     for command in commands:
         line = f"{command.id}: {keys[command.id]}" if keys[command.id] else f"# {command.id}:"
-        print(f"{line:<{len(command.id) + 18}} # {command.place}: {command.help}")
+        print(_safe(f"{line:<{len(command.id) + 18}} # {command.place}: {command.help}"))
     if others:
         _complain(others)
     return 0
@@ -214,7 +232,7 @@ def _version(engine: str) -> int:
     """What a report of an error should say."""
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
     print(f"archo-tui {__version__}")
-    print(f"Python {python}, Textual {_textual()}, engine {engine}, TERM {term}")
+    print(_safe(f"Python {python}, Textual {_textual()}, engine {engine}, TERM {term}"))
     return 0
 
 
@@ -242,7 +260,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     if options.journal:
         from archo_tui.paths import journal_file
 
-        print(journal_file())
+        print(_safe(str(journal_file())))
         return 0
     if options.check:
         return _check(options)
@@ -258,6 +276,7 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
 
     if options.plain and sys.stdout is None:
         raise ArchoError("--plain needs a standard output, and it is closed")
+    stdin, sys.stdin = sys.stdin, StringIO()  # a node that asks for input gets none
     session = Session(
         Options(
             engine=options.engine,
@@ -277,7 +296,8 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     )
     stuck: list[str] = []
     try:
-        code = _plain(session, options.robot) if options.plain else _console(session)
+        face = _plain if options.plain else _console
+        code = face(session, options, stdin)
     finally:
         ignore_signals()
         stuck = session.close()
@@ -293,6 +313,7 @@ def _check(options: argparse.Namespace) -> int:
 
     from archo_tui.session import Options, Session
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # the folder is to go
     with tempfile.TemporaryDirectory(prefix="archo-check-") as folder:
         values = Path(folder, "params.yaml")  # tell whether the nodes load a file at all
         values.write_text(f"/**:\n  ros__parameters:\n    wheel_radius: {_RADIUS}\n")
@@ -314,23 +335,26 @@ def _check(options: argparse.Namespace) -> int:
                 return FAILED
 
 
-def _plain(session: Session, robot_file: str | None) -> int:
+def _plain(session: Session, options: argparse.Namespace, stdin: TextIO | None) -> int:
     from archo_tui import plain
+    from archo_tui.node_output import NodeOutput
     from archo_tui.shutdown import heed_signals
 
-    if robot_file:  # its keys are not used here, and no more wrong than elsewhere
+    if options.robot:  # its keys are not used here, and no more wrong than elsewhere
         from archo_tui.commands import keymap, registry
 
         keymap.robots_keys(registry(session.description))
     heed_signals()
+    sys.stdout.flush()  # later it would wait for a reader that stalls
+    sys.stdout = NodeOutput(sys.stdout, session.robot.note)
     session.start()
     gc.enable()
-    return plain.run(session.station)
+    # None where it is closed: its descriptor may have become another file's
+    return plain.run(session.station, None if stdin is None else stdin.fileno())
 
 
-def _console(session: Session) -> int:
-    _need_terminal()
-    sys.stdin = StringIO()  # a node that asks for input gets none: the keys are the console's
+def _console(session: Session, _options: argparse.Namespace, stdin: TextIO | None) -> int:
+    _need_terminal(stdin)
     import asyncio
 
     from archo_tui.app import ArchoApp
@@ -364,20 +388,20 @@ def _console(session: Session) -> int:
             return FAILED
 
 
-def _need_terminal() -> None:
+def _need_terminal(stdin: TextIO | None) -> None:
     if os.environ.get("TEXTUAL_DRIVER"):  # another driver than a terminal's
         return
     term = os.environ.get("TERM", "")
     if term in ("", "dumb", "unknown"):
         said = f"TERM is {term}" if term else "TERM is not set"
         raise ArchoError(f"{said}: this terminal cannot show a screen, use --plain")
-    streams = {"stdin": sys.stdin, "stdout": sys.stdout}
+    streams = {"stdin": stdin, "stdout": sys.stdout}
     if sys.platform != "win32":  # Textual's driver of POSIX draws on it
         streams["stderr"] = sys.__stderr__
     for name, stream in streams.items():
         if stream is None or not stream.isatty():  # None: it is closed
             raise ArchoError(f"{name} is not a terminal: run archo-tui in one, or use --plain")
-        if _device(stream) != _device(sys.stdin):
+        if _device(stream) != _device(stdin or stream):
             raise ArchoError(f"{name} is another terminal than stdin: run archo-tui in one of them")
 
 

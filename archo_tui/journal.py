@@ -7,21 +7,26 @@ read-only is an alarm while it lasts, and tried again with every line.
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import queue
 import threading
+import time
 from collections.abc import Iterator
 from datetime import datetime, timezone
 from pathlib import Path
 
 from archo_tui.paths import make_folder
+from archo_tui.regular_files import open_regular
 from archo_tui.system import lock, user_name
 
 MAX_BYTES = 1_000_000  # then it is renamed to journal.jsonl.1, which replaces the older one
 VERSION = 1  # of a line's form: it grows when what a name means changes
 _WAITING = 1000  # lines that may wait for the disk
 _STOP_TIMEOUT = 2.0  # s
+_LOCK_TIMEOUT = 1.0  # s that another console may take to write a line, and more than it takes
+_LOOK = 0.005  # s between two looks whether it has
 
 
 class Journal:
@@ -57,12 +62,14 @@ class Journal:
 
     def _run(self) -> None:
         while (entry := self._entries.get()) is not None:
-            if self._lost:
-                entry, self._lost = entry | {"lost_before": self._lost}, 0
+            lost, self._lost = self._lost, 0
+            if lost:
+                entry |= {"lost_before": lost}
             try:
                 self._append(json.dumps(entry, ensure_ascii=False))
             except OSError as error:
-                self.failure = f"{error.strerror}: {self._file}"
+                self.failure = f"{error.strerror}: {error.filename or self._file}"
+                self._lost += lost + 1
             else:
                 self.failure = ""
 
@@ -71,7 +78,7 @@ class Journal:
         with _locked(self._file.parent):  # other consoles write here too, and rotate
             if self._file.exists() and self._file.stat().st_size > MAX_BYTES:
                 self._file.replace(self._file.with_name(f"{self._file.name}.1"))
-            descriptor = os.open(self._file, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o600)
+            descriptor = open_regular(self._file, os.O_RDWR | os.O_APPEND | os.O_CREAT)
             try:
                 _write_line(descriptor, line.encode("utf-8", "replace") + b"\n")
             finally:
@@ -96,9 +103,14 @@ def _write_line(descriptor: int, line: bytes) -> None:
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
-    descriptor = os.open(folder / "journal.lock", os.O_RDWR | os.O_CREAT, 0o600)
+    path = folder / "journal.lock"
+    descriptor = open_regular(path, os.O_RDWR | os.O_CREAT)
     try:
-        lock(descriptor)
+        end = time.monotonic() + _LOCK_TIMEOUT
+        while not lock(descriptor):
+            if time.monotonic() > end:
+                raise OSError(errno.EAGAIN, "held by another process", str(path))
+            time.sleep(_LOOK)
         yield
     finally:
         os.close(descriptor)

@@ -19,6 +19,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 import archo_tui
+from archo_tui import regular_files
 from archo_tui.errors import ArchoError
 from archo_tui.limited import TookTooLong, run_limited
 from archo_tui.tracebacks import own_frames
@@ -156,8 +157,13 @@ class NodeFile:
         sys.modules[self._name] = module
         writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing in its folder
         try:
-            code = compile(self.path.read_bytes(), str(self.path), "exec", dont_inherit=True)
+            text = regular_files.read(self.path)
+            code = compile(text, str(self.path), "exec", dont_inherit=True)
             exec(code, module.__dict__)
+        except OSError as error:
+            if error.filename != str(self.path):
+                raise
+            raise NodeFileError(f"{self}: {error.strerror}") from None
         finally:
             sys.dont_write_bytecode = writes
         kinds = [

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import io
 import sys
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine
@@ -14,7 +13,6 @@ from typing import TYPE_CHECKING
 from archo_tui import goal_text, state_text
 from archo_tui.alarms import Alarm, advice, ways
 from archo_tui.clock import time_of_day
-from archo_tui.node_output import NodeOutput
 from archo_tui.plain_input import Input, Line
 from archo_tui.plain_output import Output
 from archo_tui.robot import forms
@@ -415,15 +413,10 @@ def _said_of(goal: Goal) -> tuple[Phase, float | None]:
     return goal.phase, goal.remaining
 
 
-def run(station: Station) -> int:
-    """Operate through standard input and output; returns the exit code."""
-    # None where they are closed: their descriptors may have become other files'
-    read = None if sys.stdin is None else sys.stdin.fileno()
-    write = sys.stdout.fileno()
-    sys.stdout.flush()  # later it would wait for a reader that stalls
-    sys.stdin, sys.stdout = io.StringIO(), NodeOutput(sys.stdout, station.robot.note)
+def run(station: Station, read: int | None) -> int:
+    """Operate through a descriptor and standard output; returns the exit code."""
 
     async def operate() -> int:
-        return await Plain(station, read, write).run()
+        return await Plain(station, read, sys.stdout.fileno()).run()
 
     return asyncio.run(operate())

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import json
-import os
 import threading
 from typing import Any
 
 from archo_tui.paths import make_folder, state_file
+from archo_tui.regular_files import read, replace
 
 MOST = 50
 
@@ -27,15 +27,13 @@ def add(form: str, typed: list[str]) -> None:
         known = _read()
         others = [texts for texts in _texts(known, form) if texts != typed]
         make_folder(path)
-        new = path.with_name(f"{path.name}.{os.getpid()}")
-        new.write_text(json.dumps({**known, form: [*others, typed][-MOST:]}), encoding="utf-8")
-        new.replace(path)
+        replace(path, json.dumps({**known, form: [*others, typed][-MOST:]}))
 
 
 def _read() -> dict[str, Any]:
     """What is kept of every form."""
-    with contextlib.suppress(OSError, ValueError):
-        known = json.loads(state_file("typed.json").read_text(encoding="utf-8"))
+    with contextlib.suppress(OSError, ValueError, RecursionError):
+        known = json.loads(read(state_file("typed.json")))
         return known if isinstance(known, dict) else {}
     return {}
 

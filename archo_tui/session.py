@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
+import io
 import re
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,6 +17,7 @@ from archo_tui.clock import Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
 from archo_tui.journal import Journal
+from archo_tui.node_output import NodeOutput
 from archo_tui.own_interfaces import OwnInterfaces
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file
@@ -138,7 +142,7 @@ class Session:
             self._give_up()
             said, name = str(error).splitlines()[:2]  # the third line points at the character
             raise ArchoError(f"{said} {name.strip()}") from None
-        except Exception:
+        except BaseException:
             self._give_up()
             raise
         self.station = Station(
@@ -179,9 +183,12 @@ class Session:
 
     def _host_nodes(self) -> None:
         """Those of the user's files, and the robot's own whose names they do not have."""
-        for file in self._node_files:
-            for make in file.load():
-                self.host.add(make)
+        # what they print before anything is started is an event as well
+        output = NodeOutput(sys.stdout or io.StringIO(), self.robot.note)
+        with contextlib.redirect_stdout(output):
+            for file in self._node_files:
+                for make in file.load():
+                    self.host.add(make)
         if self.options.attach or self.options.only:
             return
         for make in self.options.node_makers:

@@ -29,16 +29,20 @@ def user_name() -> str:
     return "unknown"
 
 
-def lock(descriptor: int) -> None:
-    """Wait until no other process holds the file, and hold it until it is closed.
+def lock(descriptor: int) -> bool:
+    """Hold a file until it is closed; False while another process holds it.
 
-    Where there are no such locks nothing is waited for.
+    Where there are no such locks nobody holds one. Raises OSError where the file has none.
     """
     if sys.platform != "win32":
         with contextlib.suppress(ImportError):
             import fcntl
 
-            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                return False
+    return True
 
 
 def create_exclusively(path: Path) -> int:

@@ -13,9 +13,11 @@ import pytest
 
 from archo_tui import __version__
 from archo_tui.cli import main, split_ros_args
+from archo_tui.robots.load import default
 from tests.support import chosen
 
 Refused = Callable[..., str]
+RED = "\N{REPLACEMENT CHARACTER}[31m"  # a sequence, as it is shown
 
 
 def archo(*words: str) -> subprocess.CompletedProcess[str]:
@@ -142,7 +144,7 @@ def test_a_key_that_is_taken_is_one_line_in_each_face(
     beep = f"  - {{id: beep, title: Beep, service: beep, key: {key}}}\n"
     blink = "  - {id: blink, title: Blink, service: blink, key: b}\n"
     file.write_text(f"commands:\n{blink}{beep}")
-    monkeypatch.setattr("archo_tui.cli._need_terminal", lambda: None)
+    monkeypatch.setattr("archo_tui.cli._need_terminal", lambda _: None)
     words = ["--engine", chosen.ENGINE, "--only", "--robot", str(file), *mode]
     assert main(words) == 2
     assert capsys.readouterr().err == f"archo-tui: {file}:3: {said}\n"
@@ -152,6 +154,29 @@ def test_without_docstrings_the_help_texts_are_there() -> None:
     command = [sys.executable, "-OO", "-m", "archo_tui", "--keys"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
     assert "everywhere: STOP: software stop" in done.stdout
+
+
+def test_nothing_that_is_printed_reaches_the_terminal_as_a_sequence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = default().read_text(encoding="utf-8")
+    robot = tmp_path / "red.yaml"
+    robot.write_text(text.replace("help: Reset the", r'help: "\e[31mReset"#'), encoding="utf-8")
+    monkeypatch.setenv("TERM", "\x1b[31m")
+    monkeypatch.setenv("XDG_STATE_HOME", "/tmp/\x1b[31m")
+    for words in (["--version"], ["--journal"], ["--keys", "--robot", str(robot)]):
+        assert main(words) in (0, 2)
+    with pytest.raises(SystemExit):
+        main(["--\x1b[31m"])
+    out, err = capsys.readouterr()
+    assert "\x1b" not in out + err
+    assert (out.count(RED), err.count(RED)) == (3, 1)
+
+
+def test_no_option_is_taken_for_another(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["--nod", "x.py"])
+    assert "unrecognized arguments: --nod x.py" in capsys.readouterr().err
 
 
 def test_an_unknown_option_is_refused(refused: Refused) -> None:

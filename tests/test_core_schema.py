@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from archo_tui.embedded.bounded_yaml import MAX_BYTES, load, texts
+from archo_tui.embedded.bounded_yaml import load, texts
 from archo_tui.embedded.core_schema import YamlFault
+from archo_tui.regular_files import MAX_BYTES
 from archo_tui.written import block, flow
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import resource
@@ -73,7 +74,31 @@ def test_a_disk_that_takes_nothing_is_tried_again(tmp_path: Path) -> None:
     kept.write(0, "event", text="kept")
     kept.close()
     assert kept.failure == ""
-    assert [entry["text"] for entry in entries(file)] == ["kept"]
+    assert [(e["text"], e["lost_before"]) for e in entries(file)] == [("kept", 2)]
+
+
+def test_a_lock_that_another_process_holds_is_a_failure_while_it_does(tmp_path: Path) -> None:
+    file = tmp_path / "journal.jsonl"
+    with file.with_name("journal.lock").open("w") as other:
+        fcntl.flock(other, fcntl.LOCK_EX)
+        kept = Journal(file)
+        kept.write(0, "event", text="lost")
+        wait_until(lambda: kept.failure)
+        assert kept.failure == f"held by another process: {tmp_path / 'journal.lock'}"
+    kept.write(0, "event", text="kept")
+    kept.close()
+    assert kept.failure == ""
+    assert [(e["text"], e["lost_before"]) for e in entries(file)] == [("kept", 1)]
+
+
+@pytest.mark.parametrize("name", ["journal.jsonl", "journal.lock"])
+def test_a_pipe_in_its_place_is_a_failure_and_holds_nobody_up(tmp_path: Path, name: str) -> None:
+    os.mkfifo(tmp_path / name)
+    kept = Journal(tmp_path / "journal.jsonl")
+    kept.write(0, "event", text="lost")
+    wait_until(lambda: kept.failure)
+    assert kept.failure == f"not a regular file: {tmp_path / name}"
+    kept.close()
 
 
 def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:

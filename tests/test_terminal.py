@@ -23,6 +23,21 @@ from tests.support.waiting import wait_until
 SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=1.0")
 
 
+HANGING_DISK = """
+import threading
+from archo_tui import recall
+recall._read = threading.Event().wait
+"""
+INTERRUPTED = """
+import os, signal
+class Interrupts:
+    def find_spec(self, name, *_):
+        if name == "rclpy.node":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupts())
+"""
+
+
 @pytest.fixture
 def terminals() -> Iterator[list[Terminal]]:
     """Terminals that are closed at the end."""
@@ -387,7 +402,7 @@ def test_a_terminal_that_cannot_show_a_screen_is_refused(terminals: list[Termina
 def test_so_is_one_without_a_name(term: str, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", term)
     with pytest.raises(ArchoError, match=said):
-        cli._need_terminal()
+        cli._need_terminal(None)
 
 
 def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Terminal]) -> None:
@@ -412,3 +427,18 @@ def fail(self, view, commands):
     show(self, view, commands)
 MainScreen.show = fail
 """
+
+
+def test_a_disk_that_hangs_does_not_delay_the_end(terminals: list[Terminal]) -> None:
+    terminal = Terminal(code=HANGING_DISK)
+    terminals.append(terminal)
+    terminal.until(" ARCHO ")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+
+
+def test_an_interrupt_while_it_is_loaded_ends_it_without_a_word(terminals: list[Terminal]) -> None:
+    terminal = Terminal(code=INTERRUPTED)
+    terminals.append(terminal)
+    assert terminal.exit_code() == -signal.SIGINT
+    assert terminal.output == b""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 from archo_tui.commands.base import Command, Console, write_file
 from archo_tui.commands.robot import SendGoal
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.state import Outcome, in_namespace
 from archo_tui.robots.check import missing
 from archo_tui.robots.model import GoalKind, Input, Service
@@ -43,7 +43,7 @@ class _AnyOf(Command):
             console.say(f"{name} has several types: {', '.join(kinds)}")
             return
         # reads files: not on this thread
-        leaves = await asyncio.to_thread(console.station.robot.form, kinds[0])
+        leaves = await in_daemon(console.station.robot.form, kinds[0])
         if leaves is None:
             console.say(missing(name, kinds[0]))
             return

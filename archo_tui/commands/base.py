@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import os.path
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any, Protocol
 
 from textual.screen import Screen
 
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.state import Outcome
@@ -82,11 +82,11 @@ def write_file(console: Console, text: str, what: str) -> Callable[[Path], Await
     warned: set[Path] = set()  # existing files that the operator was warned about
 
     async def write(path: Path) -> str:
-        if path not in warned and await asyncio.to_thread(os.path.exists, path):
+        if path not in warned and await in_daemon(os.path.exists, path):
             warned.add(path)
             return f"{path} already exists: press enter again to overwrite"
         try:
-            await asyncio.to_thread(save_load.write, path, text)
+            await in_daemon(save_load.write, path, text)
         except ArchoError as error:
             return str(error)
         console.station.robot.note("YOU", "console", f"{what}: saved to {path}")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.goal_text import way
 from archo_tui.robot.state import Hosted, Life, Outcome
 from archo_tui.robot.stops import NOT_SENT
@@ -36,7 +36,7 @@ class _InNodes(Command):
         if console.station.robot.stops.gate().is_shut:
             outcome = Outcome(False, NOT_SENT)
         else:
-            outcome = await asyncio.to_thread(work, hosted.name)  # it waits for the node's thread
+            outcome = await in_daemon(work, hosted.name)  # it waits for the node's thread
         console.station.robot.note("YOU", "console", f"{title} {hosted.name}: {outcome.text}")
         console.look()
         console.tell(outcome)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 from typing import Any
 
 from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Work, write_file
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.state import Parameter
@@ -152,7 +152,7 @@ class Load(_InParameters):
         async def load(path: Path) -> str:
             try:
                 parameters = console.view.snapshot.parameters
-                plan = await asyncio.to_thread(save_load.plan, path, parameters)
+                plan = await in_daemon(save_load.plan, path, parameters)
             except ArchoError as error:
                 return str(error)
             if dialog.has_left:  # nobody wants it any more

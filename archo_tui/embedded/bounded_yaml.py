@@ -6,17 +6,17 @@ Of a regular file, in UTF-8, at most 1 MB, nested at most 20 deep, without alias
 from __future__ import annotations
 
 import contextlib
-import os
+import errno
 import re
-import stat
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from archo_tui import regular_files
 from archo_tui.embedded.core_schema import FAST_LOADER, LOADER, YamlFault, value
+from archo_tui.regular_files import MAX_BYTES
 
-MAX_BYTES = 1_000_000
 MAX_DEPTH = 20
 _HALF = re.compile("[\ud800-\udfff]")  # no text has them alone, nor can be written with them
 
@@ -27,12 +27,12 @@ class YamlError(ValueError):
 
 def read(path: Path) -> str:
     """The text of a file. Raises YamlError, and OSError as `open` does."""
-    if not stat.S_ISREG(os.stat(path).st_mode):  # a pipe that nobody fills would block
-        raise YamlError(f"{path}: not a regular file")
-    with path.open("rb") as file:
-        data = file.read(MAX_BYTES + 1)
-    if len(data) > MAX_BYTES:
-        raise YamlError(f"{path}: larger than {MAX_BYTES // 1_000_000} MB")
+    try:
+        data = regular_files.read(path)
+    except OSError as error:
+        if error.errno not in (errno.EINVAL, errno.EFBIG):
+            raise
+        raise YamlError(f"{path}: {error.strerror}") from None
     try:
         return data.decode()
     except UnicodeDecodeError as error:

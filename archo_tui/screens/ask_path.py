@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Awaitable, Callable
 from functools import partial
 from pathlib import Path
@@ -13,9 +12,10 @@ from textual.content import Content
 from textual.widgets import Button, Static
 
 from archo_tui import recall
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Form
-from archo_tui.terminal.app import COMMANDS
+from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.field import Field
 
 _KIND = "a file"  # under which they are kept
@@ -53,10 +53,10 @@ class AskPath(Form):
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#path"))
-        self.run_worker(self._recall)
+        begin(self, self._recall, "recall")
 
     async def _recall(self) -> None:
-        used = await asyncio.to_thread(recall.load, _KIND)
+        used = await in_daemon(recall.load, _KIND)
         self._recent = [texts[0] for texts in reversed(used) if texts]
         shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
         self.write(".recent", Content.styled(shown, "$quiet"))
@@ -80,7 +80,7 @@ class AskPath(Form):
             return
         if not self._working:
             self._working = True
-            self.app.run_worker(partial(self._try, path), group=COMMANDS)
+            begin(self.app, partial(self._try, path), COMMANDS)
 
     async def _try(self, path: Path) -> None:
         said = await self._work(path)
@@ -88,5 +88,5 @@ class AskPath(Form):
         if said:
             self.say(said)
             return
-        await asyncio.to_thread(recall.add, _KIND, [str(path.absolute())])
+        await in_daemon(recall.add, _KIND, [str(path.absolute())])
         self.dismiss()

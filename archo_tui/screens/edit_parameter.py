@@ -17,7 +17,7 @@ from archo_tui.robot.state import Outcome, Parameter
 from archo_tui.robot.text import HIDDEN, harmless, safe
 from archo_tui.robot.values import text_of
 from archo_tui.screens.dialog import Form
-from archo_tui.terminal.app import COMMANDS
+from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.field import Field
 
 
@@ -71,7 +71,7 @@ class EditParameter(Form):
             return
         self._sending = True
         self.say("asking the node ...")
-        self.app.run_worker(partial(self._ask, value), group=COMMANDS)
+        begin(self.app, partial(self._ask, value), COMMANDS)
 
     def _value(self, typed: str) -> Any:
         """What was typed; where the field could not show all there is, untouched it means that."""

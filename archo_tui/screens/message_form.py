@@ -19,7 +19,7 @@ from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.state import Leaf, Outcome
 from archo_tui.robots.model import Input
 from archo_tui.screens.dialog import Dialog
-from archo_tui.terminal.app import COMMANDS
+from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.field import Field
 from archo_tui.written import block
 
@@ -124,7 +124,7 @@ class MessageForm(Dialog[None]):
         if values is not None:
             self._sending = True
             self.say("asking the robot ...")
-            self.app.run_worker(partial(self._ask, values), group=COMMANDS)
+            begin(self.app, partial(self._ask, values), COMMANDS)
 
     def _values(self, submitted: Mapping[int, str]) -> dict[str, Any] | None:
         values = {}

@@ -7,7 +7,7 @@ import contextvars
 import gc
 import sys
 import traceback
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from typing import Any
 
 from rich.segment import Segment
@@ -15,12 +15,14 @@ from textual import events
 from textual._context import message_hook
 from textual.app import App
 from textual.color import Color
+from textual.dom import DOMNode
 from textual.driver import Driver
 from textual.filter import LineFilter
 from textual.message import Message
 from textual.worker import Worker, WorkerFailed
 
 from archo_tui.alarms import Alarm
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.stops import Stops
 from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import RESTART, Shutdown
@@ -33,6 +35,14 @@ from archo_tui.terminal.typed import typed_after
 
 COMMANDS = "commands"  # the group of workers that the end waits for
 _STANDS = 1.0  # s after which a screen is made, and looking for garbage pays again
+
+
+def begin(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], group: str) -> None:
+    """Have Textual run a worker; of one that is cancelled before its turn nothing was made yet.
+
+    A coroutine that nobody awaits would be a warning, and end a test.
+    """
+    node.run_worker(work, group=group)  # type: ignore[arg-type]  # its union takes any result
 
 
 class TextFilter(LineFilter):
@@ -155,12 +165,12 @@ class TerminalApp(App[None]):
 
         async def write() -> None:
             try:
-                await asyncio.to_thread(remember, theme)
+                await in_daemon(lambda: remember(self.theme))  # the last, whichever ends last
             except OSError as error:
                 self.notify(f"cannot remember the theme: {error.strerror}", markup=False)
 
         if self.screen_stack and self.screen.is_mounted and before != theme:
-            self.run_worker(write(), group="theme", exclusive=True)
+            begin(self, write, COMMANDS)
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
         """Tell of grave alarms that are new, also somebody who looks elsewhere."""

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from archo_tui.paths import make_folder, state_file
+from archo_tui.regular_files import open_regular
 
 
 def log_file() -> Path:
@@ -27,7 +28,8 @@ def guarded_stderr(path: Path) -> Iterator[None]:
     """
     try:
         make_folder(path)
-        target = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+        target = open_regular(path, os.O_WRONLY | os.O_CREAT)
+        os.ftruncate(target, 0)
     except OSError:
         target = os.open(os.devnull, os.O_WRONLY)
     real = os.dup(2)

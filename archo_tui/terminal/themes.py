@@ -9,6 +9,7 @@ from textual.color import Color
 from textual.theme import BUILTIN_THEMES, Theme
 
 from archo_tui.paths import config_file, make_folder
+from archo_tui.regular_files import read, replace
 
 HIGH_CONTRAST = Theme(
     name="high-contrast",
@@ -88,7 +89,7 @@ def _luminance(colour: Color) -> float:
 def remembered() -> str:
     """The name of the theme that was chosen last, or an empty string."""
     try:
-        name = _file().read_text(encoding="utf-8").strip()
+        name = read(_file()).decode().strip()
     except (OSError, UnicodeDecodeError):
         return ""
     known = {*BUILTIN_THEMES, *(theme.name for theme in THEMES)}
@@ -98,7 +99,7 @@ def remembered() -> str:
 def remember(name: str) -> None:
     """Choose it the next time. Raises OSError."""
     make_folder(_file())
-    _file().write_text(f"{name}\n", encoding="utf-8")
+    replace(_file(), f"{name}\n")
 
 
 def _file() -> Path:

@@ -13,7 +13,7 @@ from archo_tui.station import View
 
 
 class Panel(Container):
-    """Base of the six panels; `show` gets every new view."""
+    """Base of the seven panels; `show` gets every new view."""
 
     number = 0
     title_text = ""

@@ -135,7 +135,7 @@ async def test_files_used_before_that_are_read_while_their_dialog_goes_harm_noth
 
     monkeypatch.setattr(AskPath, "on_unmount", without_its_parts, raising=False)
     async with console(*FAST) as op:
-        monkeypatch.setattr("asyncio.to_thread", slow)
+        monkeypatch.setattr("archo_tui.screens.ask_path.in_daemon", slow)
         await op.press("4", "ctrl+o", "escape")
         await op.until(lambda: ended and op.app.screen is op.app.main)
         await op.press("ctrl+x")
@@ -325,7 +325,7 @@ async def test_a_dialog_that_is_left_while_it_works_says_nothing_any_more(
     async with console(*FAST) as op:
         await op.press("4", "ctrl+o")
         dialog: Any = op.app.screen
-        monkeypatch.setattr("asyncio.to_thread", slow)
+        monkeypatch.setattr("archo_tui.commands.parameters.in_daemon", slow)
         await op.press("enter", "escape")
         assert op.app.screen is op.app.main
         go_on.set()

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import os
+import sys
+import time
 from pathlib import Path
 
 import pytest
 
 import tests.contract.textbook as textbook
 from archo_tui.errors import ArchoError
+from archo_tui.node_files import IMPORT_TIME, NodeFile
+from archo_tui.robot.text import HIDDEN
 from archo_tui.session import Options, Session
 from tests.support import chosen, clock
 from tests.support.console import console
@@ -106,6 +111,35 @@ def test_a_file_that_cannot_be_hosted_is_one_line(
     assert str(caught.value).startswith(f"{file}{line}")
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+PRINTS = GREETER.replace("import rclpy\n", "import sys\nimport rclpy\nprint('\\x1b[31m')\n", 1)
+
+
+async def test_what_a_file_prints_when_it_is_imported_is_an_event(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with console(node_files=[written(here, PRINTS)]) as op:
+        events = op.app.view.snapshot.events
+        assert [e.text for e in events if e.source == "my_node stdout"] == [f"{HIDDEN}[31m"]
+    assert "\x1b[31m" not in capsys.readouterr().out
+
+
+def test_a_file_that_takes_standard_output_away_takes_it_from_nobody(tmp_path: Path) -> None:
+    taken = GREETER.replace("import rclpy\n", "import sys\nsys.stdout = None\nimport rclpy\n", 1)
+    with session(written(tmp_path, taken)):
+        assert sys.stdout is not None
+
+
+@pytest.mark.posix
+def test_a_file_that_became_a_pipe_is_one_line_at_once(tmp_path: Path) -> None:
+    file = NodeFile(str(written(tmp_path, GREETER)))
+    file.path.unlink()
+    os.mkfifo(file.path)
+    began = time.monotonic()
+    with pytest.raises(ArchoError, match=r"my_node\.py: not a regular file"):
+        file.load()
+    assert time.monotonic() - began < IMPORT_TIME
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from types import SimpleNamespace
@@ -14,6 +15,7 @@ from archo_tui.robot.state import Hosted, Outcome, Snapshot
 from archo_tui.robot.stops import Stops
 from archo_tui.station import Station
 from tests.support.clock import NOW, TIME
+from tests.support.waiting import DEADLINE
 
 
 class StandingClock(Clock):
@@ -27,6 +29,10 @@ class StandingClock(Clock):
 
     def now(self) -> float:
         return TIME + self.passed
+
+    async def sleep(self, seconds: float) -> None:
+        """For ever: on a slow machine a second of real time would be seen in a picture."""
+        await asyncio.Event().wait()
 
 
 class StubRobot:
@@ -98,6 +104,7 @@ def stub_app(
     with sized(size):
         app = ArchoApp(stub_station(robot, clock, hosted, **options), keys)
     app.animation_level = "none"
+    app.NOTIFICATION_TIMEOUT = DEADLINE  # type: ignore[misc]  # s: a busy machine may look late
     return app
 
 

@@ -1,7 +1,8 @@
 """Quality of service: profiles, and whether two of them match.
 
 History depth, reliability and durability are honoured; lifespan ends what is kept for late joiners.
-Deadline and liveliness are compared when endpoints meet, as DDS does, and have no other effect.
+Deadline and liveliness are compared when endpoints meet, as DDS does; _event_handlers.py tells of
+those that are missed.
 """
 
 from __future__ import annotations

@@ -1,0 +1,41 @@
+"""Work that waits for a disk, beside the loop: `asyncio.to_thread`, but the end waits for none."""
+
+from __future__ import annotations
+
+import asyncio
+import contextvars
+import threading
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+class _DaemonThreads(Executor):
+    """A thread for each call, which does not keep the process: a disk may never answer."""
+
+    def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
+        future: Future[T] = Future()
+
+        def run() -> None:
+            try:
+                value = fn(*args, **kwargs)
+            except BaseException as error:
+                future.set_exception(error)
+            else:
+                future.set_result(value)
+
+        future.set_running_or_notify_cancel()
+        threading.Thread(target=run, name="disk", daemon=True).start()
+        return future
+
+
+_THREADS = _DaemonThreads()
+
+
+async def in_daemon(function: Callable[..., T], *arguments: Any) -> T:
+    """The value of `function(*arguments)`, called in a thread. Raises what that raises."""
+    context = contextvars.copy_context()
+    loop = asyncio.get_running_loop()
+    return await loop.run_in_executor(_THREADS, lambda: context.run(function, *arguments))

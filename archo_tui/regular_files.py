@@ -1,0 +1,49 @@
+"""Opens files of a known place without waiting: regular ones, of a bounded size, and no others.
+
+A pipe that nobody fills would block for ever, a device may have no end.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+MAX_BYTES = 1_000_000  # of a file that is read
+
+
+def open_regular(path: Path, flags: int) -> int:
+    """The descriptor of a file, as `os.open` has it. Raises OSError, for one not regular, too."""
+    # to files of the console's own only; to regular files not waiting means nothing
+    flags |= getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        descriptor = os.open(path, flags, 0o600)
+    except OSError as error:
+        if error.errno != errno.ENXIO:  # a pipe without a reader, a socket
+            raise
+        raise _not_regular(path) from None
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise _not_regular(path)
+    return descriptor
+
+
+def read(path: Path) -> bytes:
+    """All of a file. Raises OSError, for one that is larger than MAX_BYTES, too."""
+    with open(open_regular(path, os.O_RDONLY), "rb") as file:
+        data = file.read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise OSError(errno.EFBIG, f"larger than {MAX_BYTES // 1_000_000} MB", str(path))
+    return data
+
+
+def replace(path: Path, text: str) -> None:
+    """Write a file anew: whoever reads it finds the old text or the new one. Raises OSError."""
+    new = path.with_name(f"{path.name}.{os.getpid()}")
+    new.write_text(text, encoding="utf-8")
+    new.replace(path)
+
+
+def _not_regular(path: Path) -> OSError:
+    return OSError(errno.EINVAL, "not a regular file", str(path))

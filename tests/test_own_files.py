@@ -1,0 +1,66 @@
+"""The console's own files: whatever lies in their place, it starts, and ends when it is told to."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from archo_tui import recall
+from archo_tui.paths import config_file, state_file
+from archo_tui.terminal import themes
+from archo_tui.terminal.stderr import guarded_stderr
+
+
+def _large(path: Path) -> None:
+    with path.open("wb") as file:
+        file.truncate(1_000_000_000)
+
+
+def _without_end(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+@pytest.fixture(params=[os.mkfifo, _large, _without_end, Path.mkdir])
+def misplaced(request: pytest.FixtureRequest) -> Callable[[Path], Path]:
+    """Puts something else where a file of ours would be."""
+
+    def put(path: Path) -> Path:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        request.param(path)
+        return path
+
+    return put
+
+
+def test_what_was_typed_before_is_not_known(misplaced: Callable[[Path], Path]) -> None:
+    misplaced(state_file("typed.json"))
+    assert recall.load("shelf") == []
+
+
+def test_what_is_typed_is_kept_where_a_file_can_be(misplaced: Callable[[Path], Path]) -> None:
+    path = misplaced(state_file("typed.json"))
+    recall.add("shelf", ["7"])
+    assert recall.load("shelf") == ([] if path.is_dir() else [["7"]])
+
+
+def test_nested_without_end_nothing_was_typed() -> None:
+    file = state_file("typed.json")
+    file.parent.mkdir(parents=True)
+    file.write_text("[" * 200_000)
+    assert recall.load("shelf") == []
+
+
+def test_no_theme_is_remembered(misplaced: Callable[[Path], Path]) -> None:
+    misplaced(config_file("theme"))
+    assert themes.remembered() == ""
+
+
+def test_what_libraries_print_leads_somewhere(misplaced: Callable[[Path], Path]) -> None:
+    with guarded_stderr(misplaced(state_file("stderr.log"))):
+        os.write(2, b"said by a library\n")
+        assert sys.__stderr__ is not None
+        sys.__stderr__.close()
