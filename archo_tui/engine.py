@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import os
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -51,6 +52,12 @@ def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None 
         embedded.install(interface_packages(), own)
     except RuntimeError as error:
         raise ArchoError(f"cannot use the embedded engine: {error}") from None
+
+
+def ensure() -> None:
+    """The embedded engine, where none was chosen: pydoc imports a module and nothing else."""
+    if "rclpy" not in sys.modules:
+        activate(EMBEDDED)
 
 
 def _activate_ros2(hosting: bool) -> None:

@@ -17,6 +17,7 @@ from archo_tui import engine
 
 if TYPE_CHECKING:
     from tests.support.ros import Ros
+    from tests.support.terminal import Terminal
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -68,6 +69,10 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.getoption("--engine") == "embedded":
         os.environ["AMENT_PREFIX_PATH"] = str(Path(__file__).parent)  # share/depot_interfaces
         engine.activate("embedded")
+        if sys.platform == "linux":
+            from tests.support import warm
+
+            warm.is_on = True
     else:  # real ROS 2: nothing may leave this process
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # while tests are collected: _checked_fields
@@ -160,6 +165,15 @@ def _parsed_once() -> None:
         return known[key]
 
     Stylesheet._parse_rules = parse_once  # type: ignore[method-assign]
+
+
+@pytest.fixture
+def terminals() -> Iterator[list[Terminal]]:
+    """Terminals that are closed at the end."""
+    made: list[Terminal] = []
+    yield made
+    for terminal in made:
+        terminal.close()
 
 
 @pytest.fixture

@@ -34,6 +34,13 @@ def test_without_a_screen_textual_is_not_imported() -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_pydoc_knows_the_operators_verbs() -> None:
+    words = [sys.executable, "-m", "pydoc", "archo_tui.robot.client"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert "class Robot" in done.stdout
+    assert "emergency_stop(self)" in done.stdout
+
+
 def test_the_recorded_session_shows_one_screen_after_the_other_for_ever() -> None:
     pictures = [f'<svg viewBox="0 0 9 9"><style>.terminal-{n}{{}}</style></svg>' for n in "12"]
     fonts = "<style>@font-face { a }\n"

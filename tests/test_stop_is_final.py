@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,15 +17,6 @@ ROBOTS = Path(__file__).parent / "robots"
 CART = ("--only", "--node", str(ROBOTS / "cart.py"), "--robot", str(ROBOTS / "cart.yaml"))
 pytestmark = pytest.mark.real_time
 SLOW = ("--ros-args", "-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
-
-
-@pytest.fixture
-def terminals() -> Iterator[list[Terminal]]:
-    """Terminals that are closed at the end."""
-    made: list[Terminal] = []
-    yield made
-    for terminal in made:
-        terminal.close()
 
 
 def said() -> list[str]:

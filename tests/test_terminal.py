@@ -8,7 +8,6 @@ import json
 import re
 import signal
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -36,15 +35,6 @@ class Interrupts:
             os.kill(os.getpid(), signal.SIGINT)
 sys.meta_path.insert(0, Interrupts())
 """
-
-
-@pytest.fixture
-def terminals() -> Iterator[list[Terminal]]:
-    """Terminals that are closed at the end."""
-    made: list[Terminal] = []
-    yield made
-    for terminal in made:
-        terminal.close()
 
 
 def journaled() -> list[dict[str, Any]]:
@@ -438,7 +428,7 @@ def test_a_disk_that_hangs_does_not_delay_the_end(terminals: list[Terminal]) -> 
 
 
 def test_an_interrupt_while_it_is_loaded_ends_it_without_a_word(terminals: list[Terminal]) -> None:
-    terminal = Terminal(code=INTERRUPTED)
+    terminal = Terminal(code=INTERRUPTED, fresh=True)
     terminals.append(terminal)
     assert terminal.exit_code() == -signal.SIGINT
     assert terminal.output == b""

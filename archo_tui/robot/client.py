@@ -5,8 +5,13 @@ Verbs are called on the asyncio loop. Each ends: done, refused with the reason, 
 
 from __future__ import annotations
 
+# ruff: noqa: E402
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
+
+from archo_tui import engine
+
+engine.ensure()
 
 from rcl_interfaces.msg import Log
 from rclpy.clock import Clock as RosClock

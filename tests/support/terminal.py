@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from tests.support import chosen
+from tests.support import chosen, warm
 from tests.support.waiting import DEADLINE
 
 
@@ -30,8 +30,9 @@ class Terminal:
         controlling: bool = True,
         size: tuple[int, int] = (120, 36),
         term: str = "xterm-256color",
+        fresh: bool = False,
     ) -> None:
-        """`code` is Python to run before the command line is obeyed.
+        """`code` is Python to run before the command line is obeyed; `fresh`: before it is loaded.
 
         Of a terminal that is not `controlling` no signal comes when it hangs up.
         """
@@ -40,6 +41,24 @@ class Terminal:
         self.resize(*size)
         self._slave: int | None = slave
         self.before = termios.tcgetattr(slave)
+        arguments = ["--engine", chosen.ENGINE, *words]
+        environment = {
+            "TERM": term,
+            "ROS_DOMAIN_ID": str(chosen.next_domain()),
+            "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
+        }
+        self._warm = None if fresh or "--interfaces" in words else warm.loaded()
+        if self._warm is not None:
+            self.pid = self._warm.start(
+                slave,
+                environment=environment,
+                folder=os.getcwd(),
+                arguments=arguments,
+                code=code,
+                controlling=controlling,
+                ignore_hangup=ignore_hangup,
+            )
+            return
         self.pid = os.fork()
         if self.pid == 0:
             os.setsid()
@@ -48,16 +67,11 @@ class Terminal:
             for fd in (0, 1, 2):
                 os.dup2(slave, fd)
             os.closerange(3, 100)
-            os.environ |= {
-                "TERM": term,
-                "ROS_DOMAIN_ID": str(chosen.next_domain()),
-                "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
-            }
+            os.environ |= environment
             for name in ("COLUMNS", "LINES"):
                 os.environ.pop(name, None)
             if ignore_hangup:
                 signal.signal(signal.SIGHUP, signal.SIG_IGN)
-            arguments = ["--engine", chosen.ENGINE, *words]
             start = f"from archo_tui.cli import main\nsys.exit(main({arguments!r}))"
             program = f"import sys\n{code}\n{start}"
             # readline may have put COLUMNS where only execv sees it
@@ -104,12 +118,18 @@ class Terminal:
                 self.read(0.01)
             else:
                 time.sleep(0.01)
-            pid, status = os.waitpid(self.pid, os.WNOHANG)
-            if pid:
+            status = self._status()
+            if status is not None:
                 return os.waitstatus_to_exitcode(status)
             if time.monotonic() > end:
                 self.kill(signal.SIGKILL)
                 raise AssertionError(f"the process hangs: {self.text[-2000:]}")
+
+    def _status(self) -> int | None:
+        if self._warm is not None:
+            return self._warm.status(self.pid)
+        pid, status = os.waitpid(self.pid, os.WNOHANG)
+        return status if pid else None
 
     def settings(self) -> list[Any]:
         assert self._slave is not None
