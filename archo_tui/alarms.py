@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
-from archo_tui.robot.state import Hosted, Life, Snapshot
+from archo_tui.robot.state import Hosted, Life, Snapshot, StopAnswer
 from archo_tui.robots.model import Robot
 
 
@@ -174,7 +174,7 @@ def conditions(
     battery, motion = snapshot.battery, snapshot.motion
     found: dict[str, str] = {}
     if snapshot.stop_asked is not None:
-        found[UNCONFIRMED] = f"{stop_so_far(snapshot, now)}: use the hardware stop"
+        found[UNCONFIRMED] = f"{stop_texts(snapshot, now)[0]}: use the hardware stop"
     stop = snapshot.robot.stop
     if stop is not None and stop.service in snapshot.several:
         nodes = snapshot.several[stop.service]
@@ -237,20 +237,24 @@ def conditions(
     return found
 
 
-def stop_so_far(snapshot: Snapshot, now: float) -> str:
-    """What came of a STOP that the robot has not confirmed."""
+def stop_texts(snapshot: Snapshot, now: float) -> tuple[str, ...]:
+    """What came of a STOP that the robot has not confirmed: in full, and ever shorter."""
     waited = now - (now if snapshot.stop_asked is None else snapshot.stop_asked)
-    if snapshot.stop_why.startswith("no answer"):
-        return f"STOP SENT, {snapshot.stop_why} for {waited:.0f} s, sent again while it is heard"
-    if snapshot.stop_why:
-        return f"STOP {snapshot.stop_why}"
-    return f"STOP SENT, no answer for {waited:.0f} s (not confirmed by the robot)"
+    answer, why = snapshot.stop_answer, snapshot.stop_why
+    if answer not in (StopAnswer.AWAITED, StopAnswer.NONE):
+        return (f"STOP {answer.value} {why}".rstrip(),)
+    if waited < 1:
+        return ("STOP SENT",)
+    silent = f"STOP SENT, {StopAnswer.NONE.value} {why}".rstrip() + f" for {waited:.0f} s"
+    again = answer == StopAnswer.NONE
+    more = ", sent again while it is heard" if again else " (not confirmed by the robot)"
+    return silent + more, silent, f"STOP SENT, silent {waited:.0f} s"
 
 
 def _moves_on(snapshot: Snapshot, now: float) -> bool:
     """True when the robot says that it moves, a while after a STOP that it has not confirmed."""
     asked, motion = snapshot.stop_asked, snapshot.motion
-    if snapshot.stop_why.startswith("NOT SENT"):
+    if snapshot.stop_answer == StopAnswer.NOT_SENT:
         return False
     if asked is None or motion.received is None or motion.is_old(now):
         return False

@@ -472,6 +472,9 @@ class ArchoApp(TerminalApp):
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
         self.station.robot.note("ERROR", "console", message.said)
 
+    def on_field_refused(self, message: Field.Refused) -> None:
+        self.say(message.reason)
+
     def on_goal_panel_send(self, message: GoalPanel.Send) -> None:
         self._keep(message.typed)
         self.station.submit(message.targets)

@@ -14,7 +14,6 @@ from archo_tui import goal_text, state_text
 from archo_tui.alarms import Alarm, advice, ways
 from archo_tui.clock import time_of_day
 from archo_tui.plain_input import Input, Line
-from archo_tui.plain_lines import LONGEST
 from archo_tui.plain_output import Output
 from archo_tui.robot import forms
 from archo_tui.robot.parameter_values import parse, range_text
@@ -160,7 +159,7 @@ class Plain:
 
     async def _serve(self) -> None:
         while (line := await self._line()) is not None and line.text.split() != ["quit"]:
-            if line.is_too_long or line.text.split():  # else blanks of some other script
+            if line.fault or line.text.split():  # else blanks of some other script
                 with self._robot.stops.at(line.stops):
                     await self._run(line)
         await self._hold(lambda: self._input.is_quiet)  # a stop may have come with the last line
@@ -212,8 +211,8 @@ class Plain:
         )
 
     async def _run(self, line: Line) -> None:
-        if line.is_too_long:
-            self._say(f"failed: a line of more than {LONGEST} bytes")
+        if line.fault:
+            self._say(f"failed: {line.fault}")
             self._failed = True
             return
         verb, *rest = line.text.split()

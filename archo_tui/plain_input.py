@@ -11,9 +11,10 @@ import threading
 from collections.abc import Callable
 from typing import NamedTuple
 
-from archo_tui.plain_lines import TOO_LONG, Lines, is_stop
+from archo_tui.plain_lines import LONGEST, TOO_LONG, Lines, is_stop
 from archo_tui.robot.stops import Stops
 
+_SHOWN = 40  # bytes of a wrong line that are shown
 MOST = 1024 * 1024  # bytes of lines that wait
 _CHUNK = 64 * 1024  # bytes: what a pipe holds, so that what is written in one go is read in one go
 
@@ -23,7 +24,7 @@ class Line(NamedTuple):
 
     text: str
     stops: int  # that had been read before it
-    is_too_long: bool = False
+    fault: str = ""  # why it is not
 
 
 class Input:
@@ -81,7 +82,15 @@ class Input:
             stops, mark, text = entry.partition(b" ")
             self._size -= len(text)
             self._is_full = self._is_full and self._size > MOST // 2
-        return Line(text.decode(errors="replace"), int(stops), not mark) if entry else None
+        if not entry:
+            return None
+        if not mark:
+            return Line("", int(stops), f"a line of more than {LONGEST} bytes")
+        try:
+            return Line(text.decode(), int(stops))
+        except UnicodeDecodeError:  # whatever stood for its characters would be sent
+            shown = text[:_SHOWN].decode(errors="replace")
+            return Line("", int(stops), f"a line that is not UTF-8: {shown}")
 
     # on the thread
 

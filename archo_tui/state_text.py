@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from archo_tui.alarms import health, is_low
+from archo_tui.alarms import health, is_low, stop_texts
 from archo_tui.robot.state import Reading, Snapshot
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # tones
@@ -118,9 +118,9 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     """IDLE, MOVING, STOPPED, or a STOP that the robot has not confirmed."""
     motion, described = snapshot.motion, snapshot.robot.motion
     if snapshot.stop_asked is not None:
-        if snapshot.stop_why and not snapshot.stop_why.startswith("no answer"):
-            return ((f"STOP {snapshot.stop_why}"[:width], BAD),)
-        return ((stop_unconfirmed(now - snapshot.stop_asked, width), BAD),)
+        texts = stop_texts(snapshot, now)
+        text = next((text for text in texts if len(text) <= width), texts[-1])
+        return ((text[:width], BAD),)
     if described is None:
         return (("the robot file names no motion", OLD),)
     if motion.received is None:
@@ -148,18 +148,6 @@ def gauge_line(reading: Reading, now: float) -> Spans:
     if reading.is_old(now):
         return ((f"{text} (old, {age(now - reading.received)})", OLD),)
     return ((f"▲ {text}, {reading.warns}", WARN),) if reading.warns else ((text, PLAIN),)
-
-
-def stop_unconfirmed(waited: float, width: int) -> str:
-    """`STOP SENT, no answer for 2 s (not confirmed by the robot)`, or as much as fits `width`."""
-    if waited < 1:
-        return "STOP SENT"
-    texts = [
-        f"STOP SENT, no answer for {waited:.0f} s (not confirmed by the robot)",
-        f"STOP SENT, no answer for {waited:.0f} s",
-        f"STOP SENT, silent {waited:.0f} s",
-    ]
-    return next((text for text in texts if len(text) <= width), texts[-1])
 
 
 def battery_source(snapshot: Snapshot) -> str:

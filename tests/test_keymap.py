@@ -50,6 +50,7 @@ def test_two_commands_may_swap_their_keys(tmp_path: Path) -> None:
         ("stop: ctrl+[\n", 1, "a terminal sends ctrl+[ as escape: choose another"),
         ("stop: backspace\n", 1, "is needed in fields and dialogs"),
         ("reset: hyper+ultra\n", 1, "no key 'hyper+ultra'"),
+        (f"reset: {'9' * 5000}\n", 1, f"no key '{'9' * 20}': like"),
         ("reset: tab\n", 1, "is needed in fields and dialogs"),
         ("reset: g\n", 1, "g is already the key of go"),
         ("level: a\n", 1, "a is already the key of acknowledge"),

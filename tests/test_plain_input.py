@@ -99,7 +99,15 @@ def test_a_line_of_opened_brackets_is_looked_at_in_no_time() -> None:
 async def test_a_line_of_64_kib_is_taken_and_a_longer_one_is_not() -> None:
     _, (line, longer) = await _read(b"x" * LONGEST + b"\n" + b"x" * (LONGEST + 1) + b"\n")
     assert line == Line("x" * LONGEST, 0)
-    assert longer.is_too_long
+    assert longer == Line("", 0, f"a line of more than {LONGEST} bytes")
+
+
+async def test_a_line_in_another_encoding_is_not_guessed_at() -> None:
+    _, (line, after) = await _read(b"set cam label Gr\xfcn\nstatus\n")
+    assert line == Line(
+        "", 0, "a line that is not UTF-8: set cam label Gr\N{REPLACEMENT CHARACTER}n"
+    )
+    assert after == Line("status", 0)
 
 
 async def test_each_line_carries_the_stops_that_came_before_it() -> None:

@@ -15,6 +15,7 @@ from archo_tui.embedded import bounded_yaml
 from archo_tui.errors import ArchoError
 
 _OTHER = "choose another"
+_SHOWN = 20  # characters of a wrong name that are shown
 _RESERVED = (
     *("tab", "shift+tab", "escape", "up", "down", "left", "right", "enter"),
     *("backspace", "delete", "home", "end"),
@@ -110,7 +111,7 @@ def _checked(where: str, command: Command, key: str) -> str:
     if name in _SENT_AS:
         raise ArchoError(f"{where}: a terminal sends {key} as {_SENT_AS[name]}: {_OTHER}")
     if not types and name not in _SENT:
-        raise ArchoError(f"{where}: no key {key!r}: like x, ctrl+x, f5, question_mark")
+        raise ArchoError(f"{where}: no key {key[:_SHOWN]!r}: like x, ctrl+x, f5, question_mark")
     if name in _RESERVED and (command.key != name or command.from_file):
         raise ArchoError(f"{where}: {key} is needed in fields and dialogs: {_OTHER}")
     if types and command.where == EVERYWHERE:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import re
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from archo_tui.embedded.core_schema import FAST_LOADER, LOADER, YamlFault, value
 from archo_tui.regular_files import MAX_BYTES
 
 MAX_DEPTH = 20
+_HALF = re.compile("[\ud800-\udfff]")  # no text has them alone, nor can be written with them
 
 
 class YamlError(ValueError):
@@ -116,5 +118,7 @@ def _check(text: str, loader: Any) -> None:
             depth += 1
         elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
             depth -= 1
+        elif isinstance(event, yaml.ScalarEvent) and _HALF.search(event.value):
+            raise YamlFault(line, "holds half of a character")
         if depth > MAX_DEPTH:
             raise YamlFault(line, f"nested more than {MAX_DEPTH} deep")

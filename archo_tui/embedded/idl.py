@@ -6,6 +6,7 @@ As rosidl_adapter reads them, which refuses the same: `type name [default]`, `ty
 
 from __future__ import annotations
 
+import keyword
 import re
 from pathlib import Path
 from typing import NamedTuple
@@ -133,6 +134,8 @@ class _Reader:
         kind = _type(word, self._package)
         if not _PACKAGE.fullmatch(name):
             raise ValueError(f"{name!r} is no name of a field: small letters, digits and single _")
+        if keyword.iskeyword(name):
+            raise ValueError(f"{name!r} is a word of Python: rosidl's classes cannot be imported")
         if name in self._fields:
             raise ValueError(f"a second field named {name!r}")
         default = idl_values.read(text, kind) if text else None

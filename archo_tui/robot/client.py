@@ -96,6 +96,7 @@ class Robot:
             self._offers,
             self._look,
             self._flush,
+            self._tell,
         )
         subscribe(node, Log, "/rosout", self._on_log, 1000)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
@@ -290,9 +291,7 @@ class Robot:
             lambda gate: self._call(name, fields, gate),
         )
 
-    async def _call(
-        self, name: str, fields: Mapping[str, Any], gate: Gate | None = None
-    ) -> Outcome:
+    async def _call(self, name: str, fields: Mapping[str, Any], gate: Gate) -> Outcome:
         """Call a service with the type that its server has, if its request is what is meant."""
         if name not in self._graph.offered:
             return Outcome(False, f"{self._offers.full(name)} is not offered by any node")
@@ -321,10 +320,7 @@ class Robot:
 
         def log(outcome: Outcome) -> Outcome:
             outcome = Outcome(outcome.ok, harmless(outcome.text))
-            text = harmless(f"{title}: {outcome.text}")
-            self._node.get_logger().info(text)  # for other consoles
-            self._others.heard(text, self._clock.monotonic())
-            self._add_event(Event(self._clock.now(), "YOU", "console", text, command))
+            self._tell(f"{title}: {outcome.text}", command)
             self._flush()
             return outcome
 
@@ -349,7 +345,7 @@ class Robot:
         """Every second."""
         self._look()
         if self._stopping.is_to_be_repeated and self._is_heard:
-            self._thread.submit(self._stop_again)
+            self._thread.submit(self._stopping.send_again)
 
     @property
     def _is_heard(self) -> bool:
@@ -367,13 +363,7 @@ class Robot:
     async def _stop_behind(self) -> None:
         """Something that was sent before a STOP was answered behind it, a release perhaps."""
         outcome = await self._stopping.send()
-        self._say("YOU", f"STOP, sent again behind an earlier command: {outcome.text}")
-
-    async def _stop_again(self) -> None:
-        """A STOP that was not answered, while the robot is heard: it may drive on."""
-        outcome = await self._stopping.send_again()
-        if outcome.ok:
-            self._say("YOU", f"STOP, sent again: {outcome.text}")
+        self._tell(f"STOP, sent again behind an earlier command: {outcome.text}")
 
     def _look(self) -> None:
         changed = self._graph.look()
@@ -417,11 +407,14 @@ class Robot:
         motion = self.description.motion
         if motion is not None and topic == motion.topic:
             self._goals.heard()
-            self._others.motion(self._telemetry.motion, self._clock.monotonic())
+            if topic not in self._graph.publishers:  # else the readings of several come mixed
+                self._others.motion(self._telemetry.motion, self._clock.monotonic())
             alone = self.description.stop is None or (
                 self.description.stop.service not in self._graph.several
             )  # of several robots one says nothing about the others
             if alone and self._telemetry.motion.stopped and self._stopping.asked is not None:
+                if self._stopping.is_to_be_repeated:
+                    self._tell("STOP, sent again: the robot says that it is stopped")
                 self._stopping.over()
         self._unseen = True
         if news:
@@ -465,6 +458,13 @@ class Robot:
     def _on_error(self, error: Exception) -> None:
         self._say("ERROR", in_one_line(error))
 
+    def _tell(self, text: str, command: str = "") -> None:
+        """What this console did, for other consoles as well."""
+        text = harmless(text)
+        self._node.get_logger().info(text)
+        self._others.heard(text, self._clock.monotonic())
+        self._add_event(Event(self._clock.now(), "YOU", "console", text, command))
+
     def _say(self, level: str, text: str) -> None:
         self._add_event(Event(self._clock.now(), level, "console", text))
 
@@ -497,6 +497,7 @@ class Robot:
                 events=self._log.all(),
                 charge=self._telemetry.charge,
                 stop_asked=self._stopping.asked,
+                stop_answer=self._stopping.answer,
                 stop_why=self._stopping.why,
                 outlived=self._outlived,
                 namespace=self._graph.namespace,

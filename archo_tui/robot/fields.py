@@ -6,6 +6,7 @@ is cut, and a list that is too short is filled up with whatever lies in memory.
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections.abc import Mapping
@@ -21,7 +22,9 @@ NESTED = re.compile(r"(\w+)/(\w+)")
 # of a bound or length the digits: sequence<string<8>, 3> holds three texts of eight characters
 _ARRAY = re.compile(r"sequence<(?P<of>.+?)(?:, *(?P<most>\d+))?>|(?P<each>.+)\[(?P<size>\d+)\]")
 _STRING = re.compile(r"w?string(?:<(\d+)>)?")
-_FLOAT32_MAX = 3.402823466e38  # as rosidl has it; beyond it is infinite on the wire
+_FLOAT32_MAX = 3.402823466e38  # as rosidl has it
+_FLOAT32_LARGEST = 3.4028234663852886e38  # as it arrives; beyond it is infinite on the wire
+_MARKS = ("\ufeff", "\ufffe")
 _SHOWN = 40  # characters of a wrong value that are shown
 _REFUSED = (AssertionError, TypeError, ValueError, AttributeError, OverflowError)  # of setters
 
@@ -64,6 +67,11 @@ def put(message: Any, path: str, value: Any, where: str = "") -> None:
 
 def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
     """The message with values by dotted path. Raises ValueError as `put` does."""
+    parts = sorted(path.split(".") for path in values)
+    for one, other in itertools.pairwise(parts):  # a whole message undoes what was put into it
+        if other[: len(one)] == one:
+            said = f"{'.'.join(other)} is given twice, also by {'.'.join(one)}"
+            raise ValueError(harmless(f"{where}: {said}".lstrip(": ")))
     for path, value in values.items():
         put(message, path, value, where)
     return message
@@ -107,6 +115,8 @@ def _single(kind: str, value: Any) -> Any:
     """Raises ValueError that says what is allowed; the field and the value stand before it."""
     text = _STRING.fullmatch(kind)
     if text is not None:
+        if kind[0] == "w" and isinstance(value, str) and value.startswith(_MARKS):
+            raise ValueError("begins with a mark of the byte order, which ROS takes away")
         return _text(value, None if text[1] is None else int(text[1]))
     if kind in INTEGERS:
         if kind == "octet" and isinstance(value, bytes) and len(value) == 1:
@@ -138,7 +148,9 @@ def _number(value: Any, kind: str) -> float:
     except OverflowError:
         raise ValueError("is too large for a number") from None
     if kind == "float" and math.isfinite(number) and abs(number) > _FLOAT32_MAX:
-        raise ValueError(f"is not within -{_FLOAT32_MAX} .. {_FLOAT32_MAX}")
+        if abs(number) > _FLOAT32_LARGEST:
+            raise ValueError(f"is not within -{_FLOAT32_MAX} .. {_FLOAT32_MAX}")
+        return math.copysign(_FLOAT32_MAX, number)  # in four bytes it is the same
     return number
 
 

@@ -25,6 +25,7 @@ from archo_tui.robots.model import Field
 
 FARTHEST = 1e6  # a remainder beyond that is no reading
 FIRST_FEEDBACK = 15.0  # s without a word, before its pace is known, until it counts as lost
+ASK_AGAIN = 5.0  # s without a word of a goal itself, until its server is asked whether it knows it
 SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 
 ENDS = {
@@ -104,8 +105,13 @@ class Followed:
             return
         if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(now, motion):
             self.update(phase=Phase.LOST)
-        doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
-        if doubtful and now - self._asked > services.DEADLINE and self.action.is_served:
+        if goal.phase == Phase.SENT:
+            return
+        # while the robot is heard, its server may have been restarted: it would say nothing more
+        asked, longest = max(self._asked, goal.heard or 0.0), ASK_AGAIN
+        if goal.phase in (Phase.UNKNOWN, Phase.LOST):
+            asked, longest = self._asked, services.DEADLINE
+        if now - asked > longest and self.action.is_served:
             self.ask_result()
 
     def _is_silent(self, now: float, motion: Motion) -> bool:
@@ -172,7 +178,8 @@ class Followed:
     def _said(self, result: Any) -> str:
         """The robot's own words in a result; without a field for them, all its fields."""
         if self.goal.kind.message:
-            return text_of(getattr(result, self.goal.kind.message, "")) or _NO_REASON
+            said = read(Field(self.goal.kind.message), result)
+            return ("" if said is None else text_of(said)) or _NO_REASON
         return messages.text(result)
 
     def forgotten(self) -> None:

@@ -45,6 +45,8 @@ def parse(leaf: Leaf, given: Input, text: str) -> Any:
     shown = text.strip() if len(text) <= _SHOWN else f"{text.strip()[:_SHOWN]} ..."
     if not text.strip() and "string" not in leaf.type:
         raise ValueError(f"{label}: type a value")
+    if len(text) > _LONGEST:
+        raise ValueError(f"{label}: {len(text)} characters, at most {_LONGEST}")
     try:
         value = _value(leaf, text)
     except YamlFault as fault:
@@ -110,8 +112,6 @@ def _expected(labels: Iterable[str]) -> str:
 
 
 def _value(leaf: Leaf, text: str) -> Any:
-    if len(text) > _LONGEST:
-        raise ValueError
     element = element_of(leaf.type)
     if element is not None:
         return _list(leaf._replace(type=element), text)

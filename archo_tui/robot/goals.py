@@ -272,6 +272,8 @@ class Goals:
             one.update(phase=before, cancel_asked=None)
         if answer is None:
             return Outcome(False, f"no answer to the cancel in {services.DEADLINE:g} s")
+        if one.goal.is_running:  # its server may have been restarted, and know nothing of it
+            one.ask_result()
         return Outcome(False, "the robot rejected the cancel: the goal continues or has ended")
 
     async def cancel_all(self) -> Outcome:

@@ -41,7 +41,7 @@ class Offers:
         return types[0] if len(types) == 1 else ""
 
     def fitting(self, name: str, fields: Iterable[str]) -> tuple[Any, str]:
-        """The class of a service whose request has just those fields, or None and why not."""
+        """The class of a service whose request has just those bools, or None and why not."""
         full, kind = self.full(name), self._type(name)
         if not kind:
             return None, f"{full} has servers of different types: not called"
@@ -50,6 +50,10 @@ class Offers:
             return None, check.missing(full, kind)
         if interfaces.fields(srv_type.Request) != set(fields):
             return None, f"{full} is {kind}, whose request is another: not called"
+        kinds = srv_type.Request.get_fields_and_field_types()
+        for field in fields:
+            if kinds[field] != "boolean":
+                return None, f"{full} is {kind}, whose {field} is {kinds[field]}: not called"
         return srv_type, ""
 
     def misfits(self) -> dict[str, str]:

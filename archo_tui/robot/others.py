@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 from archo_tui.robot.state import Motion
 from archo_tui.robot.values import text_of
 
-_PATIENCE = 2.0  # s for a console to say that it was its doing, before and after
-
-
+# s for a console to say that it was its doing, before and after: STOP waits 3 s for its servers
+_PATIENCE = 4.0
+_UNANSWERED = "no answer in "  # of what was not answered in time, and may be done later:
+_LATE = 20.0  # s later
 _GAP = 2.0  # s without a word, after which the robot's node may have been restarted
 
 
@@ -32,7 +33,7 @@ class Others:
 
     def heard(self, text: str, now: float) -> None:
         """A console's line about a command of its own."""
-        self._told = [told for told in self._told if now - told[1] < 3 * _PATIENCE]
+        self._told = [told for told in self._told if now - told[1] < _LATE + 2 * _PATIENCE]
         self._told.append((text.lower(), now))
 
     def motion(self, motion: Motion, now: float) -> None:
@@ -65,6 +66,7 @@ class Others:
 
     def _is_told(self, seen: _Seen) -> bool:
         return any(
-            abs(at - seen.at) <= _PATIENCE and any(word in text for word in seen.words)
+            -_PATIENCE <= seen.at - at <= (_LATE if _UNANSWERED in text else _PATIENCE)
+            and any(word in text for word in seen.words)
             for text, at in self._told
         )

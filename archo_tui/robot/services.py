@@ -20,20 +20,24 @@ DEADLINE = 2.0  # s; "no answer in 2 s"
 _EARLY = 1e-3  # s that a timer may fire before its time and still count
 
 
-def hold_open(future: Any, servers: int, good: Callable[[Any], bool]) -> None:
+def hold_open(
+    future: Any, servers: int, good: Callable[[Any], bool] = lambda _: False
+) -> list[Any]:
     """End a call that reaches several servers with the first good answer, or with the last one.
 
     rclpy would take the first, which may come from a server that does not know the goal.
+    Returns all the answers, in a list that fills as they come.
     """
-    finish, left = future.set_result, [servers]
+    finish = future.set_result
+    answers: list[Any] = []
 
     def take(answer: Any) -> None:
-        left[0] -= 1
-        if left[0] <= 0 or good(answer):
+        answers.append(answer)
+        if len(answers) >= servers or good(answer):
             finish(answer)
 
-    if servers > 1:
-        future.set_result = take
+    future.set_result = take
+    return answers
 
 
 class Services:
@@ -90,7 +94,8 @@ class Services:
         turn = self.turn()
         future = client.call_async(request)
         if gate is not None:
-            return await self._in_time(future, client, turn)
+            told = lambda _: self.answered(turn)  # noqa: E731
+            return future.result() if await self._in_time(future, client, DEADLINE, told) else None
         self.watch(future, client)
         answer = await future
         if once and answer is not None and self._clients.pop((name, srv_type), None) is not None:
@@ -101,49 +106,48 @@ class Services:
         """The next number in the order in which requests leave."""
         return next(self._turns)
 
-    async def _in_time(self, future: Any, client: Any, turn: int) -> Any:
-        """The answer, or None after DEADLINE; `answered` is called when it comes, now or later."""
+    async def _in_time(
+        self, future: Any, client: Any, wait: float, told: Callable[[bool], None]
+    ) -> bool:
+        """True when the call ends within `wait` s.
+
+        `told(is_late)` is called when it does, within LATE.
+        """
         in_time: Future[bool] = Future(executor=self._node.executor)
 
         def on_answer(done: Any) -> None:
             if done.cancelled():
                 return
+            is_late = in_time.cancelled()
             in_time.set_result(True)
-            self.answered(turn)
+            told(is_late)
             if self._node.executor is not None:
                 self._node.executor.wake()
 
         future.add_done_callback(on_answer)
-        self.watch(in_time)
+        self.watch(in_time, wait=wait)
         self.watch(future, client, LATE)
-        return future.result() if await in_time else None
+        return bool(await in_time)
 
     async def call_all(
-        self, srv_type: Any, name: str, request: Any, servers: int, wait: float
+        self,
+        srv_type: Any,
+        name: str,
+        request: Any,
+        servers: int,
+        wait: float,
+        late: Callable[[list[Any]], None] = lambda _: None,
     ) -> list[Any]:
         """What so many servers of one name answered to one call within `wait` s.
 
-        rclpy ends a call with the first answer; this one is held open until all have come.
+        `late(answers)` is called when the last of them comes after that.
         """
         client = self.client(srv_type, name)
         future = client.call_async(request)
-        answers: list[Any] = []
-        finish = future.set_result
-
-        def take(answer: Any) -> None:
-            answers.append(answer)
-            if len(answers) >= servers:
-                finish(answer)
-
-        def give_up() -> None:
-            client.remove_pending_request(future)
-            future.cancel()
-
-        future.set_result = take
-        timer = self._node.create_timer(wait, give_up, clock=self._steady)
-        await future
-        self._node.destroy_timer(timer)
-        return answers
+        answers = hold_open(future, servers)
+        told = lambda is_late: late(answers) if is_late else None  # noqa: E731
+        await self._in_time(future, client, wait, told)
+        return list(answers)
 
     def watch(self, future: Any, client: Any = None, wait: float = DEADLINE) -> None:
         """Cancel the future when its deadline (s) passes: awaiting it then gives None."""

@@ -260,6 +260,16 @@ class Outcome(NamedTuple):
     text: str
 
 
+class StopAnswer(Enum):
+    """What came of a STOP that the robot has not confirmed; the value is the word for it."""
+
+    AWAITED = ""
+    NONE = "no answer"  # from every server: it is sent again
+    NOT_SENT = "NOT SENT"
+    REFUSED = "REFUSED"
+    UNCONFIRMED = "ANSWERED, NOT CONFIRMED"
+
+
 class Snapshot(NamedTuple):
     """Everything a screen can show, at one moment."""
 
@@ -276,7 +286,8 @@ class Snapshot(NamedTuple):
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     stop_asked: float | None = None  # a STOP was sent then, and the robot has not confirmed it
-    stop_why: str = ""  # what came of it; empty: its answer is waited for
+    stop_answer: StopAnswer = StopAnswer.AWAITED
+    stop_why: str = ""  # more about that
     outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
     namespace: str = "/"  # of the robot that is operated
     faults: Mapping[str, str] = _NOTHING  # why one of these is not used

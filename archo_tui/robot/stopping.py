@@ -7,7 +7,7 @@ So the answers to one call are counted, and only when all say yes has the robot 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from rclpy.node import Node
 
@@ -17,14 +17,20 @@ from archo_tui.robot import interfaces, services
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.offers import Offers
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Outcome
+from archo_tui.robot.state import Outcome, StopAnswer
 from archo_tui.robots import model
 
 ALL_ANSWERS = 3.0  # s that the answers of several servers are waited for
 OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
-NO_ANSWER = "no answer"
-UNCONFIRMED = "ANSWERED, NOT CONFIRMED"
 _FIND_PERIOD = 0.1  # s between two looks for a server
+
+
+class _Said(NamedTuple):
+    """What came of one call of STOP."""
+
+    outcome: Outcome
+    answer: StopAnswer = StopAnswer.AWAITED  # and why, until it is over
+    why: str = ""
 
 
 class Stopping:
@@ -40,47 +46,74 @@ class Stopping:
         offers: Offers,
         look: Callable[[], None],
         changed: Callable[[], None],
+        tell: Callable[[str], None],
     ) -> None:
-        """`look()` looks at the graph, `changed()` is called with each new state."""
+        """`look()` looks at the graph, `changed()` is called with each new state.
+
+        `tell(text)` is called with what came of a STOP that nobody waits for.
+        """
         self._node, self._stop, self._clock = node, stop, clock
         self._services, self._graph, self._offers = pending, graph, offers
-        self._look, self._changed = look, changed
+        self._look, self._changed, self._tell = look, changed, tell
         self.asked: float | None = None  # monotonic s of the first that is not confirmed
-        self.why = ""  # what came of it; empty: its answer is waited for
-        self._told = 0  # the turn of the one that said so
+        self.answer, self.why = StopAnswer.AWAITED, ""
+        self._first = 0  # the turn of that first one: an answer to an earlier one is not to it
+        self._told = 0  # the turn of the one that was answered so
         self._answered: tuple[float, float] | None = None  # when the last was sent, and confirmed
         self._left: int | None = None  # the turn of the last one, that nothing was accepted behind
 
     async def send(self) -> Outcome:
         """Stop the robot; ends when all servers answered, or did not in time."""
-        assert self._stop is not None
-        sent = self._clock.monotonic()
+        outcome, _ = await self._send()
+        return outcome if outcome.ok else Outcome(False, f"{outcome.text}: use the hardware stop")
+
+    async def send_again(self) -> None:
+        """A STOP that was not answered, while the robot is heard: it may drive on.
+
+        Answers to earlier calls still count.
+        """
         if self.asked is None:
-            self.asked, self.why = sent, ""
+            return
+        outcome, is_news = await self._send()
+        if is_news:
+            self._tell(f"STOP, sent again: {outcome.text}")
+
+    async def _send(self) -> tuple[Outcome, bool]:
+        """How one call ended, and whether that was news."""
+        assert self._stop is not None
+        sent, number = self._clock.monotonic(), self._services.turn()
+        if self.asked is None:
+            self.asked, self._first = sent, number
         self._changed()
-        number = self._services.turn()
+
+        def late(said: _Said) -> None:
+            if self._take(said, number, sent):
+                self._tell(f"STOP, answered late: {said.outcome.text}")
+
         try:
             await self._found(self._stop.service)
-            outcome, why = await self._call(self._stop.service)
+            said = await self._call(self._stop.service, late)
         except Exception as error:  # whatever it is, nobody was stopped
-            outcome = Outcome(False, in_one_line(error))
-            why = f"NOT SENT ({outcome.text})"
-        if outcome.ok or why == UNCONFIRMED:
-            self._answered = sent, self._clock.monotonic()
-        if outcome.ok:
-            self.over()
-            return outcome
-        # else another one was confirmed meanwhile, or has more to say
-        if self.asked is not None and number > self._told:
-            self.why, self._told = why, number
-            self._changed()
-        return Outcome(False, f"{outcome.text}: use the hardware stop")
+            said = _not_sent(in_one_line(error))
+        return said.outcome, self._take(said, number, sent)
 
-    async def send_again(self) -> Outcome:
-        """Send it again; answers to earlier calls still count."""
-        if self.asked is None:
-            return Outcome(False, "it is over")
-        return await self.send()
+    def _take(self, said: _Said, number: int, sent: float) -> bool:
+        """What came of the call of that turn, sent at that time; True when it is news."""
+        if number < self._first:  # something was allowed behind it, and then stopped again
+            return False
+        if said.outcome.ok or said.answer == StopAnswer.UNCONFIRMED:
+            self._answered = sent, self._clock.monotonic()
+        if self.asked is None:  # another one was confirmed meanwhile
+            return False
+        if said.outcome.ok:
+            self.over()
+            return True
+        if number <= self._told and self.answer != StopAnswer.NONE:  # one has more to say
+            return False
+        is_news = (said.answer, said.why) != (self.answer, self.why)
+        self.answer, self.why, self._told = said.answer, said.why, number
+        self._changed()
+        return is_news
 
     def is_behind(self, turn: int) -> bool:
         """True when a STOP left after that turn: which of the two the robot takes last is open.
@@ -99,13 +132,13 @@ class Stopping:
 
     def over(self) -> None:
         """It is confirmed, past, or given up."""
-        self.asked, self.why = None, ""
+        self.asked, self.answer, self.why = None, StopAnswer.AWAITED, ""
         self._changed()
 
     @property
     def is_to_be_repeated(self) -> bool:
         """True for one that not every server has answered: the robot may not have got it."""
-        return self.asked is not None and self.why.startswith(NO_ANSWER)
+        return self.asked is not None and self.answer == StopAnswer.NONE
 
     @property
     def obeyed_since(self) -> float | None:
@@ -122,33 +155,42 @@ class Stopping:
             await self._services.pause(_FIND_PERIOD)
             self._look()
 
-    async def _call(self, name: str) -> tuple[Outcome, str]:
-        """One call: what its servers said of it, and what that leaves to be said."""
+    async def _call(self, name: str, late: Callable[[_Said], None]) -> _Said:
+        """One call: what its servers said of it, in time; or `late`."""
         srv_type, reason = None, f"{self._offers.full(name)} is not offered by any node"
         if name in self._graph.offered:
             srv_type, reason = self._offers.fitting(name, ())
         if srv_type is None:
-            return Outcome(False, reason), f"NOT SENT ({reason})"
+            return _not_sent(reason)
         servers = max(self._node.count_services(name), 1)
         wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
         self._left = self._services.turn()
-        answers = await self._services.call_all(srv_type, name, srv_type.Request(), servers, wait)
+        answers = await self._services.call_all(
+            *(srv_type, name, srv_type.Request(), servers, wait),
+            lambda answers: late(_said(answers, servers, wait)),
+        )
         return _said(answers, servers, wait)
 
 
-def _said(answers: list[Any], servers: int, wait: float) -> tuple[Outcome, str]:
-    """What the answers of so many servers come to, and what is said of it until it is over."""
+def _not_sent(reason: str) -> _Said:
+    return _Said(Outcome(False, reason), StopAnswer.NOT_SENT, f"({reason})")
+
+
+def _said(answers: list[Any], servers: int, wait: float) -> _Said:
+    """What the answers of so many servers come to."""
     said = [(answer, interfaces.outcome(answer)) for answer in answers]
     refused = [outcome.text for answer, outcome in said if interfaces.refuses(answer)]
     of = f" by {len(refused)} of {servers}" if servers > 1 else ""
     if refused:
-        return Outcome(False, f"REFUSED{of}: {refused[0]}"), f"REFUSED{of} ({refused[0]})"
+        outcome = Outcome(False, f"REFUSED{of}: {refused[0]}")
+        return _Said(outcome, StopAnswer.REFUSED, f"{of} ({refused[0]})".lstrip())
     if len(answers) < servers:
         if servers == 1:
-            return Outcome(False, f"no answer in {wait:g} s"), NO_ANSWER
+            return _Said(Outcome(False, f"no answer in {wait:g} s"), StopAnswer.NONE)
         counted = f"{len(answers)} of {servers} answered"
-        return Outcome(False, f"{counted} in {wait:g} s"), f"{NO_ANSWER} from all ({counted})"
+        outcome = Outcome(False, f"{counted} in {wait:g} s")
+        return _Said(outcome, StopAnswer.NONE, f"from all ({counted})")
     doubtful = next((outcome for _, outcome in said if not outcome.ok), None)
     if doubtful is not None:
-        return doubtful, UNCONFIRMED
-    return said[0][1], ""
+        return _Said(doubtful, StopAnswer.UNCONFIRMED)
+    return _Said(said[0][1])

@@ -102,12 +102,18 @@ def _field(field: Field | None) -> Faults:
         return
     if field.scale == 0:
         yield field.where, "scale is 0: every reading would be the same"
+    if field.equals is not None and field.beyond is not None:
+        yield field.where, "equals and beyond are two questions: give one of them"
     if field.beyond is not None and field.beyond < 0:
         yield field.where, f"beyond is {field.beyond:g}: a size is never below 0"
 
 
 def _gauges(robot: Robot) -> Faults:
+    titles = set()
     for gauge in robot.gauges:
+        if gauge.title in titles:  # an alarm is known by it
+            yield gauge.where, f"the title {gauge.title} is that of another gauge: choose another"
+        titles.add(gauge.title)
         yield from _field(gauge.field)
         yield from _order(gauge.where, "low", gauge.low, "high", gauge.high)
         below, above = gauge.warn_below, gauge.warn_above
@@ -120,8 +126,18 @@ def _order(where: str, name: str, low: float | None, other: str, high: float | N
 
 
 def _goal(goal: GoalKind) -> Faults:
-    for given in goal.form.values():
+    labels = set()
+    for path, given in goal.form.items():
         yield from _order(given.where, "low", given.low, "high", given.high)
+        label = given.label or path
+        if label.lower() in labels:  # `--plain` takes `label=value`
+            yield given.where, f"the label {label} is that of another field: choose another"
+        labels.add(label.lower())
+        for other in (*goal.form, *goal.fixed):
+            if other != path and other.startswith(f"{path}."):
+                yield given.where, f"{other} is a part of {path}: give one of them"
+        if path in goal.fixed:
+            yield given.where, f"{path} is typed and fixed: give one of them"
     length: Link | None = None if goal.remaining is None else goal.remaining.length
     if length is not None and length.otherwise is not None and length.otherwise <= 0:
         yield length.where, f"otherwise is {length.otherwise:g}: a way is longer than 0"

@@ -21,6 +21,7 @@ from archo_tui.embedded import core_schema
 from archo_tui.errors import ArchoError
 
 NONE = ("", "~", "null", "none")
+_MAP = "tag:yaml.org,2002:map"  # and not a set, whose names have no values
 _SHOWN = 40  # characters of a wrong value that are shown
 _WORDS = {str: "a text", float: "a number", int: "a whole number", bool: "true or false"}
 
@@ -61,7 +62,7 @@ def _named(name: str, kind: Any, node: yaml.Node, path: Path) -> Any:
 
 def _pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, yaml.Node]]:
     """Names, the nodes that they stand in, and their values; no name twice."""
-    if not isinstance(node, yaml.MappingNode):
+    if not isinstance(node, yaml.MappingNode) or node.tag != _MAP:
         raise _error(node, path, "expected lines like 'name: value'")
     found: dict[str, tuple[str, yaml.Node, yaml.Node]] = {}
     for key, value in node.value:
@@ -83,6 +84,8 @@ def _record(kind: Any, node: yaml.Node, path: Path) -> Any:
     if isinstance(node, yaml.ScalarNode) and [hints[name] for name in needed] == [str]:
         return kind(**given, **{needed[0]: _scalar(str, node)})
     for name, key, value in _pairs(node, path):
+        if name in known and hints[name] is str and name not in needed and _is_none(value):
+            continue
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f" (nearest: {near[0]})" if near else f": one of {', '.join(known)}"
@@ -139,12 +142,12 @@ def _word(words: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
 def _scalar(kind: Any, node: yaml.Node) -> Any:
     if not isinstance(node, yaml.ScalarNode):
         raise _Unfit(f"expected {_WORDS[kind]}")
-    if kind is str:
-        return node.value
     try:
         value = core_schema.value(node)
     except core_schema.YamlFault as fault:
         raise _Unfit(f"expected {_WORDS[kind]}: {fault.said}") from None
+    if kind is str and (value is not None or not node.value):
+        return node.value  # as it is written, also where it would be a number
     if kind is float and type(value) is int:
         value = float(value) if abs(value) < sys.float_info.max else math.inf
     if type(value) is not kind or (kind is float and not math.isfinite(value)):

@@ -113,7 +113,10 @@ class Field(Input):
 
     def _on_paste(self, event: events.Paste) -> None:
         odd = next((char for char in event.text.strip() if not self._is_for(char)), "")
-        if odd:
+        why = f"it contains {odd!r}" if odd else ""
+        if not odd and len(event.text.strip().splitlines()) > 1:  # Textual takes the first one
+            why = "it has several lines"
+        if why:
             event.stop()
             event.prevent_default()
-            self.post_message(self.Refused(f"cannot paste this here: it contains {odd!r}"))
+            self.post_message(self.Refused(f"cannot paste this here: {why}"))

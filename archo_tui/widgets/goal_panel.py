@@ -132,6 +132,7 @@ class GoalPanel(Panel):
         self.typed, self._place = typed, len(typed)
 
     def on_field_refused(self, event: Field.Refused) -> None:
+        event.stop()
         self.hint(event.reason)
 
     def hint(self, text: str) -> None:

@@ -12,6 +12,7 @@ from textual._compositor import Compositor
 from textual.geometry import Size
 from textual.screen import Screen
 
+from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.widgets.field import Field
 from tests.support.console import FAST, LONG, console
 
@@ -99,6 +100,20 @@ async def test_a_paste_that_a_field_cannot_contain_is_refused_with_the_reason() 
         assert op.app.query_one("#goal-0", Field).value == "1"
         op.app.post_message(events.Paste("23"))
         await op.until(lambda: op.app.query_one("#goal-0", Field).value == "123")
+
+
+async def test_of_a_paste_of_several_lines_not_only_the_first_is_taken() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "enter")
+        await op.until(lambda: isinstance(op.app.screen, EditParameter))
+        await op.settle()
+        field = op.app.screen.query_one(Field)
+        before = field.value
+        op.app.post_message(events.Paste("1\n2"))
+        await op.until("cannot paste this here: it has several lines")
+        assert field.value == before
+        op.app.post_message(events.Paste("7\n"))
+        await op.until(lambda: "7" in field.value)
 
 
 async def test_keys_behind_a_command_that_asks_are_for_its_question() -> None:

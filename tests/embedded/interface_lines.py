@@ -12,6 +12,7 @@ INF, NAN = math.inf, math.nan
 READ: list[tuple[str, dict[str, object]]] = [
     ("int32 a", {"a": ("int32", None)}),
     ("int32 a1", {"a1": ("int32", None)}),
+    ("float64 off 1e16", {"off": ("float64", 1e16)}),
     ("int32 a_b", {"a_b": ("int32", None)}),
     ("int32 abc_d_e9", {"abc_d_e9": ("int32", None)}),
     ("int32 A=1", {"A": 1}),

@@ -70,6 +70,7 @@ WRONG: dict[str, tuple[Files, str]] = {
     "not UTF-8": ({"msg/A.msg": b"int32 x\nint32 \xff\n"}, "msg/A.msg:2: not UTF-8"),
     "a name": ({"msg/bad-name.msg": "int32 x\n"}, "msg/bad-name.msg:1: bad-name is no name"),
     "a small name": ({"srv/reset.srv": "---\n"}, "srv/reset.srv:1: reset is no name"),
+    "a word of Python": ({"msg/A.msg": "int8 x\nint8 class\n"}, "A.msg:2: 'class' is a word of"),
     "a line less": ({"srv/Reset.srv": "bool x\n"}, "Reset.srv:1: a .srv file has 1 '---' lines"),
     "a default": ({"msg/A.msg": "float32 x 1e39\n"}, "msg/A.msg:1: 1e+39 is too large"),
     "no package.xml": ({"package.xml": None}, "package.xml:1: No such file or directory: it names"),

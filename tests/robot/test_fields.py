@@ -6,12 +6,14 @@ rosidl does not check it: see `_checked_fields` in conftest.py.
 from __future__ import annotations
 
 import random
+import struct
 from typing import Any
 
 import pytest
+from action_msgs.srv import CancelGoal
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message, serialize_message
-from std_msgs.msg import Int8
+from std_msgs.msg import Float32, Int8
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.embedded import bounded_yaml
@@ -51,6 +53,8 @@ REFUSED = [
     ("wstring", "\udfff", '"\\uDFFF" holds half of a character'),
     ("string<8>", "123456789012", '"123456789012" has 12 characters, at most 8'),
     ("wstring<2>", "日本語", '"日本語" has 3 characters, at most 2'),
+    ("wstring", "\ufeffa", "begins with a mark of the byte order, which ROS takes away"),
+    ("sequence<wstring<4>>", ["\ufffea"], "begins with a mark of the byte order"),
     ("uint8[4]", [1], "[1] has 1 elements, not 4"),
     ("uint8[2]", [1, 2, 3], "[1, 2, 3] has 3 elements, not 2"),
     ("uint8[2]", b"ab", '!!binary "YWI=" is not a list'),
@@ -76,6 +80,27 @@ def test_what_does_not_fit_its_field_is_refused_in_one_line() -> None:
         assert line.startswith("x"), (kind, value)
         assert said in line, (kind, value)
         assert len(line.splitlines()) == 1, (kind, value)
+
+
+def test_the_largest_number_of_four_bytes_is_sent_as_it_is() -> None:
+    for largest in (3.4028234663852886e38, -3.4028234663852886e38):
+        sent = checked("float", largest, "x")
+        assert struct.unpack("f", struct.pack("f", sent)) == (largest,)
+        assert Float32(data=sent).data == sent  # which the embedded engine checks as rosidl does
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"goal_info.stamp.sec": 1, "goal_info.stamp": {"nanosec": 2}},
+        {"goal_info.stamp": {"nanosec": 2}, "goal_info.stamp.sec": 1},
+        {"goal_info": {"stamp.sec": 1, "stamp": {}}},
+        {"goal_info": {}, "goal_info.stamp": {}},
+    ],
+)
+def test_what_is_given_twice_is_refused_and_not_overwritten(values: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"stamp(.sec)? is given twice, also by "):
+        filled(CancelGoal.Request(), values)
 
 
 @pytest.mark.skipif(chosen.ENGINE != "ros2", reason="the embedded engine always checks")

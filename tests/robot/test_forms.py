@@ -74,6 +74,8 @@ def test_nan_is_the_same_in_a_field_and_in_a_list(text: str) -> None:
         ("sequence<int8>", "[" * 9000, f"x: nested more than 20 deep: {'[' * 20} ..."),
         ("sequence<a_msgs/A>", "[" * 9000, f"x: nested more than 20 deep: {'[' * 20} ..."),
         ("string<8>", "abcdefghijkl", "x: abcdefghijkl has 12 characters, at most 8"),
+        ("string", "a" * 10_001, "x: 10001 characters, at most 10000"),
+        ("sequence<string>", f"[{'a' * 10_000}]", "x: 10002 characters, at most 10000"),
         ("string", "a\0", 'x: "a\\0" holds a character of code 0'),
         ("builtin_interfaces/Time[1]", "[{sec: 1, sec: 2}]", "x: sec is given twice: "),
         ("builtin_interfaces/Time[1]", "[{sec: 1.5}]", "x[0].sec: 1.5 is not a whole number"),

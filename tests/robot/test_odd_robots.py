@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import MotorStatus
+from archo_interfaces.srv import EmergencyStop
 from rcl_interfaces import srv
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -15,7 +21,9 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
-from archo_tui.robot.state import Phase
+from archo_tui.robot.followed import Followed
+from archo_tui.robot.others import Others
+from archo_tui.robot.state import Motion, Phase
 from tests.console.states import goal
 from tests.support import clock
 from tests.support.archo import go
@@ -23,7 +31,7 @@ from tests.support.clock import NOW
 from tests.support.console import console, screen_text
 from tests.support.quiet import Quiet, ended, until
 from tests.support.robot import robot
-from tests.support.stub import stub_app
+from tests.support.stub import StandingClock, stub_app
 
 
 class Unset(Node):
@@ -182,6 +190,124 @@ def test_the_time_that_is_left_counts_down_between_two_feedbacks() -> None:
     assert moving.seconds_left(NOW) == 4.0
     assert moving.seconds_left(NOW + 1.5) == 2.5
     assert moving.seconds_left(NOW + 9.0) == 0.0
+
+
+def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
+    others = Others(["Reset encoder"])
+    others.heard("set motor speed 0.5: no answer in 2 s from /motor", 10.0)
+    others.heard("set motor ramp 2.0: ramp is 2.0, was 1.0", 10.0)
+    others.parameter("/motor", "speed", 1.0, 0.5, 15.0)
+    others.parameter("/motor", "ramp", 2.0, 3.0, 15.0)
+    assert others.unexplained(19.5) == ["motor ramp changed by another client (2.0 -> 3.0)"]
+    others.parameter("/motor", "speed", 0.5, 0.6, 40.0)
+    assert others.unexplained(44.5) == ["motor speed changed by another client (0.5 -> 0.6)"]
+
+
+def test_what_a_console_says_only_when_all_its_servers_had_their_time_is_its_doing() -> None:
+    others = Others(["Reset encoder"])
+    moving = Motion(count=1, moving=True, stopped=False, received=10.0)
+    others.motion(moving, 10.0)
+    others.motion(replace(moving, stopped=True, received=10.2), 10.2)
+    assert others.unexplained(13.0) == []
+    others.heard("STOP: 1 of 2 answered in 3 s: use the hardware stop", 13.1)
+    assert others.unexplained(20.0) == []
+
+
+class Told(Node):
+    """Says how it moves."""
+
+    def __init__(self, name: str, is_stopped: bool, **options: Any) -> None:
+        super().__init__(name, **options)
+        motion = self.create_publisher(MotorStatus, "motor_status", 10)
+        told = MotorStatus(emergency_stopped=is_stopped)
+        self.create_timer(0.2, lambda: motion.publish(told))
+
+
+async def test_readings_of_two_robots_that_come_mixed_are_no_doing_of_another_client() -> None:
+    makers = partial(Told, "a", True), partial(Told, "b", False)
+    async with robot(*makers) as it:
+        await until(lambda: "motor_status" in it.snapshot.publishers)
+        later = clock.seconds() + 6.0
+        await until(lambda: clock.seconds() > later)
+        assert not any("another client" in event.text for event in it.snapshot.events)
+
+
+class Dazed(Node):
+    """Takes a STOP only after it has been woken, and says how it moves meanwhile."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("dazed", **options)
+        self.is_awake = self.is_stopped = False
+        self.never: Future[bool] = Future()
+        group = ReentrantCallbackGroup()
+        self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=group)
+        self.motion = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.2, self.tell)
+
+    async def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        if not self.is_awake:
+            await self.never
+        response.success = self.is_stopped = True
+        return response
+
+    def tell(self) -> None:
+        self.motion.publish(MotorStatus(emergency_stopped=self.is_stopped))
+
+
+async def test_a_stop_that_is_sent_again_is_not_another_clients() -> None:
+    made: list[Dazed] = []
+
+    def dazed(**options: Any) -> Dazed:
+        made.append(Dazed(**options))
+        return made[-1]
+
+    async with robot(dazed) as it:
+        await until(lambda: it.snapshot.motion.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        later = clock.seconds() + 3.0
+        await until(lambda: clock.seconds() > later)
+        made[0].is_awake = True
+        made[0].never.set_result(True)  # what was sent before is answered, too
+        await until(lambda: it.snapshot.motion.stopped)
+        later = clock.seconds() + 6.0
+        await until(lambda: clock.seconds() > later)
+        texts = [event.text for event in it.snapshot.events]
+        assert not any("another client" in text for text in texts)
+        assert len([text for text in texts if text.startswith("STOP, ")]) == 1, texts
+
+
+def test_the_words_for_the_end_may_stand_in_a_message_in_the_result() -> None:
+    moving = goal(Phase.MOVING).goal
+    assert moving is not None
+    kind = replace(moving.kind, message="end.words")
+    one: Any = Followed(moving._replace(kind=kind), b"", None, StandingClock(), lambda *_: None)
+    result = SimpleNamespace(end=SimpleNamespace(words="parked"))
+    one._on_result(SimpleNamespace(status=GoalStatus.STATUS_SUCCEEDED, result=result))
+    assert (one.goal.phase, one.goal.message) == (Phase.ARRIVED, "parked")
+
+
+class Counter(Node):
+    """Serves what the robot file toggles, but by a number."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("counter", **options)
+        self.asked: list[Any] = []
+        self.create_service(srv.GetParameterTypes, "count", self.count)
+
+    def count(self, request: Any, response: Any) -> Any:
+        self.asked.append(request)
+        return response
+
+
+async def test_a_toggle_of_what_is_no_bool_is_said_before_it_is_called(here: Path) -> None:
+    file = here / "robot.yaml"
+    file.write_text(
+        "battery: {topic: b, types: {std_msgs/msg/Float32: {percentage: data}}}\n"
+        "commands: [{id: light, title: Light, service: count, toggle: {names: battery.charging}}]\n"
+    )
+    async with robot(Counter, robot=file) as it:
+        await until(lambda: "count" in it.snapshot.faults)
+        assert it.snapshot.faults["count"].endswith("whose names is sequence<string>: not called")
 
 
 class Mute(Node):

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
@@ -15,7 +16,7 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 
 from archo_tui.alarms import OUTLIVED, STOPS, UNCONFIRMED, conditions
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state import Phase, StopAnswer
 from tests.console.states import STATES
 from tests.support import clock
 from tests.support.archo import go
@@ -25,11 +26,11 @@ from tests.support.robot import robot
 
 
 class Brake(Node):
-    """Serves STOP: says yes, no, or nothing before it is woken."""
+    """Serves STOP: says yes, no, or nothing before it is woken; after so many seconds."""
 
-    def __init__(self, name: str, says: str = "yes", **options: Any) -> None:
+    def __init__(self, name: str, says: str = "yes", seconds: float = 0.0, **options: Any) -> None:
         super().__init__(name, **options)
-        self.says, self.asked = says, 0
+        self.says, self.seconds, self.asked = says, seconds, 0
         self.awake: Future[bool] = Future()
         group = ReentrantCallbackGroup()
         self.create_service(EmergencyStop, "emergency_stop", self.stop, callback_group=group)
@@ -40,6 +41,11 @@ class Brake(Node):
         self.asked += 1
         if self.says == "nothing":
             await self.awake
+        if self.seconds:
+            over: Future[bool] = Future(executor=self.executor)
+            timer = self.create_timer(self.seconds, lambda: over.set_result(True))
+            await over
+            self.destroy_timer(timer)
         response.success, response.message = self.says != "no", f"{self.get_name()} {self.says}"
         return response
 
@@ -58,6 +64,10 @@ class Drive(Node):
     def cancel(self, _: Any) -> CancelResponse:
         self.over.set_result(True)
         return CancelResponse.ACCEPT
+
+    def leave(self) -> None:
+        self.action.destroy()
+        self.destroy_node()
 
     async def drive(self, goal: Any) -> MoveToShelf.Result:
         self.shelves.append(goal.request.shelf_number)
@@ -130,6 +140,48 @@ async def test_a_stop_without_an_answer_is_sent_again_until_there_is_one() -> No
         made[0].awake.set_result(True)
 
 
+@pytest.mark.parametrize("seconds", [(2.5,), (0.0, 3.5)])
+async def test_a_stop_that_is_always_answered_late_is_confirmed(seconds: tuple[float]) -> None:
+    made: list[Brake] = []
+    makers = [making(made, Brake, f"brake_{s:.0f}", "yes", s) for s in seconds]
+    async with robot(*makers) as it:
+        await until(lambda: it.snapshot.battery.received is not None)
+        await until(lambda: "emergency_stop" in it.snapshot.offered)
+        await until(lambda: len(made) == 1 or "emergency_stop" in it.snapshot.several)
+        assert not (await ended(it.emergency_stop())).ok
+        assert it.snapshot.stop_answer == StopAnswer.NONE
+        until_then = clock.seconds() + 3.0
+        await until(lambda: it.snapshot.stop_asked is None or clock.seconds() > until_then)
+        assert it.snapshot.stop_asked is None
+        told = "STOP, answered late: brake_"
+        await until(lambda: any(e.text.startswith(told) for e in it.snapshot.events))
+
+
+async def test_a_stop_that_is_refused_late_says_why_and_is_not_sent_again() -> None:
+    made: list[Brake] = []
+    async with robot(making(made, Brake, "a", "no", 2.5)) as it:
+        await until(lambda: it.snapshot.battery.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        later = clock.seconds() + 12.0
+        await until(lambda: clock.seconds() > later)
+        assert alarms(it)[UNCONFIRMED] == "STOP REFUSED (a no): use the hardware stop"
+        assert made[0].asked < 5
+
+
+async def test_the_late_answer_to_a_stop_before_a_release_is_none_to_the_next_stop() -> None:
+    made: list[Brake] = []
+    async with robot(making(made, Brake, "a", "yes", 4.0)) as it:
+        await until(lambda: "emergency_stop" in it.snapshot.offered)
+        first = clock.seconds()
+        assert not (await ended(it.emergency_stop())).ok
+        assert (await ended(it.give_up_stop())).ok
+        made[0].says = "nothing"
+        assert not (await ended(it.emergency_stop())).ok
+        await until(lambda: clock.seconds() > first + 5.0)
+        assert it.snapshot.stop_asked is not None
+        made[0].awake.set_result(True)
+
+
 async def test_a_stop_that_was_refused_says_why_and_is_not_sent_again() -> None:
     made: list[Brake] = []
     async with robot(making(made, Brake, "a", "no")) as it:
@@ -194,8 +246,41 @@ async def test_a_server_that_does_not_know_the_goal_is_not_believed_beside_anoth
         executor.create_task(late.destroy_node)
 
 
+class Running(Node):
+    """Says that it moves, whatever becomes of the action."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("running", **options)
+        motion = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.2, lambda: motion.publish(MotorStatus(moving=True)))
+
+
+@pytest.mark.parametrize("is_cancelled", [False, True])
+async def test_a_goal_of_a_server_that_was_restarted_at_once_does_not_run_for_ever(
+    is_cancelled: bool,
+) -> None:
+    made: list[Drive] = []
+    async with robot(making(made, Drive, "a"), Running) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 3))).ok
+        executor = made[0].executor
+        assert executor is not None
+        executor.create_task(made[0].leave)
+        again: Any = Drive("a", context=made[0].context)
+        executor.create_task(executor.add_node, again)
+        end = clock.seconds() + 20.0
+        if is_cancelled:
+            await until(lambda: it.snapshot.several == {})
+            assert not (await ended(it.cancel())).ok
+            end = clock.seconds() + 0.5
+        await until(lambda: clock.seconds() > end or it.snapshot.history)
+        assert it.snapshot.history
+        assert it.snapshot.history[0].message.startswith("the robot no longer knows this goal")
+        executor.create_task(again.leave)
+
+
 async def test_moving_behind_a_stop_that_is_not_confirmed_is_an_alarm() -> None:
-    moving = STATES["motor moving"]._replace(stop_asked=NOW - 3, stop_why="no answer")
+    moving = STATES["motor moving"]._replace(stop_asked=NOW - 3, stop_answer=StopAnswer.NONE)
     assert OUTLIVED in conditions(moving, NOW)
     assert OUTLIVED not in conditions(moving._replace(stop_asked=NOW), NOW)
     assert OUTLIVED not in conditions(moving._replace(stop_asked=None), NOW)

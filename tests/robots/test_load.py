@@ -124,8 +124,20 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
         (GAUGE, "low: 5, high: 1", 2, "low 5 is above high 1: swap them"),
         (GAUGE, "warn_below: 60, warn_above: 20", 2, "warn_below 60 is above warn_above 20: swap them"),
         (GAUGE, "title: ' '", 2, "title is given twice"),
+        (GAUGE + GAUGE.partition("\n")[2], "unit: m", 3, "the title t is that of another gauge"),
+        (GOAL, "form: {x: {label: X}, y: {label: X}}", 4, "the label X is that of another field"),
+        (GOAL, "form: {x: {label: B}, b: {}}", 4, "the label b is that of another field"),
+        (GOAL, "form: {x: {}, x.z: {}}", 4, "x.z is a part of x: give one of them"),
+        (GOAL, "form: {x: {}}, fixed: {x.z: 1}", 4, "x.z is a part of x: give one of them"),
+        (GOAL, "form: {x: {}}, fixed: {x: 1}", 4, "x is typed and fixed: give one of them"),
+        (GOAL, "fixed: !!set {a}", 4, "expected lines like 'name: value'"),
+        ("goals:\n- {id: a, title: CHANGED, action: a, type: a/action/B}\n", "null", 2, "title: expected a text, not null"),
+        ("name: CHANGED\n", "!!int x", 1, "name: expected a text: not of the kind !!int: x"),
+        ("name: CHANGED\n", "!!binary eA==", 1, "name: expected a text: !!binary is not read here"),
+        ("name: CHANGED\n", '"\\uD800"', 1, "holds half of a character"),
         (BATTERY, "scale: 0", 3, "scale is 0: every reading would be the same"),
         (BATTERY, "scale: 0.0", 3, "scale is 0"),
+        (BATTERY, "equals: 1, beyond: 2", 3, "equals and beyond are two questions"),
         (BATTERY, "beyond: -1", 3, "beyond is -1: a size is never below 0"),
         (LOW, "{node: n, parameter: p, otherwise: 500}", 3, "otherwise is 500: a charge is within 0 .. 100"),
         (LOW, "{node: n, parameter: p, otherwise: -1}", 3, "otherwise is -1"),
@@ -187,6 +199,21 @@ def test_bytes_that_are_not_utf_8_are_one_line(tmp_path: Path) -> None:
     with pytest.raises(ArchoError) as caught:
         load(file)
     assert str(caught.value) == f"{file}:2: not UTF-8: save it as that"
+
+
+@pytest.mark.parametrize("none", ["", "none", "null", "~"])
+def test_a_text_that_is_none_is_left_out(tmp_path: Path, none: str) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text(f"name: {none}\nstop: {{service: halt, release: {none}}}\n")
+    robot = load(file)
+    assert robot.stop is not None
+    assert (robot.name, robot.stop.release) == ("robot", "")
+
+
+def test_what_is_fixed_of_a_message_may_be_typed_in_part(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text(ONE_GOAL + "    form: {x.z: {}}\n    fixed: {x: {y: 1}}\n")
+    assert load(file).goals[0].fixed == {"x": {"y": 1}}
 
 
 def test_quotes_keep_a_text_that_would_be_no_value(tmp_path: Path) -> None:

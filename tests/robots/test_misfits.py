@@ -28,9 +28,9 @@ MISFITS = [
     (f"{FRAME}: {{label: y, low: 1}}", "", 9, f"{FRAME} is string: low and high are for numbers"),
     (f"{FRAME}: {{label: y, high: 1}}", "", 9, "low and high are for numbers"),
     (f"{X[:-1]}y: {{convert: yaw}}", "", 9, "is double: convert: yaw is for a quaternion"),
-    (f"{X[:-2]}: {{label: y, convert: yaw}}", "", 9, "convert: yaw is for a quaternion"),
-    (f"{X[:-2]}: {{label: y}}", "", 9, "is depot_interfaces/Vector: name one of its fields"),
+    (f"{TURN}: {{label: y}}", "", 9, "is depot_interfaces/Quaternion: name one of its fields"),
     (f"{X[:-1]}y: {{}}", f"{X[:-1]}z: far", 3, "fixed: target.pose.position.z: "),
+    (f"{X[:-1]}y: {{}}", f"{X[:-2]}: {{z: 1}}, {X[:-1]}z: 1", 3, "z is given twice, also by "),
     (f"{X[:-1]}y: {{}}", f"{TURN}: 3", 3, "fixed: target.pose.orientation: 3 is not the fields of"),
 ]
 
