@@ -47,6 +47,8 @@ FAULTS = [
     Fault("robot/followed.py", "goal.phase in (Phase.MOVING, Phase.CANCELLING) and", "goal.phase in (Phase.MOVING,) and", ROBOT),
     Fault("commands/console.py", "CANCEL if answer == answers[1] else LEAVE", "CANCEL", CONSOLE + "/test_leaving.py"),
     Fault("parameters/undo.py", "        if outcome.ok:\n            before", "        if True:\n            before", "tests/parameters"),
+    Fault("parameters/undo.py", "one is not edit", "one != edit", "tests/parameters/test_undo.py"),
+    Fault("parameters/undo.py", "        if missing:  #", "        if False:  #", "tests/parameters/test_undo.py"),
     Fault("parameters/undo.py", "[-LIMIT:]", "", "tests/parameters"),
     Fault("commands/console.py", "goal is None or not goal.is_running or console.station.attached:", "True:", CONSOLE + "/test_leaving.py"),
     Fault("plain.py", "        await self._hold(lambda: self._answered >= last)\n", "", "tests/test_plain_stops.py"),
