@@ -97,7 +97,7 @@ async def test_nothing_is_sent_behind_a_stop_and_its_release_continues_nothing()
         await op.until("m left of")
         await op.press("ctrl+x")
         await op.until("✗ STOPPED")
-        await op.until("held: 7")
+        await op.until("held: 7 (STOP)")
         await op.press("escape", "R", "y")
         await op.until("● IDLE")
         await op.settle()
@@ -184,6 +184,9 @@ ARRIVED = Snapshot(robot=ARCHO, goal=ended(0))
     [
         ({"goal": ended(0, Phase.ABORTED)}, [], "aborted"),
         ({"goal": ended(0, Phase.DISPUTED)}, [], "ended"),
+        ({"goal": ended(0, Phase.ABORTED), "motion": Motion(stopped=True)}, [], "STOP"),
+        ({"goal": ended(0, Phase.ABORTED), "stop_asked": 1.0}, [], "STOP"),
+        ({"goal": ended(0, Phase.CANCELLED)}, [Alarm(LOW, "", 0.0)], "cancelled"),
         ({"stop_asked": 1.0}, [], "STOP"),
         ({"motion": Motion(stopped=True)}, [], "STOP"),
         ({}, [Alarm(LOW, "", 0.0)], LOW),
@@ -200,6 +203,16 @@ def test_what_holds_the_queue_stays_until_the_operator_goes_on(
     assert waiting.next(ARRIVED, []) is None  # whatever it was is over
     waiting.resume()
     assert waiting.next(ARRIVED, []) == target(7)
+
+
+def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
+    aborted = Snapshot(robot=ARCHO, goal=ended(0, Phase.ABORTED))
+    stopped = aborted._replace(motion=Motion(stopped=True))
+    for seen, stops in (([aborted, stopped], 0), ([stopped, aborted], 0), ([aborted], 1)):
+        waiting = queue(7)
+        for snapshot in seen:
+            assert waiting.next(snapshot, [], stops) is None
+        assert waiting.held == "STOP"
 
 
 def test_an_alarm_that_was_acknowledged_holds_nothing() -> None:
