@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -142,15 +143,34 @@ async def test_the_arrows_recall_what_was_sent_also_after_a_restart() -> None:
         assert op.app.main.goal.fields[0].value == "12"
 
 
+async def test_the_arrows_recall_no_more_than_is_kept() -> None:
+    for number in range(1, 51):
+        recall.add("shelf", [str(number)])
+    async with console(*FAST) as op:
+        panel = op.app.main.goal
+        await op.until(lambda: len(panel.typed) == 50)
+        await op.press("g", *"60", "enter")
+        await op.until(lambda: panel.typed[-1] == ["60"])
+        assert [panel.typed[0], len(panel.typed)] == [["2"], 50]
+        for number in range(100, 120):  # by another console
+            recall.add("shelf", [str(number)])
+        await op.app._recall()
+        assert [panel.typed[-1], len(panel.typed)] == [["60"], 50]
+
+
 def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) -> None:
     for number in range(80):
         recall.add("shelf", [str(number)])
     assert recall.load("shelf")[0] == ["30"]
+    file = tmp_path / "state" / "archo-tui" / "typed.json"
+    assert len(json.loads(file.read_text())["shelf"]) == 50
     recall.add("shelf", ["40"])
     assert recall.load("shelf")[-2:] == [["79"], ["40"]]
     assert len(recall.load("shelf")) == 50
+    many = [[str(number)] for number in range(80)]
+    file.write_text(json.dumps({"shelf": many}))
+    assert recall.load("shelf") == many[-50:]
     assert recall.load("other") == []
-    file = tmp_path / "state" / "archo-tui" / "typed.json"
     file.write_text("{ broken")
     assert recall.load("shelf") == []
     recall.add("shelf", ["1"])
