@@ -140,7 +140,7 @@ def parser() -> argparse.ArgumentParser:
         "--plain",
         action="store_true",
         help="no screen: commands on standard input (help lists them), an event a line on standard "
-        "output; the exit code is 0 when the last goal arrived and no command failed",
+        "output; the exit code is 0 only when every goal arrived and every line succeeded",
     )
     made.add_argument(
         "--ros-args",

@@ -6,17 +6,18 @@ from collections.abc import Sequence
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robots.model import GoalKind
 from archo_tui.state_text import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, seconds_text
 
 _WORD = 14  # cells for the word, as long as it is no longer
 _WIDE = 60  # cells from which on a strip names its ends
 
 
-def goal_line(snapshot: Snapshot, now: float, go_key: str) -> Spans:
-    """Where the goal stands, in the words of its phase."""
+def goal_line(snapshot: Snapshot, now: float, ask: str) -> Spans:
+    """Where the goal stands, in the words of its phase; `ask` says how one is given."""
     goal = snapshot.goal
     if goal is None:
-        return no_goal(snapshot, go_key)
+        return no_goal(snapshot, ask)
     texts = {
         Phase.SENT: (
             PLAIN,
@@ -103,7 +104,7 @@ def _queue(waiting: Sequence[str], held: str, width: int) -> Spans:
     return ((text + after, WARN if held else PLAIN),)
 
 
-def no_goal(snapshot: Snapshot, go_key: str) -> Spans:
+def no_goal(snapshot: Snapshot, ask: str) -> Spans:
     """What can be done while no goal was sent, or why nothing can."""
     if not snapshot.robot.goals:
         return (("the robot file names no goal", OLD),)
@@ -112,10 +113,15 @@ def no_goal(snapshot: Snapshot, go_key: str) -> Spans:
         return ((f"{kind.action}: not offered by any node", OLD),)
     if kind.action in snapshot.faults:
         return ((snapshot.faults[kind.action], WARN),)
+    return ((f"No goal yet. {ask}", PLAIN),)
+
+
+def keys_to_press(kind: GoalKind, go_key: str) -> str:
+    """How a goal is given on the screen: `Press g, type the shelf, press enter.`"""
     labels = [given.label or path for path, given in kind.form.items()]
     what = f"type the {labels[0].lower()}, " if len(labels) == 1 else ""
     what = f"type {', '.join(labels)}, " if len(labels) > 1 else what
-    return ((f"No goal yet. Press {go_key}, {what}press enter.", PLAIN),)
+    return f"Press {go_key}, {what}press enter."
 
 
 def doing(goal: Goal) -> str:

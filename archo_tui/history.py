@@ -17,24 +17,28 @@ _KEPT = 3600  # samples
 _HOLDS = 1.5  # s that a sample stands for: where the parts are shorter than a second
 
 
+def readings(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
+    """What there is of each quantity; None: not heard, or not reported by this robot."""
+    battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.goal
+    return {
+        "charge": None if battery.is_old(now) else battery.percentage,
+        "speed": None if motion.is_old(now) else motion.speed,
+        "left": goal.remaining if goal is not None and goal.is_running else None,
+    }
+
+
 class History:
     """Bounded; what was before a screen crashed is still there."""
 
     def __init__(self) -> None:
         self._times = array("d")  # monotonic s
-        # NaN: not heard, or not reported by this robot
-        self._values = {"charge": array("d"), "speed": array("d"), "left": array("d")}
+        # NaN: none
+        self._values = {name: array("d") for name in readings(Snapshot(), 0.0)}
 
     def add(self, snapshot: Snapshot, now: float) -> None:
         """Keep how it is now."""
-        battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.goal
-        runs = goal is not None and goal.is_running
         self._times.append(now)
-        for name, value in (
-            ("charge", None if battery.is_old(now) else battery.percentage),
-            ("speed", None if motion.is_old(now) else motion.speed),
-            ("left", goal.remaining if goal is not None and runs else None),
-        ):
+        for name, value in readings(snapshot, now).items():
             self._values[name].append(math.nan if value is None else value)
         for column in (self._times, *self._values.values()):
             del column[:-_KEPT]

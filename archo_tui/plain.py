@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import shlex
 import sys
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine
@@ -17,7 +18,7 @@ from archo_tui.plain_input import Input, Line
 from archo_tui.plain_output import Output
 from archo_tui.robot import forms
 from archo_tui.robot.parameter_values import parse, range_text
-from archo_tui.robot.state import Goal, Outcome, Phase, Snapshot
+from archo_tui.robot.state import Goal, Outcome, Parameter, Phase, Snapshot
 from archo_tui.robot.stops import NOT_SENT, Void
 from archo_tui.robot.text import safe
 from archo_tui.robot.values import text_of
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 _SHOWN_LEVELS = ("YOU", "PEER", "WARN", "ERROR", "FATAL")
 _WAIT = 5.0  # s for the robot to be there before a command is tried
+_THERE = 2.0  # s from the start in which all of its topics are on the graph
 _APART = 1.0  # s between a STOP and the next but one, when they are all that is typed
 _SLOW = 2.0  # s for the reader to catch up before the next line; once, if it does not read at all
 _LAST = 0.5  # s after a signal for a STOP to be answered, and for what is not written yet
@@ -39,14 +41,9 @@ _MOST_GOALS = 1000  # that wait in the queue
 
 def help_text(robot: Robot) -> str:
     """The commands, a line each."""
-    lines = []
-    for number, kind in enumerate(robot.goals):
-        labels = [given.label or path for path, given in kind.form.items()]
-        typed = (
-            "N ..." if len(labels) == 1 else " ".join(f"{label.lower()}=..." for label in labels)
-        )
-        lines.append((f"{'go' if number == 0 else kind.id} {typed}", kind.title))
-    lines += [
+    lines = [
+        *((_typed("go", kind), kind.title) for kind in robot.goals[:1]),
+        *((_typed(kind.id, kind), kind.title) for kind in robot.goals[1:]),
         ("cancel", "cancel the running goal; what waits behind it is held"),
         ("continue, skip", "continue a held queue of goals, or leave out its next one"),
         ("stop", "software stop, at once and latched; not the hardware one"),
@@ -56,12 +53,20 @@ def help_text(robot: Robot) -> str:
         names = ", ".join(filter(None, (command.id, command.off_word)))
         lines.append((names, command.help or command.title))
     lines += [
-        ("set NODE NAME VALUE", "set a parameter"),
+        ("set NODE NAME VALUE", "set a parameter; quotes as in a shell: 'a  b', ''"),
+        ("undo", "undo your last change of a parameter"),
         ("params", "list the parameters"),
         ("status", "show the state of the robot"),
         ("quit", "end, once the running goal has ended"),
     ]
     return "\n".join(f"{names:<25} {does[0].lower()}{does[1:]}" for names, does in lines)
+
+
+def _typed(verb: str, kind: GoalKind) -> str:
+    """How a goal is given: `go N ...`, or `go x=... y=...`."""
+    labels = [given.label or path for path, given in kind.form.items()]
+    several = " ".join(f"{label.lower()}=..." for label in labels)
+    return f"{verb} {'N ...' if len(labels) == 1 else several}".rstrip()
 
 
 class Plain:
@@ -75,10 +80,14 @@ class Plain:
         self._output = Output(write, self._written)
         self._ascii = ascii_only()
         names = ("release", *(command.id for command in station.robot.description.commands))
+        goals = station.robot.description.goals
+        # how a goal is given
+        self._ask = f"Type {_typed('go', goals[0])} to give one." if goals else ""
         self._ways = ways(station.robot.description, {name: f"type {name}" for name in names})
-        self._printed: set[tuple[float, str, str]] = set()  # events that were printed
+        self._begun = station.clock.monotonic()
+        self._printed: set[int] = set()  # the numbers of events that were printed
         self._goal: Goal | None = None
-        self._failed = self._go_failed = False
+        self._failed = False  # a line, or a goal
         self._sent: Outcome | None = None  # how the robot answered what was sent last
         self._answered = self._robot.stops.count  # so many STOPs are
         self._has_run = False  # some other line since the last STOP
@@ -171,10 +180,9 @@ class Plain:
             waiting = ", ".join(target.text for target in self._station.targets.waiting)
             self._say(f"not driven: {waiting} ({held})")
         await self._hold(lambda: self._output.is_done)
-        arrived = self._goal is None or self._goal.phase == Phase.ARRIVED
         if not self._shutdown.has_begun:
-            well = arrived and not self._failed and not self._go_failed
-            well = well and not self._station.targets.waiting and not self._output.is_broken
+            well = not self._failed and not self._station.targets.waiting
+            well = well and not self._output.is_broken
             self._finish(0 if well else 1)
 
     async def _line(self) -> Line | None:
@@ -215,7 +223,13 @@ class Plain:
             self._say(f"failed: {line.fault}")
             self._failed = True
             return
-        verb, *rest = line.text.split()
+        try:
+            verb, *rest = shlex.split(line.text)
+        except ValueError:
+            verb, *rest = line.text.split()
+            self._say(f"failed: {verb}: a quote is not closed, or nothing follows the last \\")
+            self._failed = True
+            return
         gate = self._robot.stops.gate()
         self._has_run = self._has_run or not gate.is_shut
         try:
@@ -224,13 +238,12 @@ class Plain:
             outcome = Outcome(False, NOT_SENT)
         if outcome is not None and not outcome.ok:
             self._say(f"failed: {verb}: {outcome.text}")
-            again = self._kind(verb) is not None and not gate.is_shut  # a goal may be tried again
-            self._failed = self._failed or not again
+            self._failed = True
 
     async def _do(self, verb: str, rest: list[str]) -> Outcome | None:
         robot = self._robot
-        if verb == "set" and len(rest) >= 3:
-            return await self._set(rest[0], rest[1], " ".join(rest[2:]))
+        if verb == "set":
+            return await self._set(rest)
         kind = self._kind(verb)
         if kind is not None:
             return await self._go(kind, rest)
@@ -251,16 +264,39 @@ class Plain:
         if verb in simple:
             await self._for_robot(lambda: robot.snapshot.offered)
             return await simple[verb]()
-        answers: dict[str, Callable[[], None]] = {
-            "params": self._params,
-            "status": self._status,
-            "help": lambda: self._out(help_text(robot.description)),
-        }
-        if verb not in answers:
+        if verb == "undo":
+            return await self._undo()
+        if verb == "help":
+            self._out(help_text(robot.description))
+        elif verb == "params":
+            await self._until(self._are_reported, self._left(_WAIT))
+            self._params()
+        elif verb == "status":
+            await self._until(self._is_heard, self._left(_WAIT))
+            self._status()
+        else:
             return Outcome(False, f"no command {verb!r} (help lists them)")
-        await self._until(lambda: robot.snapshot.battery.received is not None, _WAIT)
-        answers[verb]()
         return None
+
+    def _left(self, seconds: float) -> float:
+        """How much of that time since the start has not passed."""
+        return max(self._begun + seconds - self._clock.monotonic(), 0.0)
+
+    def _are_reported(self) -> bool:
+        """True when every node of the robot has reported its parameters."""
+        snapshot = self._robot.snapshot
+        nodes = {node.name for node in snapshot.nodes}
+        return bool(nodes) and nodes <= {p.node for p in snapshot.parameters}
+
+    def _is_heard(self) -> bool:
+        """True when battery and motion are, as far as the robot has them."""
+        snapshot, robot = self._robot.snapshot, self._robot.description
+        missing = []
+        if robot.battery is not None and snapshot.battery.received is None:
+            missing.append(robot.battery.topic)
+        if robot.motion is not None and snapshot.motion.received is None:
+            missing.append(robot.motion.topic)
+        return not any(topic in snapshot.offered or self._left(_THERE) for topic in missing)
 
     def _queue(self, verb: str) -> Outcome:
         station = self._station
@@ -268,6 +304,7 @@ class Plain:
             return Outcome(False, "no goal waits in the queue")
         if verb == "continue":
             return station.resume()
+        self._failed = True  # one goal less that arrives
         station.drop()
         return Outcome(True, "")
 
@@ -279,12 +316,10 @@ class Plain:
         return next((kind for kind in goals if kind.id == verb), None)
 
     async def _go(self, kind: GoalKind, words: list[str]) -> Outcome:
-        snapshot = self._robot.snapshot
-        before, leaves = snapshot.goal, snapshot.forms[kind.id]
+        leaves = self._robot.snapshot.forms[kind.id]
         several = len(leaves) == 1 and forms.is_number(leaves[0]) and "=" not in "".join(words)
         rows = [[word] for word in words] if several and words else [words]
         if len(self._station.targets.waiting) + len(rows) > _MOST_GOALS:
-            self._failed = True
             return Outcome(False, f"more than {_MOST_GOALS} goals would wait")
         try:
             targets = [
@@ -294,13 +329,10 @@ class Plain:
                 for row in rows
             ]
         except ValueError as error:
-            outcome = Outcome(False, str(error))
-        else:
-            await self._for_robot(lambda: kind.action in self._robot.snapshot.offered)
-            outcome = await self._send_all(targets)
-        self._take(self._robot.snapshot)
-        same = before is self._goal or (before and self._goal and before.sent == self._goal.sent)
-        self._go_failed = not outcome.ok and bool(same)  # it did not even become a goal
+            return Outcome(False, str(error))
+        await self._for_robot(lambda: kind.action in self._robot.snapshot.offered)
+        outcome = await self._send_all(targets)
+        self._take(self._robot.snapshot)  # the goal is known before the end is looked for
         return outcome
 
     def _drive(self, target: Target, queued: bool) -> None:
@@ -327,22 +359,39 @@ class Plain:
         assert self._sent is not None
         return self._sent
 
-    async def _set(self, node: str, name: str, text: str) -> Outcome:
+    async def _set(self, words: list[str]) -> Outcome:
+        if len(words) < 3:
+            return Outcome(False, f"needs NODE NAME VALUE{self._meant(words)}")
+        node, name, text = words[0], words[1], " ".join(words[2:])
         full = node if node.startswith("/") else f"/{node}"
 
-        def found() -> list[object]:
+        def found() -> list[Parameter]:
             known = self._robot.snapshot.parameters
             return [p for p in known if (p.node, p.name) == (full, name)]
 
         await self._for_robot(found)
-        for parameter in self._robot.snapshot.parameters:
-            if (parameter.node, parameter.name) == (full, name):
-                try:
-                    value = parse(parameter, text)
-                except ValueError as error:
-                    return Outcome(False, str(error))
-                return await self._robot.set_parameters(full, {name: value})
+        for parameter in found():
+            try:
+                value = parse(parameter, text)
+            except ValueError as error:
+                return Outcome(False, f"{node} {name}: {error}")
+            outcome = await self._station.set_parameters(full, {name: value})
+            return outcome if outcome.ok else Outcome(False, f"{node} {name}: {outcome.text}")
         return Outcome(False, f"{full} has no parameter {name}")
+
+    def _meant(self, words: list[str]) -> str:
+        """The line with the node, when just that is missing."""
+        known = self._robot.snapshot.parameters
+        nodes = [p.node.lstrip("/") for p in known if len(words) == 2 and p.name == words[0]]
+        return f": set {nodes[0]} {shlex.join(words)}" if len(nodes) == 1 else ""
+
+    async def _undo(self) -> Outcome:
+        snapshot, edits = self._robot.snapshot, self._station.edits
+        reason = edits.blocked(snapshot)
+        others = [f"{name} is {text_of(v)}" for name, v in edits.changed_since(snapshot).items()]
+        if others and not reason:  # the screen asks; here only what is sure is done
+            reason = f"changed by somebody else since: {', '.join(others)}"
+        return Outcome(False, reason) if reason else await self._station.undo()
 
     def _params(self) -> None:
         for p in self._robot.snapshot.parameters:
@@ -359,7 +408,7 @@ class Plain:
         self._out(f"{title} {plain(state_text.motion_line(snapshot, now)).strip()}")
         for reading in snapshot.gauges:
             self._out(plain(state_text.gauge_line(reading, now)))
-        self._out(f"goal {plain(goal_text.goal_line(snapshot, now, 'go'))}")
+        self._out(f"goal {plain(goal_text.goal_line(snapshot, now, self._ask))}")
         for alarm in self._station.view.alarms:
             self._out(f"alarm {advice(alarm, self._ways)}")
 
@@ -367,10 +416,10 @@ class Plain:
 
     def _take(self, snapshot: Snapshot) -> None:
         for event in snapshot.events:
-            key = (event.time, event.source, event.text)
-            if key not in self._printed and event.level in _SHOWN_LEVELS and event.count == 1:
-                self._say(f"{event.level} {event.source}: {event.text}", event.time)
-        self._printed = {(event.time, event.source, event.text) for event in snapshot.events}
+            if event.number not in self._printed and event.level in _SHOWN_LEVELS:
+                count = f" (x {event.count})" if event.count > 1 else ""  # since the last look
+                self._say(f"{event.level} {event.source}: {event.text}{count}", event.time)
+        self._printed = {event.number for event in snapshot.events}
         self._tell_goal(snapshot)
         self._tell_alarms(self._station.take(snapshot))
         self._changed.set()
@@ -378,11 +427,13 @@ class Plain:
     def _tell_goal(self, snapshot: Snapshot) -> None:
         goal, before = snapshot.goal, self._goal
         self._goal = goal
+        if any(ended.mine and ended.phase != Phase.ARRIVED for ended in snapshot.history):
+            self._failed = True
         if goal is None:
             return
         same = before is not None and before.sent == goal.sent
         if before is None or not same or _said_of(before) != _said_of(goal):
-            line = goal_text.goal_line(snapshot, self._clock.monotonic(), "go")
+            line = goal_text.goal_line(snapshot, self._clock.monotonic(), self._ask)
             self._say(f"goal {' '.join(state_text.plain(line).split())}")
 
     def _tell_alarms(self, changed: list[Alarm]) -> None:

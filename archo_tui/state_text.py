@@ -37,7 +37,7 @@ def age(seconds: float) -> str:
     if seconds < 9.95:
         return f"{max(seconds, 0.0):.1f} s"
     if seconds < 600:
-        return f"{seconds:.0f} s" if seconds < 119.5 else f"{seconds // 60:.0f} min"
+        return f"{seconds:.0f} s" if seconds < 120 else f"{seconds // 60:.0f} min"
     return f"{seconds / 3600:.1f} h" if seconds < 35_000 else f"{seconds / 3600:.0f} h"
 
 

@@ -77,17 +77,17 @@ class Targets:
         goal = snapshot.goal
         if goal is not None and goal.number != self._before:
             self._sending = False
+        ended = ""
         if goal is not None and not goal.is_running and goal.number != self._seen:
             self._seen = goal.number
-            if goal.phase != Phase.ARRIVED:
-                self.hold(goal.word.lower())
+            ended = "" if goal.phase == Phase.ARRIVED else goal.word.lower()
         if not self.waiting:
             self.held = ""
             return None
-        stopped = any(target.stops < stops for target in self.waiting)
-        why = "STOP" if stopped else _in_the_way(snapshot, alarms)
-        if why:
-            self.hold(why)
+        if _is_stopped(snapshot) or any(target.stops < stops for target in self.waiting):
+            self.held = "STOP"  # whether the goal that it ended is heard of before or after it
+        else:
+            self.hold(ended or _in_the_way(alarms))
         if self.held or self._sending or _runs(goal):
             return None
         return self._begin(self.waiting.pop(0), snapshot)
@@ -102,10 +102,12 @@ def _runs(goal: Goal | None) -> bool:
     return goal is not None and goal.is_running
 
 
-def _in_the_way(snapshot: Snapshot, alarms: Iterable[Alarm]) -> str:
-    """What holds every queue."""
-    if snapshot.stop_asked is not None or snapshot.motion.stopped:
-        return "STOP"
+def _is_stopped(snapshot: Snapshot) -> bool:
+    return snapshot.stop_asked is not None or bool(snapshot.motion.stopped)
+
+
+def _in_the_way(alarms: Iterable[Alarm]) -> str:
+    """The alarm that holds every queue."""
     for alarm in alarms:
         if alarm.name == CONTACT_LOST and not alarm.is_over:
             return CONTACT_LOST

@@ -7,6 +7,9 @@ from dataclasses import replace
 from archo_tui.history import History
 from archo_tui.widgets.plot import curve
 from tests.console.states import BATTERY, MOTOR, MOVING, NORMAL
+from tests.support.console import screen_text, send
+from tests.support.quiet import Quiet
+from tests.support.stub import StubRobot, stub_app
 
 
 def filled(seconds: int) -> History:
@@ -51,6 +54,22 @@ def test_the_way_left_is_only_of_a_goal_that_runs() -> None:
     history.add(NORMAL._replace(goal=MOVING), 1.0)
     history.add(NORMAL._replace(goal=None), 2.0)
     assert history.columns("left", 2.0, 2, 2.0) == [9.0, None]
+
+
+async def test_a_way_left_that_becomes_known_is_shown_at_once_and_no_longer_than_it_is() -> None:
+    app = stub_app(NORMAL._replace(goal=MOVING._replace(remaining=None)))
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        send(app, "h")
+        await quiet.settle()
+        assert "left -- m" in screen_text(app)
+        robot.put(NORMAL._replace(goal=MOVING))
+        await quiet.settle()
+        assert "left 9.0 m" in screen_text(app)
+        robot.put(NORMAL)
+        await quiet.settle()
+        assert "left -- m" in screen_text(app)
 
 
 def test_it_is_bounded_to_an_hour() -> None:

@@ -6,12 +6,23 @@ import re
 import signal
 import subprocess
 import sys
+from pathlib import Path
+from typing import Any
 
 import pytest
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.node import Node
+from rclpy.parameter import Parameter
 
+from archo_tui.cli import parser
+from tests.support import clock
 from tests.support.console import FAST as QUICK
-from tests.support.plain import plain
+from tests.support.console import LONG
+from tests.support.plain import operated, plain
+from tests.support.quiet import Quiet
 from tests.support.script import FAST, SLOW, Script, shell
+
+ROOT = Path(__file__).parent.parent
 
 
 def test_a_goal_that_arrives_is_exit_code_0() -> None:
@@ -49,10 +60,42 @@ def test_stop_ends_the_goal_and_is_released() -> None:
     assert "go to shelf 7: accepted" in script.said
 
 
-async def test_a_refused_goal_may_be_tried_again() -> None:
-    code, said = await plain("go 99\ngo 7\n", ros_args=QUICK)
-    assert code == 0, said
-    assert "failed: go: shelf 99 is not in 1 .. 40" in said
+@pytest.mark.parametrize("failing", ["go 99", "jump", "cancel", "set motor_controller max_speed 9"])
+async def test_what_succeeds_behind_a_line_that_failed_leaves_exit_code_1(failing: str) -> None:
+    code, said = await plain(f"{failing}\ngo 7\n", ros_args=QUICK)
+    assert code == 1, said
+    assert f"failed: {failing.split()[0]}: " in said
+    assert "Arrived at shelf 7" in said
+
+
+async def test_one_goal_that_did_not_arrive_is_exit_code_1_whatever_arrives_behind_it() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("go 12\n")
+        await person.until("m left of")
+        person.type("cancel\n")
+        await person.until("goal ✗ CANCELLED")
+        person.type("set motor_controller route_length 1\n")
+        await person.until("route_length is 1.0")
+        assert await person.end("go 7\n") == 1
+        assert "Arrived at shelf 7" in person.said
+        assert "failed" not in person.said
+
+
+async def test_a_goal_that_was_left_out_did_not_arrive() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("go 12 7\n")
+        await person.until("m left of")
+        person.type("skip\n")
+        await person.until("left out of the queue: 7")
+        person.type("set motor_controller time_scale 100\n")
+        assert await person.end() == 1
+        assert "Arrived at shelf 12" in person.said
+
+
+def test_readme_and_help_agree_on_the_exit_code() -> None:
+    said = "exit code is 0 only when every goal arrived and every line succeeded"
+    for text in ((ROOT / "README.md").read_text(encoding="utf-8"), parser().format_help()):
+        assert said in " ".join(text.split())
 
 
 async def test_what_cannot_be_done_is_one_line_and_exit_code_1() -> None:
@@ -60,11 +103,17 @@ async def test_what_cannot_be_done_is_one_line_and_exit_code_1() -> None:
         "go 99": "failed: go: shelf 99 is not in 1 .. 40",
         "go there": "failed: go: Shelf: not a whole number: there",
         "go 1_2": "failed: go: Shelf: not a whole number: 1_2",
-        "set motor_controller max_speed 1_0.5": "failed: set: not a number: 1_0.5",
+        "set motor_controller max_speed 1_0.5": "set: motor_controller max_speed: not a number",
+        "set max_speed 1": "failed: set: needs NODE NAME VALUE",
+        "set": "failed: set: needs NODE NAME VALUE",
+        "set nosuch max_speed 1": "failed: set: /nosuch has no parameter max_speed",
+        "set battery_monitor drain_min 50": "failed: set: battery_monitor drain_min: drain_min 50",
+        "set motor_controller 'max_speed 1": "failed: set: a quote is not closed",
+        "undo": "failed: undo: nothing to undo",
         "go": "failed: go: Shelf: type a value",
         "jump": "failed: jump: no command 'jump' (help lists them)",
-        "set motor_controller max_speed 9": "failed: set: allowed 0.05 .. 2, not 9",
-        "set motor_controller max_speed nan": "failed: set: not a finite number: nan",
+        "set motor_controller max_speed 9": "max_speed: allowed 0.05 .. 2, not 9",
+        "set motor_controller max_speed nan": "max_speed: not a finite number: nan",
         "set motor_controller ticks_per_revolution 5": "ticks_per_revolution is read-only",
         "cancel": "failed: cancel: no goal is running",
     }
@@ -88,9 +137,88 @@ async def test_what_is_asked_is_told() -> None:
     assert "motor_controller max_speed 0.5* double 0.05 .. 2" in said
     assert "YOU console: reset encoder: Encoder reset to zero" in said
     assert "YOU console: charge: Charging" in said
-    assert "goal No goal yet." in said
+    assert "goal No goal yet. Type go N ... to give one.\n" in said
     assert "\nbattery " in said
     assert "go N " in said
+
+
+class Noted(Node):
+    """Has a text that is set, and the same error twice at once when it is."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__("noted", **given)
+        self.declare_parameter("text", "as it was")
+        self.declare_parameter("list", ["a"])
+        self.add_on_set_parameters_callback(self._set)
+
+    def _set(self, parameters: Any) -> SetParametersResult:
+        for _ in range(2):
+            self.get_logger().error("twice at once")
+        return SetParametersResult(successful=True)
+
+
+async def test_a_line_is_split_as_a_shell_does() -> None:
+    lines = {
+        "set noted text 'a  b'": "text is a  b,",
+        "set noted text ''": "text is , was a  b",
+        'set noted text "it\'s"': "text is it's,",
+        "set noted text a\\ \\\\b": "text is a \\b,",
+        "set noted text plain words": "text is plain words,",
+        "set noted list [x, 'y z']": "list is [x, y z],",
+    }
+    code, said = await plain("\n".join(lines), Noted)
+    assert code == 0, said
+    for told in lines.values():
+        assert told in said
+
+
+async def test_the_node_that_a_set_lacks_is_named() -> None:
+    async with operated(ros_args=QUICK) as person:
+        person.type("params\n")
+        await person.until("ticks_per_revolution")
+        person.type("set max_speed '1 0'\n")
+        await person.until("needs NODE NAME VALUE: set motor_controller max_speed '1 0'")
+
+
+async def test_an_error_that_comes_twice_before_it_is_seen_is_printed_once() -> None:
+    code, said = await plain("set noted text new\n", Noted)
+    assert code == 0, said
+    assert len(re.findall(r"ERROR noted: twice at once( \(x 2\))?\n", said)) == 1
+
+
+async def test_what_was_set_is_undone_and_not_what_somebody_else_set_since() -> None:
+    made: list[Noted] = []
+
+    def make(**given: Any) -> Noted:
+        made.append(Noted(**given))
+        return made[-1]
+
+    async with operated(make) as person:
+        person.type("set noted text one\nset noted text two\nundo\n")
+        await person.until("text is one, was two")
+        made[0].set_parameters([Parameter("text", value="three")])
+        seen = clock.seconds() + 0.5
+        await Quiet().until(lambda: clock.seconds() >= seen, lambda: "a little later")
+        person.type("undo\n")
+        await person.until("failed: undo: changed by somebody else since: text is three")
+        person.type("set noted text one\nundo\n")
+        await person.until("text is three, was one")
+        assert await person.end() == 1
+
+
+async def test_help_is_there_at_once_and_status_waits_for_what_the_robot_has() -> None:
+    async with operated(Noted, robot=ROOT / "tests/robots/cart.yaml") as person:
+        begun = clock.seconds()
+        person.type("help\n")
+        await person.until("show the state of the robot")
+        assert clock.seconds() - begun < 3.0  # s; not 5
+        person.type("status\n")  # its file names a battery, and no node has one
+        await person.until("\nbattery ? NO DATA")
+        assert clock.seconds() - begun < 4.5
+        begun = clock.seconds()
+        person.type("status\nparams\n")
+        await person.until("noted text as it was")
+        assert clock.seconds() - begun < 3.0  # s; not 5
 
 
 def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:

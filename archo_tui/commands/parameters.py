@@ -96,29 +96,21 @@ class Undo(_InParameters):
     once = True
 
     def blocked(self, console: Console) -> str:
-        if console.station.edits.is_changing:
-            return "a change has no answer yet: undo it when it has"
-        edit = console.station.edits.last
-        if edit is None:
-            return "nothing to undo"
-        there = any(p.node == edit.node for p in console.view.snapshot.parameters)
-        return "" if there else f"{edit.node} has left the graph"
+        return console.station.edits.blocked(console.view.snapshot)
 
     def run(self, console: Console) -> Work | None:
         edit = console.station.edits.last
         assert edit is not None
-        now = {p.name: p.value for p in console.view.snapshot.parameters if p.node == edit.node}
-        others = [name for name, value in edit.after.items() if now.get(name) != value]
 
         async def undo() -> None:
             console.tell(await console.station.undo())
 
+        others = console.station.edits.changed_since(console.view.snapshot)
         if not others:
             return undo()
         said = " ".join(
-            f"{name} has since changed to {text_of(now.get(name))}. "
-            f"Restore {text_of(edit.before[name])}?"
-            for name in others
+            f"{name} has since changed to {text_of(value)}. Restore {text_of(edit.before[name])}?"
+            for name, value in others.items()
         )
         question = Confirm("Undo", said, "Leave it", "Restore")
         console.ask(question, lambda answer: undo() if answer == "Restore" else None)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from archo_tui.robot.state import Outcome
+from archo_tui.robot.state import Outcome, Snapshot
+from archo_tui.robot.values import same
 
 if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
@@ -46,9 +47,29 @@ class UndoList:
             for name, value in edit.after.items()
         }
 
+    def blocked(self, snapshot: Snapshot) -> str:
+        """Why nothing can be undone now, or an empty string."""
+        if self.is_changing:
+            return "a change has no answer yet: undo it when it has"
+        if self.last is None:
+            return "nothing to undo"
+        there = any(p.node == self.last.node for p in snapshot.parameters)
+        return "" if there else f"{self.last.node} has left the graph"
+
+    def changed_since(self, snapshot: Snapshot) -> dict[str, Any]:
+        """The values now of what the last change set and somebody else has changed since."""
+        if self.last is None:
+            return {}
+        now = _values(snapshot, self.last.node)
+        after = self.last.after.items()
+        return {name: now.get(name) for name, value in after if not same(now.get(name), value)}
+
     async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
         """Set parameters of a node, all or none, and keep what they were."""
-        known = {p.name: p.value for p in robot.snapshot.parameters if p.node == node}
+        known = _values(robot.snapshot, node)
+        missing = ", ".join(name for name in values if name not in known)
+        if missing:  # its node has just left: what it was is not known, and so not to be had back
+            return Outcome(False, f"{node} does not report {missing} any more")
         outcome = await self._set(robot, node, values)
         if outcome.ok:
             before = {name: known[name] for name in values}
@@ -61,8 +82,8 @@ class UndoList:
         if edit is None:
             return Outcome(False, "nothing to undo")
         outcome = await self._set(robot, edit.node, edit.before)
-        if outcome.ok and edit in self._done:
-            self._done.remove(edit)
+        if outcome.ok:
+            self._done = [one for one in self._done if one is not edit]  # others may be equal
         return outcome
 
     async def _set(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
@@ -71,3 +92,7 @@ class UndoList:
             return await robot.set_parameters(node, values)
         finally:
             self._unanswered -= 1
+
+
+def _values(snapshot: Snapshot, node: str) -> dict[str, Any]:
+    return {p.name: p.value for p in snapshot.parameters if p.node == node}

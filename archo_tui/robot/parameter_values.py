@@ -44,7 +44,13 @@ def range_text(parameter: Parameter) -> str:
         return "read-only"
     if parameter.low is None or parameter.high is None:
         return ""
-    return f"{parameter.low:g} .. {parameter.high:g}"
+    return f"{_bound(parameter.low)} .. {_bound(parameter.high)}"
+
+
+def _bound(value: float) -> str:
+    """`0.05`, `9999`, `1e+06`: short, and no digit less than it has."""
+    short = f"{value:g}"
+    return short if float(short) == value else str(value)
 
 
 def typed_text(value: Any) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Collection
 # what `--plain` takes
 VERBS = (
     *("go", "cancel", "continue", "skip", "stop", "release"),
-    *("set", "params", "status", "help", "quit"),
+    *("set", "undo", "params", "status", "help", "quit"),
 )
 # the ids of the screen's commands, as in a keymap
 COMMANDS = (

@@ -77,6 +77,7 @@ class MainScreen(Base[None]):
         self._below: object = None  # what the footer shows
         self.everywhere = Content("")  # of the footer what works in dialogs, too
         self._is_laid_out = False
+        self._view: View | None = None  # the last one
         self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
 
     def compose(self) -> ComposeResult:
@@ -217,14 +218,22 @@ class MainScreen(Base[None]):
             self._below = below
             self._footer.show(bars.footer(*below))
             self.everywhere = bars.footer_keys(key for key in commands if key.everywhere)
+        self._view = view
         for panel in self._panels.values():
-            try:
-                panel.show(view)
-                if self._broken.pop(panel.number, ""):
-                    panel.remove_class("-broken")
-                    panel.border_title = f"{panel.number} {panel.title_text}"
-            except Exception as error:  # the others, STOP and the clock go on
-                self._cannot_draw(panel, error)
+            self._show_panel(panel, view)
+
+    def on_panel_resized(self, message: Panel.Resized) -> None:
+        if self._view is not None:
+            self._show_panel(message.panel, self._view)
+
+    def _show_panel(self, panel: Panel, view: View) -> None:
+        try:
+            panel.show(view)
+            if self._broken.pop(panel.number, ""):
+                panel.remove_class("-broken")
+                panel.border_title = f"{panel.number} {panel.title_text}"
+        except Exception as error:  # the others, STOP and the clock go on
+            self._cannot_draw(panel, error)
 
     def _cannot_draw(self, panel: Panel, error: Exception) -> None:
         said = harmless(f"cannot be drawn: {in_one_line(error)}")

@@ -19,6 +19,7 @@ def _of_braille(dots: int) -> str:
     return "'--_"[rows[0]] if len(rows) == 1 else {0: "'", 1: "-", 2: "."}[rows[0]]
 
 
+# `~` for what is cut, since it is in no name of ROS: with a `.` a shortened one reads as a real one
 _TABLE = str.maketrans(
     {
         **{chr(_BRAILLE + dots): _of_braille(dots) for dots in range(256)},
@@ -30,7 +31,7 @@ _TABLE = str.maketrans(
         **dict.fromkeys("│┃╎▌▐▏▕▎", "|"),
         "░": ".", "●": "*", "○": "o", "▲": "!", "✗": "x", "✓": "v", "↯": "~",
         "▶": ">", "←": "<", "→": ">",
-        "…": ".", "\N{NO-BREAK SPACE}": " ",
+        "…": "~", "\N{NO-BREAK SPACE}": " ",
     }
 )  # fmt: skip
 

@@ -10,6 +10,7 @@ from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import OWN_LEVELS, Event
+from archo_tui.robot.text import harmless
 from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
@@ -19,6 +20,7 @@ LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
 _SOURCE = 16, 28  # least and most columns of a source
 _ROOMY = 70  # columns from which there is room for the source
+_NOTHING = "Nothing to report."
 _STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": QUIET}
 
 
@@ -89,7 +91,7 @@ class EventsPanel(Panel):
             event_lines,
             lambda event: event.number,
             id="event-list",
-            empty="Nothing to report.",
+            empty=_NOTHING,
             action="app.command('whole_event')",
             columns=event_columns,
         )
@@ -128,7 +130,10 @@ class EventsPanel(Panel):
         self._fill()
 
     def _fill(self) -> None:
-        matches = self.search.matches
+        matches, typed = self.search.matches, harmless(self.search.value.strip())
+        at = f" at {self._level} and above."
+        if self._seen:
+            self._rows.empty = f"Nothing contains {typed}{at}" if typed else _NOTHING[:-1] + at
         self._rows.show(
             [
                 event

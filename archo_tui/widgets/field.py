@@ -75,8 +75,11 @@ class Field(Input):
             self._will_hold = self._holds_text
             if isinstance(message, events.Paste) or message.is_printable:
                 self._will_hold = True
-                typed = message.text if isinstance(message, events.Paste) else message.character
-                self._is_odd = self._is_odd or not all(map(self._is_for, typed or ""))
+                if isinstance(message, events.Key):
+                    typed = message.character or ""
+                else:
+                    typed = message.text.strip()
+                self._is_odd = self._is_odd or not all(map(self._is_for, typed))
             elif message.key == "enter":  # which is refused, and clears nothing, if it is odd
                 self._will_hold = self._is_odd
             self._coming += 1

@@ -87,7 +87,9 @@ class GoalPanel(Panel):
         snapshot, self._watching = view.snapshot, view.watching
         width = self._bar.size.width
         self._bar.show(content(goal_text.goal_strip(snapshot.goal, width)))
-        line = goal_text.goal_line(snapshot, view.now, view.key("go"))
+        go = view.key("go")
+        ask = "" if self._kind is None else goal_text.keys_to_press(self._kind, go)
+        line = goal_text.goal_line(snapshot, view.now, ask)
         self._line.show(content(line))
         before = goal_text.goal_history(snapshot.history, width, view.waiting, view.held)
         self._history.show(content(before))

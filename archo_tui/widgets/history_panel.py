@@ -14,7 +14,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
-from archo_tui.history import SPANS, Quantity
+from archo_tui.history import SPANS, Quantity, readings
 from archo_tui.robot.state import Goal, Phase
 from archo_tui.robots.model import Robot
 from archo_tui.state_text import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans
@@ -61,21 +61,24 @@ def history_lines(
     if rows < _LEAST or cells < 10:
         return [(("too small for the plots: press h", OLD),)]
     lines: list[Spans] = []
+    latest = readings(view.snapshot, view.now)  # the newest sample may be a second old
     for plot in shown:
         values = view.history.columns(plot.quantity, span, 2 * cells, view.second)
         mark = view.snapshot.threshold if plot.fixed else None
-        lines += _plot(plot, values, rows, mark)
+        lines += _plot(plot, values, latest[plot.quantity], rows, mark)
     lines.append(((" " * (_LABEL + 1), PLAIN), (_ends(view, span, cells), PLAIN)))
     return [*lines, ((f"{'└':>{_LABEL + 1}}{_times(view, span, cells)}", OLD),)]
 
 
-def _plot(plot: Plot, values: Sequence[float | None], rows: int, mark: float | None) -> list[Spans]:
+def _plot(
+    plot: Plot, values: Sequence[float | None], latest: float | None, rows: int, mark: float | None
+) -> list[Spans]:
     known = [value for value in values if value is not None]
     low = 0.0 if plot.fixed else min([0.0, *known])
     high = plot.least if plot.fixed else _round(max([plot.least, *known]))
     form = f".{plot.places}f"
-    now = "--" if values[-1] is None else format(values[-1], form)
-    tone = WARN if mark is not None and values[-1] is not None and values[-1] < mark else ACTIVE
+    now = "--" if latest is None else format(latest, form)
+    tone = WARN if mark is not None and latest is not None and latest < mark else ACTIVE
     caption = (f"{'':{_LABEL + 2}}{plot.title} ", OLD), (f"{now} {plot.unit}", STRONG)
     lines: list[Spans] = [caption if mark is None else (*caption, (f"   low {mark:g}", OLD))]
     for row, text in enumerate(curve(values, low, high, rows, mark)):
@@ -146,7 +149,10 @@ class Lines(Widget):
 
 
 class HistoryPanel(Panel, can_focus=True):
-    """Plots with one axis of time; drawn once a second, and only while it is shown."""
+    """Plots with one axis of time; drawn once a second, and only while it is shown.
+
+    A reading that comes or goes is drawn at once.
+    """
 
     number, title_text = 7, "History"
     keys = (("history", "full screen"), ("shorter", "shorter"), ("longer", "longer"))
@@ -166,7 +172,9 @@ class HistoryPanel(Panel, can_focus=True):
             return
         span = SPANS[self._span]
         self.show_keys(view, f"last {span / 60:.0f} min" if span < 3600 else "last hour")
-        drawn = (view.second, self._span, self._lines.size, view.snapshot.history)
+        latest = readings(view.snapshot, view.now)
+        known = tuple(value is not None for value in latest.values())
+        drawn = (view.second, self._span, self._lines.size, view.snapshot.history, known)
         if drawn != self._drawn:
             self._drawn = drawn
             self._lines.show(history_lines(self._plots, view, span, *self._lines.size))

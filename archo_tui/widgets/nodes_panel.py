@@ -50,12 +50,16 @@ class NodeRow(NamedTuple):
         """Everything that is known of the node, for reading."""
         glyph, word, _ = self.word()
         heard, rate = self.state.heard, self.state.rate
+        often = "--" if rate is None else f"{rate:.1f} Hz"
+        runs = self.hosted is None or self.hosted.life == Life.UP
+        if rate is not None and (self.state.is_silent(now) or not runs):
+            often = f"nothing now, {often} before"
         parameters = sum(p.node == self.name for p in snapshot.parameters)
         lines = [
             f"{glyph} {word.replace(' (enter: traceback)', '') or 'up'}",
             f"runs        {'in this process' if self.hosted else 'in another process'}",
             f"last heard  {'--' if heard is None else age(now - heard) + ' ago'}",
-            f"publishes   {'--' if rate is None else f'{rate:.1f} Hz'}",
+            f"publishes   {often}",
             f"parameters  {parameters}",
         ]
         if self.hosted is not None and self.hosted.traceback:

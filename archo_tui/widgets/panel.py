@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from textual.containers import Container
 from textual.markup import escape
+from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Button
 
@@ -19,11 +20,21 @@ class Panel(Container):
     title_text = ""
     keys: Sequence[tuple[str, str]] = ()  # (command, word) for the border below
 
+    class Resized(Message):
+        """What it shows may be for another width."""
+
+        def __init__(self, panel: Panel) -> None:
+            super().__init__()
+            self.panel = panel
+
     def __init__(self) -> None:
         super().__init__(id=f"panel-{self.number}", classes="panel")
         self.border_title = f"{self.number} {self.title_text}"
         self._below = ""
         self._marked = ""  # the colour of its border while it has the focus
+
+    def on_resize(self) -> None:
+        self.post_message(self.Resized(self))
 
     def show(self, view: View) -> None:
         """Show what changed."""

@@ -15,11 +15,11 @@ from archo_tui.robot.values import same, text_of
 from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import Columns, Rows, Text, column, pad
+from archo_tui.widgets.rows import Columns, Rows, Text, column, crop, pad
 from archo_tui.widgets.search import Search
 
 _NODE, _NAME, _VALUE = (16, 28), 21, (8, 20)  # columns: least and most, or least
-_TYPE, _ALLOWED = 8, 11
+_TYPE, _ALLOWED = (8, 9), (7, 11)
 FLASH = 0.6  # s
 _WAITING = "? waiting for the nodes to report their parameters"
 
@@ -102,17 +102,20 @@ class ParametersPanel(Panel):
     def toggle_changed(self) -> None:
         """Only what differs from the start, or all."""
         self._only_changed = not self._only_changed
-        self._rows.empty = "nothing differs from the start" if self._only_changed else _WAITING
         self._rows.show(())  # what is left may be the same, and looks another way
         self._fill()
 
     def _fill(self) -> None:
-        shown = self._shown
-        if self._only_changed:
+        shown, typed = self._shown, harmless(self.search.value.strip())
+        empty = "nothing" if shown else _WAITING
+        if self._only_changed and shown:
             shown = tuple(p for p in shown if p.is_changed)
-        if self.search.value.strip():
+            empty = "nothing differs from the start"
+        if typed and shown:
             matches = self.search.matches
             shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
+            empty = f"nothing {'changed ' if self._only_changed else ''}contains {typed}"
+        self._rows.empty = empty
         self._rows.show(shown)
         self._show_titles()
 
@@ -137,17 +140,23 @@ def parameter_columns(
     """Of nodes, names, values, types and ranges; 0 for one that has no room.
 
     Name and value come first, then the node, the range, the type. A long name is cut in its middle,
-    a value never: one that is longer moves its type.
+    a long range at its end, a value never: one that is longer moves its type.
     """
     value = column((_value(p, both)[: _VALUE[1]] for p in parameters), *_VALUE)
     room = width - value - _NAME - 3  # blanks, and the mark of a change
     least, most = _NODE
     node = least if room >= least + 2 else 0
     room -= node + 2 if node else 0
-    allowed = _ALLOWED if node and room >= _ALLOWED + 2 else 0
+    ranges = [range_text(p) for p in parameters]
+    allowed = column(ranges, *_ALLOWED)
+    allowed = allowed if node and room >= allowed + 2 else 0
     room -= allowed + 2 if allowed else 0
-    kind = _TYPE if allowed and room >= _TYPE + 1 else 0
+    kind = column((p.type for p in parameters), *_TYPE)
+    kind = kind if allowed and room >= kind + 1 else 0
     room -= kind + 1 if kind else 0
+    if allowed:
+        more = column(ranges, allowed, allowed + max(room, 0)) - allowed
+        allowed, room = allowed + more, room - more
     if node:
         nodes = {p.node.lstrip("/") for p in parameters}
         node = column(nodes, least, min(most, least + max(room, 0)))
@@ -178,5 +187,6 @@ def _line(
     nodes, names, values, kinds, ranges = columns
     left = f"{pad(node, nodes)}  " if nodes else ""
     right = f"  {kind:<{kinds}}" if kinds else ""
+    allowed = crop(allowed, ranges)
     right += f" {allowed}" if kinds else f"  {allowed}" if ranges else ""
     return f"{left}{pad(name, names)} {value:>{values}} {mark:1}{right}".rstrip()

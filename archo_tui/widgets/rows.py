@@ -34,6 +34,13 @@ def pad(text: str, width: int) -> str:
     return text + " " * (width - cell_len(text))
 
 
+def crop(text: str, width: int) -> str:
+    """Text in at most `width` cells, with `…` at its end where it is cut: no digit ends there."""
+    if cell_len(text) > width:
+        text = text.rstrip()  # blanks are no loss
+    return text if cell_len(text) <= width else set_cell_size(text, max(width - 1, 0)) + "…"
+
+
 def column(texts: Iterable[str], least: int, most: int) -> int:
     """The width of a column that is as wide as its texts, within bounds."""
     return max(least, min(most, max(map(cell_len, texts), default=0)))
@@ -64,7 +71,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         """
         super().__init__(id=id)
         self._action = action
-        self._draw, self._key, self.empty, self._wraps = lines, key, empty, wraps
+        self._draw, self._key, self._empty, self._wraps = lines, key, empty, wraps
         self._items: Sequence[T] = ()
         # when they wrap: what was laid out, the lines of each, and its first line
         self._laid: Sequence[T] = ()
@@ -80,6 +87,16 @@ class Rows(ScrollView, Generic[T], can_focus=True):
     def items(self) -> Sequence[T]:
         """What is shown."""
         return self._items
+
+    @property
+    def empty(self) -> str:
+        """What stands there when there are no items."""
+        return self._empty
+
+    @empty.setter
+    def empty(self, text: str) -> None:
+        self._empty = text
+        self.redraw()
 
     @property
     def item(self) -> T | None:
@@ -119,17 +136,21 @@ class Rows(ScrollView, Generic[T], can_focus=True):
 
     def _lay_out(self) -> None:
         before = self._width, self.columns
-        self._width = self.size.width
+        self._width = self.scrollable_content_region.width
         self.columns = self._measure(self._items, self._width)
         anew = (self._width, self.columns) != before
         total = self._wrap(anew) if self._wraps else len(self._items)
         size = Size(max(self._longest(), 1), total)
         if size != self.virtual_size:
-            scrolled = self._scrolls
             self.virtual_size = size
             self._keep_cursor_in_sight()
-            if self._scrolls != scrolled:  # Textual looks at this only when the size changes
+            had_bar = self.show_vertical_scrollbar
+            if self._scrolls != had_bar:  # Textual looks at this only when the size changes
                 self._refresh_scrollbars()
+            self.refresh()
+            if self.show_vertical_scrollbar != had_bar:  # it takes a column, or gives one back
+                self._lay_out()
+        elif anew:  # lines that are the same may be cut elsewhere
             self.refresh()
         else:
             self.redraw()
@@ -176,6 +197,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self._seen[y] = seen
         (text, style), selected = seen
         width, left = self.size.width, self.scroll_offset.x
+        text = crop(text, left + self._width)
         base = self.rich_style
         quiet = style == QUIET
         drawn = base + Style.parse(self.app.theme_variables[QUIET] if quiet else style or "none")

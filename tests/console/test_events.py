@@ -39,6 +39,25 @@ async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
         await op.until("charge: Charging")
 
 
+async def test_page_keys_move_by_what_is_seen() -> None:
+    async with console(*FAST) as op:
+        for number in range(60):
+            op.app.station.robot.note("YOU", "console", f"line {'x' * number}")
+        await op.until(f"line {'x' * 59}")
+        await op.press("6")
+        events, places = op.app.main.events, []
+        height = events.operated.size.height
+        assert height > 4
+        for key in ("pagedown", "pagedown", "pageup", "end", "pageup", "home"):
+            await op.press(key)
+            places.append(events._rows.cursor)
+        page, last = height - 1, len(events.shown) - 1
+        assert places == [page, 2 * page, page, last, last - page, 0]
+        await op.press("pagedown")
+        assert events.selected is not None
+        assert events.selected.text in op.text
+
+
 async def test_y_copies_the_command_of_the_selected_event_for_the_terminal() -> None:
     async with console(*FAST) as op:
         await op.press("6", "y")

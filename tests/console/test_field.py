@@ -116,6 +116,18 @@ async def test_of_a_paste_of_several_lines_not_only_the_first_is_taken() -> None
         await op.until(lambda: "7" in field.value)
 
 
+@pytest.mark.parametrize("pasted", ["12\n", "12\r\n", " 12 "])
+async def test_a_paste_that_ends_in_a_newline_is_a_number_and_leaves_the_field_as_one(
+    pasted: str,
+) -> None:
+    async with console(*LONG) as op:
+        await op.press("g")
+        op.app.post_message(events.Paste(pasted))
+        op.send("enter", "r")  # enter clears the field, and so r is a command again
+        await op.until("MOVING to 12")
+        await op.until("reset encoder: Encoder reset to zero")
+
+
 async def test_keys_behind_a_command_that_asks_are_for_its_question() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+x")

@@ -10,8 +10,10 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from rclpy.task import Future
 
-from archo_tui.robot.state import Life
+from archo_tui.robot.state import Hosted, Life
 from archo_tui.session import _robots_nodes
+from archo_tui.widgets.nodes_panel import NodeRow
+from tests.console.states import NORMAL
 from tests.support.console import FAST, LONG, Console, console
 
 
@@ -41,6 +43,20 @@ async def test_without_the_battery_monitor_the_gauge_goes_old_and_recovers() -> 
         await op.press("s")
         await op.until("● battery_monitor")
         await op.until(lambda: "old" not in op.line("GOOD") and op.line("GOOD"))
+
+
+def test_what_is_silent_or_does_not_run_publishes_nothing_now() -> None:
+    state = NORMAL.nodes[0]
+    heard, rate = state.heard, state.rate
+    assert heard is not None
+    often = f"{rate:.1f} Hz"
+    for life, ago, said in (
+        (Life.UP, 0.5, often),
+        (Life.UP, 9.0, f"nothing now, {often} before"),
+        (Life.CRASHED, 0.5, f"nothing now, {often} before"),
+    ):
+        row = NodeRow(state, Hosted(state.name, life), heard + ago)
+        assert f"publishes   {said}\n" in row.details(heard + ago, NORMAL)
 
 
 async def test_ten_dashboards_and_nobody_notices() -> None:

@@ -140,6 +140,17 @@ async def test_nodes_tick_on_while_dialogs_are_open_and_the_terminal_is_resized(
         await op.until("1 Battery")
 
 
+async def test_in_a_new_size_the_bars_are_as_wide_as_their_panels_before_anything_is_heard() -> (
+    None
+):
+    async with console(*FAST) as op:
+        for width, height in ((80, 24), (120, 36), (80, 24), (160, 48)):
+            await op.pilot.resize_terminal(width, height)
+            await op.settle()
+            bar = op.line("░░░").strip("│").partition("│")[0].strip()
+            assert len(bar) == op.app.main.query_one("#battery-gauge").size.width
+
+
 async def test_quitting_with_a_goal_running_asks_cancels_and_goes() -> None:
     # a cancel takes up to a second here: quitting waits for the end
     async with console("-p", "feedback_period:=1.0", "-p", "time_scale:=1.0") as op:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from rclpy.node import Node
 from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
+from archo_tui.robot.state import Parameter
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.widgets import parameters_panel
 from tests.parameters import hostile
@@ -364,6 +366,14 @@ async def test_space_switches_a_boolean_and_undo_takes_it_back() -> None:
         await op.press("4", "slash", *"sim_time", "enter", "space")
         await op.until("set battery_monitor use_sim_time true: ")
         await op.until("true *")
+        await op.press("space")
+        await op.until(lambda: "true *" not in op.text)
+        await op.press("space")
+        await op.until("true *")
+        await undo(op)
+        await op.until(lambda: "true *" not in op.text)
+        await undo(op)  # of equal changes the last one was undone: nothing is asked
+        await op.until("true *")
         await undo(op)
         await op.until(lambda: "true *" not in op.text)
         await op.press("slash", "ctrl+u", *"max_speed", "enter", "space")
@@ -426,3 +436,54 @@ async def test_what_cannot_be_shown_is_not_sent_as_its_mark() -> None:
         await op.press("end", "!", "enter")
         await op.until("stands for what cannot be shown: type it anew")
         assert op.app.view.snapshot.parameter("label").value == "two\nlines"  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 36)])
+async def test_where_the_table_scrolls_every_bound_keeps_its_last_digit(
+    size: tuple[int, int],
+) -> None:
+    bounds = {"route_length": "0.1 .. 1000", "wheel_radius": "0.01 .. 0.5"}
+    async with console(*FAST, size=size) as op:
+        for name, allowed in bounds.items():
+            await op.press("4", "home")
+            names = [p.name for p in op.app.view.snapshot.parameters]
+            op.send(*["down"] * names.index(name))
+            await op.until(lambda name=name: name in op.text)  # type: ignore[misc]
+            assert re.search(rf" {allowed}\W", op.line(name))
+
+
+def test_a_range_that_has_no_room_ends_in_an_ellipsis_and_gets_what_room_there_is() -> None:
+    low, high = -1234567890123, 1234567890123
+    wide = Parameter("/n", "p", "integer", 5, 5, low=low, high=high)
+    for width in range(58, 140):
+        columns = parameters_panel.parameter_columns([wide], width)
+        ((line, _),) = parameters_panel.parameter_lines(wide, width, columns)
+        whole = f"{low} .. {high}"
+        assert len(line) <= width
+        if columns[4]:
+            assert line.endswith((whole, "…"))
+        if width >= 95:
+            assert line.endswith(whole)
+
+
+async def test_a_row_that_is_cut_says_so_by_an_ellipsis() -> None:
+    async with console(*FAST) as op:
+        dashboard = op.session.host.nodes[1].node
+        dashboard.declare_parameter("much", "9" * 120)
+        await op.until("99…")
+        assert "99…" in op.line(" much ")
+
+
+async def test_a_filter_that_hides_all_says_so() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash", *"warp", "enter")
+        await op.until("nothing contains warp")
+        await op.press("slash", "escape", "d")
+        await op.until("nothing differs from the start")
+        await op.press("d", "6", "r")
+        await op.until("Encoder reset")
+        await op.press("slash", *"warp", "enter")
+        await op.until("Nothing contains warp at WARN and above.")
+        await op.press("slash", "escape")
+        await op.until("Encoder reset")
+        assert "Nothing contains" not in op.text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -97,7 +98,7 @@ async def test_nothing_is_sent_behind_a_stop_and_its_release_continues_nothing()
         await op.until("m left of")
         await op.press("ctrl+x")
         await op.until("✗ STOPPED")
-        await op.until("held: 7")
+        await op.until("held: 7 (STOP)")
         await op.press("escape", "R", "y")
         await op.until("● IDLE")
         await op.settle()
@@ -142,15 +143,34 @@ async def test_the_arrows_recall_what_was_sent_also_after_a_restart() -> None:
         assert op.app.main.goal.fields[0].value == "12"
 
 
+async def test_the_arrows_recall_no_more_than_is_kept() -> None:
+    for number in range(1, 51):
+        recall.add("shelf", [str(number)])
+    async with console(*FAST) as op:
+        panel = op.app.main.goal
+        await op.until(lambda: len(panel.typed) == 50)
+        await op.press("g", *"60", "enter")
+        await op.until(lambda: panel.typed[-1] == ["60"])
+        assert [panel.typed[0], len(panel.typed)] == [["2"], 50]
+        for number in range(100, 120):  # by another console
+            recall.add("shelf", [str(number)])
+        await op.app._recall()
+        assert [panel.typed[-1], len(panel.typed)] == [["60"], 50]
+
+
 def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) -> None:
     for number in range(80):
         recall.add("shelf", [str(number)])
     assert recall.load("shelf")[0] == ["30"]
+    file = tmp_path / "state" / "archo-tui" / "typed.json"
+    assert len(json.loads(file.read_text())["shelf"]) == 50
     recall.add("shelf", ["40"])
     assert recall.load("shelf")[-2:] == [["79"], ["40"]]
     assert len(recall.load("shelf")) == 50
+    many = [[str(number)] for number in range(80)]
+    file.write_text(json.dumps({"shelf": many}))
+    assert recall.load("shelf") == many[-50:]
     assert recall.load("other") == []
-    file = tmp_path / "state" / "archo-tui" / "typed.json"
     file.write_text("{ broken")
     assert recall.load("shelf") == []
     recall.add("shelf", ["1"])
@@ -184,6 +204,9 @@ ARRIVED = Snapshot(robot=ARCHO, goal=ended(0))
     [
         ({"goal": ended(0, Phase.ABORTED)}, [], "aborted"),
         ({"goal": ended(0, Phase.DISPUTED)}, [], "ended"),
+        ({"goal": ended(0, Phase.ABORTED), "motion": Motion(stopped=True)}, [], "STOP"),
+        ({"goal": ended(0, Phase.ABORTED), "stop_asked": 1.0}, [], "STOP"),
+        ({"goal": ended(0, Phase.CANCELLED)}, [Alarm(LOW, "", 0.0)], "cancelled"),
         ({"stop_asked": 1.0}, [], "STOP"),
         ({"motion": Motion(stopped=True)}, [], "STOP"),
         ({}, [Alarm(LOW, "", 0.0)], LOW),
@@ -200,6 +223,16 @@ def test_what_holds_the_queue_stays_until_the_operator_goes_on(
     assert waiting.next(ARRIVED, []) is None  # whatever it was is over
     waiting.resume()
     assert waiting.next(ARRIVED, []) == target(7)
+
+
+def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
+    aborted = Snapshot(robot=ARCHO, goal=ended(0, Phase.ABORTED))
+    stopped = aborted._replace(motion=Motion(stopped=True))
+    for seen, stops in (([aborted, stopped], 0), ([stopped, aborted], 0), ([aborted], 1)):
+        waiting = queue(7)
+        for snapshot in seen:
+            assert waiting.next(snapshot, [], stops) is None
+        assert waiting.held == "STOP"
 
 
 def test_an_alarm_that_was_acknowledged_holds_nothing() -> None:

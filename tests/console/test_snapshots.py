@@ -15,7 +15,9 @@ from textual.command import CommandPalette
 
 from archo_tui.alarms import AlarmBoard
 from archo_tui.app import ArchoApp
+from archo_tui.history import History
 from archo_tui.robot.state import Hosted, Life, Snapshot
+from archo_tui.terminal.ascii import in_ascii
 from tests.console.states import ARRIVED, CANCELLED, NORMAL, STATES, past
 from tests.support.clock import TIME
 from tests.support.console import send
@@ -148,8 +150,9 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
         for size in ALL_SIZES:
             await pilot.resize_terminal(*SIZES[size])
             for state, snapshot in STATES.items():
-                app.station._board = AlarmBoard()  # no state knows of the one before
-                app.main.nodes._drawn = None
+                # no state knows of the one before
+                app.station._board, app.station._history = AlarmBoard(), History()
+                app.main.nodes._drawn = app.main.history._drawn = None
                 for clock.passed in (-3.0, 0.0):  # on-delays of alarms have passed
                     robot.put(snapshot)
                 await rest(app, quiet)
@@ -221,6 +224,10 @@ async def test_without_utf_8_it_is_all_ascii(
     svg = await compare(request, "ascii", STATES["battery low and moving"], "80x24")
     drawn = "".join(re.findall(r"<text[^>]*>([^<]*)</text>", svg)).replace("&#160;", " ")
     assert drawn.isascii(), set(drawn) - set(map(chr, range(128)))
+
+
+def test_a_shortened_name_is_seen_to_be_one_in_ascii_too() -> None:
+    assert in_ascii("start_type_de…ption") == "start_type_de~ption"
 
 
 async def test_without_colour_every_word_stays(

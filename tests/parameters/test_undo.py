@@ -16,10 +16,12 @@ class Robot:
     def __init__(self) -> None:
         self.value, self.refuses = 0, False
         self.answer: asyncio.Event | None = None
+        self.has_left = False
 
     @property
     def snapshot(self) -> Any:
-        return SimpleNamespace(parameters=(Parameter("/n", "p", "integer", self.value, 0),))
+        parameters = (Parameter("/n", "p", "integer", self.value, 0),)
+        return SimpleNamespace(parameters=() if self.has_left else parameters)
 
     async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
         if self.answer:
@@ -72,3 +74,24 @@ async def test_as_many_changes_as_are_kept_are_undone() -> None:
     while (await edits.undo(robot)).ok:
         undone += 1
     assert (undone, robot.value) == (LIMIT, 50)
+
+
+async def test_of_equal_changes_the_last_one_is_undone() -> None:
+    robot: Any = Robot()
+    edits = UndoList()
+    for value in (1, 0, 1):
+        await edits.set_parameters(robot, "/n", {"p": value})
+    for value in (0, 1, 0):
+        assert edits.changed_since(robot.snapshot) == {}
+        assert (await edits.undo(robot)).ok
+        assert robot.value == value
+    assert edits.last is None
+
+
+async def test_what_a_node_that_left_has_no_more_is_not_set() -> None:
+    robot: Any = Robot()
+    edits = UndoList()
+    robot.has_left = True
+    outcome = await edits.set_parameters(robot, "/n", {"p": 1})
+    assert (outcome.ok, outcome.text) == (False, "/n does not report p any more")
+    assert (robot.value, edits.last) == (0, None)

@@ -19,7 +19,7 @@ from archo_tui.alarms import MIXED, TWICE, WORD, conditions
 from archo_tui.history import History
 from archo_tui.robot.period import Period, is_silent
 from archo_tui.robot.state import Snapshot
-from archo_tui.state_text import battery_line, battery_word, motion_word, plain
+from archo_tui.state_text import age, battery_line, battery_word, motion_word, plain
 from archo_tui.station import View
 from archo_tui.widgets.bars import header
 from tests.support import chosen, clock
@@ -349,3 +349,20 @@ async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one()
         view = View(it.snapshot, begin, begin, 0.0, "embedded", "/r1", History())
         assert "? robots seen: /r2; use --namespace /r2" in header(view, 120).plain
         guest.destroy_node()
+
+
+def test_an_age_is_in_seconds_up_to_two_minutes_and_never_wide() -> None:
+    told = {
+        0.0: "0.0 s",
+        9.94: "9.9 s",
+        9.96: "10 s",
+        61.0: "61 s",
+        119.4: "119 s",
+        119.9: "120 s",
+        120.0: "2 min",
+        599.0: "9 min",
+        600.0: "0.2 h",
+        36_000.0: "10 h",
+    }
+    assert {seconds: age(seconds) for seconds in told} == told
+    assert all(len(age(tenth / 10)) <= 5 for tenth in range(10_000))

@@ -97,6 +97,8 @@ def test_the_text_of_a_value_is_read_as_that_value(kind: str) -> None:
 def test_ranges_and_read_only() -> None:
     limited = parameter("double", low=0.05, high=2.0)
     assert range_text(limited) == "0.05 .. 2"
+    exact = limited._replace(low=0.1234567, high=1234567)
+    assert range_text(exact) == "0.1234567 .. 1234567"
     assert parse(limited, "2") == 2.0
     with pytest.raises(ValueError, match=r"allowed 0.05 .. 2, not 2.01"):
         parse(limited, "2.01")

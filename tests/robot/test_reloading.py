@@ -15,8 +15,10 @@ from textual.widgets import Static
 
 from archo_tui.host import HostedNode
 from archo_tui.robot.state import Event, Life
-from tests.support import chosen
+from archo_tui.session import Options, Session
+from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console
+from tests.support.plain import typing
 
 TALKER = """
 from rclpy.node import Node
@@ -184,6 +186,27 @@ async def test_parameters_that_were_set_are_set_again_where_they_fit(here: Path)
         await save(op, file, says("bare").replace('self.declare_parameter("gain", 1.0)', "pass"))
         await op.until("bare")
         await op.until("gain 2.5 was not set again")
+
+
+async def test_what_was_set_line_by_line_is_set_again_and_what_was_undone_is_not(
+    here: Path,
+) -> None:
+    file = here / "talker.py"
+    file.write_text(says("first words"))
+    options = Options(
+        engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_files=[file], only=True
+    )
+    with Session(options, clock.current) as session:
+        async with typing(session.station) as person:
+            for typed, value in (("set talker gain 2.5", 2.5), ("undo", 1.0)):
+                person.type(f"{typed}\n")
+                await person.until(f"gain is {value}, was ")
+                file.write_text(says(f"after {typed}"))
+                await asyncio.to_thread(session._watch.watched[0].reload)
+                await person.until(f"after {typed}")
+                assert session.host.nodes[0].node.get_parameter("gain").value == value
+                person.type("params\n")
+                await person.until(f"talker gain {value}")
 
 
 async def test_what_the_file_imports_from_its_folder_counts_as_the_file(here: Path) -> None:

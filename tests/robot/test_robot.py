@@ -702,7 +702,7 @@ async def test_feedback_that_is_no_distance_is_shown_as_received_and_moves_nothi
                     and it.snapshot.goal.unreadable == said
                 )
             )
-            text = plain(goal_line(it.snapshot, clock.seconds(), "g"))
+            text = plain(goal_line(it.snapshot, clock.seconds(), ""))
             assert (f"? {said} m left" in text) == bool(said)
 
 

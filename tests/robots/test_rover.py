@@ -56,6 +56,19 @@ async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
         assert target.pose.orientation.w == pytest.approx(math.sqrt(0.5))
 
 
+async def test_a_draft_of_several_fields_is_there_again_behind_what_was_recalled() -> None:
+    async with rover() as (op, _):
+        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
+        await op.until("MOVING to x 1.5")
+        await op.press(*"3", "enter", *"4")
+        typed = [[field.value for field in op.app.main.goal.fields]]
+        for key in ("up", "up", "down", "down"):
+            await op.press(key)
+            typed.append([field.value for field in op.app.main.goal.fields])
+        draft, sent = ["3", "4", ""], ["1.5", "-2", "90"]
+        assert typed == [draft, sent, sent, draft, draft]
+
+
 async def test_it_is_moving_backwards_too() -> None:
     async with rover() as (op, node):
         node.speed = -0.3
