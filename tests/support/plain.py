@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import os
+import select
 import sys
 import threading
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -24,14 +26,20 @@ class Typed:
     def __init__(self, station: Station) -> None:
         self._in, self._typing = os.pipe()
         self._reading, self._out = os.pipe()
-        self._running = asyncio.ensure_future(Plain(station, self._in, self._out).run())
-        self._said = b""
+        self._plain = Plain(station, self._in, self._out)
+        self._running = asyncio.ensure_future(self._plain.run())
+        self._said, self._hearing = b"", threading.Lock()
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
     def _read(self) -> None:
-        while chunk := os.read(self._reading, 65536):
-            self._said += chunk
+        chunk = b"more"
+        while chunk:
+            if sys.platform != "win32":
+                select.select([self._reading], [], [])
+            with self._hearing:
+                chunk = os.read(self._reading, 65536)
+                self._said += chunk
 
     def type(self, text: str) -> None:
         """In one go."""
@@ -45,7 +53,13 @@ class Typed:
     async def until(self, text: str) -> None:
         """Wait until that is said."""
         await self.is_read()
-        await Quiet().until(lambda: text in self.said, lambda: f"{text!r}:\n{self.said}")
+
+        def is_said() -> bool:
+            while not self._is_heard():  # by threads, before a virtual clock moves
+                time.sleep(clock.LOOK)
+            return text in self.said
+
+        await Quiet().until(is_said, lambda: f"{text!r}:\n{self.said}")
 
     async def is_read(self) -> None:
         """Wait until what was typed is read; only then a virtual clock may move."""
@@ -56,6 +70,17 @@ class Typed:
 
         while any(fcntl.ioctl(self._in, termios.FIONREAD, bytes(4))) and not self.is_over:
             await asyncio.sleep(clock.LOOK)
+
+    def _is_heard(self) -> bool:
+        """True when all that was printed is in `said`."""
+        if sys.platform == "win32":
+            return True
+        import fcntl
+        import termios
+
+        with self._hearing:
+            waits = any(fcntl.ioctl(self._reading, termios.FIONREAD, bytes(4)))
+        return self.is_over or (self._plain._output.is_done and not waits)
 
     @property
     def is_over(self) -> bool:
