@@ -7,13 +7,19 @@ import os
 import sys
 import time
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from textual import markup
+from textual.content import Content
+from textual.css import stylesheet
 from textual.css.stylesheet import Stylesheet
+from textual.css.tokenize import tokenize_values
 
 from archo_tui import engine
+from archo_tui.robots import load
 
 if TYPE_CHECKING:
     from tests.support.ros import Ros
@@ -155,7 +161,7 @@ def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def _parsed_once() -> None:
-    """A style sheet is parsed once for all the apps of a run, not once for each."""
+    """Style sheets, texts with marks and ARCHO's file are parsed once for all the apps of a run."""
     parse, known = Stylesheet._parse_rules, dict[object, Any]()
 
     def parse_once(self: Stylesheet, css: str, *options: Any, **named: Any) -> Any:
@@ -165,6 +171,21 @@ def _parsed_once() -> None:
         return known[key]
 
     Stylesheet._parse_rules = parse_once  # type: ignore[method-assign]
+
+    tokenized = lru_cache(lambda values: tokenize_values(dict(values)))
+    by_items = lambda values: tokenized(tuple(values.items()))  # noqa: E731
+    vars(stylesheet)["tokenize_values"] = by_items
+    to_content = markup.to_content
+    marked = lru_cache(10_000)(to_content)
+
+    def mark_once(text: str, style: Any = "", template_variables: Any = None) -> Content:
+        if template_variables or not isinstance(style, str):
+            return to_content(text, style, template_variables)
+        return marked(text, style)
+
+    vars(markup)["to_content"] = mark_once
+    loaded = lru_cache(load._load)
+    load._load = lambda path: (loaded if path == load.default() else loaded.__wrapped__)(path)
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import importlib
 import inspect
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -83,7 +84,8 @@ def textuals_names(file: str) -> set[str]:
 
 @cache
 def all_of_textuals_names() -> set[str]:
-    return set().union(*(textuals_names(str(path)) for path in TEXTUAL.rglob("*.py")))
+    texts = [path.read_text(encoding="utf-8") for path in TEXTUAL.rglob("*.py")]
+    return set(re.findall(r"\b(?:self\.|def |class )(_\w+)", "".join(texts)))
 
 
 def inherited(kind: type) -> set[str]:
