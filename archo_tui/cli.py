@@ -112,7 +112,7 @@ def parser() -> argparse.ArgumentParser:
         help="host no nodes: operate the robot on the ROS 2 graph",
     )
     made.add_argument(
-        "--watch", action="store_true", help="show everything and command nothing, STOP neither"
+        "--watch", action="store_true", help="show everything and send no command, not even STOP"
     )
     made.add_argument(
         "--on-disconnect",

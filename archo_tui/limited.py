@@ -1,4 +1,4 @@
-"""Work of the user's own that may never return: it is given its time, and then interrupted."""
+"""Runs user code with a time limit, and interrupts what exceeds it."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ class Options:
     node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
     node_files: Sequence[Path | str] = ()  # nodes of the user's own, or modules by dotted names
     only: bool = False  # none of the robot's own nodes
-    watch: bool = False  # command nothing
+    watch: bool = False  # send no command
     quiet_alarms: bool = False  # no bell
     robot: Path | None = None  # a robot file, instead of ARCHO's
     interfaces: Path | None = None  # interface packages of the user's own

@@ -33,7 +33,7 @@ def stall(script: Script) -> None:
 def test_a_reader_that_stalls_does_not_keep_a_stop_from_the_robot(script: Script) -> None:
     stall(script)
     script.type("stop\n")
-    script.until_done("STOP: Stopped")
+    script.until_done("STOP: confirmed")
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
@@ -60,7 +60,7 @@ def test_a_reader_that_comes_back_is_told_how_much_it_missed(script: Script) -> 
     )
     assert len(notices) == 1
     script.type("stop\n")
-    script.until("STOP: Stopped")
+    script.until("STOP: confirmed")
     assert script.end() == 0
 
 

@@ -27,7 +27,7 @@ VOID = "not sent: STOP came after it"
 def test_a_release_typed_before_a_stop_is_not_sent() -> None:
     script = Script()
     script.type("stop\n")
-    script.until("STOP: Stopped")
+    script.until("STOP: confirmed")
     assert script.end("release\nstop\nstatus\n") == 1
     assert f"failed: release: {VOID}" in script.said
     assert "console: release stop" not in script.said
@@ -43,7 +43,7 @@ def test_a_release_typed_behind_a_stop_is_sent() -> None:
 async def test_what_waits_when_a_stop_comes_is_not_sent_afterwards() -> None:
     async with operated() as person:
         person.type("stop\n")
-        await person.until("STOP: Stopped")
+        await person.until("STOP: confirmed")
         person.type("status\nset nosuch x 1\nrelease\n")
         await person.until("\ngoal No goal yet")
         began = clock.seconds()
@@ -63,7 +63,7 @@ async def test_a_goal_typed_before_a_stop_that_does_not_latch_is_not_driven() ->
         await person.until("drives to 12")
         assert await person.end("cancel\ngo 7\ngo 3 4\nstop\n") == 1
     assert person.said.count(f"failed: go: {VOID}") == 2
-    assert "STOP: Stopped" in person.said
+    assert "STOP: confirmed" in person.said
     assert person.said.count("drives to") == 1
     assert "not driven" not in person.said
 
@@ -233,7 +233,7 @@ async def test_the_end_waits_for_the_answer_to_a_stop(typed: str) -> None:
 def test_a_stop_behind_a_megabyte_of_lines_is_obeyed_at_once() -> None:
     script = Script()
     script.type("set nosuch x 1\n" + "cancel\n" * 150_000 + "stop\n")
-    script.until("STOP: Stopped")
+    script.until("STOP: confirmed")
     script.until(f"failed: set: {VOID}")  # and not after its 5 s
     script.close()
 
@@ -255,4 +255,4 @@ async def test_lines_that_are_refused_are_said_once_and_are_a_failure() -> None:
 @pytest.mark.parametrize("typed", ["go 12\\nstop", "quit\\nstop\\n", "\\357\\273\\277Stop!\\r"])
 def test_a_stop_that_comes_last_is_sent_before_the_end(typed: str) -> None:
     done = shell(f"printf '{typed}' | archo --plain")
-    assert b"STOP: Stopped" in done.stdout, done
+    assert b"STOP: confirmed" in done.stdout, done

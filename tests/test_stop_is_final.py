@@ -68,7 +68,7 @@ def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[T
     terminal.until("Cart")
     terminal.until("online")
     terminal.write(typed)
-    until_said("STOP: Stopped", f"go to shelf 12: {NOT_SENT}")
+    until_said("STOP: confirmed", f"go to shelf 12: {NOT_SENT}")
     terminal.write("g5\r")
     until_said("drives to 5")
     terminal.write("\x18")
@@ -85,7 +85,7 @@ def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) ->
     terminal.until("80.0 %")
     terminal.until("Blink")
     terminal.write("b\x18")
-    until_said("STOP: Stopped", f"blink: {NOT_SENT}")
+    until_said("STOP: confirmed", f"blink: {NOT_SENT}")
     terminal.write("b")
     until_said("blinked")
     terminal.write("\x11")
@@ -99,7 +99,7 @@ def test_a_stop_right_before_the_end_is_sent(terminals: list[Terminal]) -> None:
     terminal.until("wheel_radius")
     terminal.write("\x18\x11")
     assert terminal.exit_code() == 0
-    assert "STOP: Stopped" in said()
+    assert "STOP: confirmed" in said()
     assert "never awaited" not in terminal.text
 
 

@@ -76,7 +76,7 @@ def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) 
     assert terminal.exit_code() == 128 + (signal.SIGTERM if end == "SIGTERM" else signal.SIGHUP)
     said = [entry["text"] for entry in journaled()]
     assert any("cancelling the goal to shelf 12" in text for text in said), said
-    assert "cancel: cancelling" in said
+    assert "cancel: accepted" in said
 
 
 def test_a_stray_sigcont_changes_nothing(terminals: list[Terminal]) -> None:
@@ -304,7 +304,7 @@ def test_keys_from_the_first_moment_on_are_obeyed(terminals: list[Terminal]) -> 
     terminals.append(terminal)
     terminal.until("\x1b[?1049h")  # the terminal is taken, nothing is drawn yet
     terminal.write("3?\x1b\x1b[A\x18")
-    wait_until(lambda: "STOP: Stopped" in {e["text"] for e in entries_so_far()})
+    wait_until(lambda: "STOP: confirmed" in {e["text"] for e in entries_so_far()})
     terminal.write("\x11")
     assert terminal.exit_code() == 0
     assert "Traceback" not in terminal.text
@@ -359,10 +359,10 @@ def test_a_paste_whose_marks_come_in_two_pieces_is_text(
     terminal.write("_r")
     terminal.until("wheel")
     terminal.write("\x18")  # a key again
-    wait_until(lambda: "STOP: Stopped" in {e["text"] for e in entries_so_far()})
+    wait_until(lambda: "STOP: confirmed" in {e["text"] for e in entries_so_far()})
     terminal.write("\x1b\x11")
     assert terminal.exit_code() == 0
-    assert [e["text"] for e in journaled() if e["kind"] == "command"] == ["STOP: Stopped"]
+    assert [e["text"] for e in journaled() if e["kind"] == "command"] == ["STOP: confirmed"]
 
 
 def test_a_paste_whose_end_is_lost_does_not_swallow_stop(terminals: list[Terminal]) -> None:
@@ -372,7 +372,7 @@ def test_a_paste_whose_end_is_lost_does_not_swallow_stop(terminals: list[Termina
     terminal.write("\x1b[200~12")
     time.sleep(2.5)
     terminal.write("\x18")
-    wait_until(lambda: "STOP: Stopped" in {e["text"] for e in entries_so_far()})
+    wait_until(lambda: "STOP: confirmed" in {e["text"] for e in entries_so_far()})
     terminal.write("\x11")
     assert terminal.exit_code() == 0
 
@@ -403,7 +403,7 @@ def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Termin
     assert terminal.exit_code() == 1
     said = [entry.get("text", "") for entry in journaled()]
     assert any("keeps crashing: cancelling the goal to shelf 12" in text for text in said), said
-    assert "cancel: cancelling" in said
+    assert "cancel: accepted" in said
     assert [e["kind"] for e in journaled()].count("screen failure") == 3
 
 

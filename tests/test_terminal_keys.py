@@ -14,7 +14,7 @@ from tests.support.waiting import wait_until
 
 BEGIN, END = "\x1b[200~", "\x1b[201~"
 CUT = "The paste was cut off"
-RESET, STOP = "reset encoder: Encoder reset to zero", "STOP: Stopped"
+RESET, STOP = "reset encoder: Encoder reset to zero", "STOP: confirmed"
 
 
 @pytest.fixture

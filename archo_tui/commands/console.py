@@ -84,7 +84,7 @@ class Palette(Command):
 
 class Quiet(Command):
     id = "quiet_alarms"
-    help = "Silence the bell and the desktop's notice for new alarms, or have them again"
+    help = "Silence the bell and the desktop's notice of new alarms, or turn them on again"
 
     def run(self, console: Console) -> None:
         station = console.station

@@ -27,7 +27,7 @@ class LookBack(Command):
         history = console.main.history
         if not history.display:
             return f"the history is not shown: press {console.view.key('history')}"
-        return "" if history.can_look_back(self._by) else f"there is no {self._word} time"
+        return "" if history.can_look_back(self._by) else f"already the {self._word[:-2]}est span"
 
     def run(self, console: Console) -> None:
         console.main.history.look_back(self._by)

@@ -59,7 +59,7 @@ class Switch(_InParameters):
     def blocked(self, console: Console) -> str:
         selected = console.main.parameters.selected
         if selected is None or not isinstance(selected.value, bool):
-            return "the selected parameter is no boolean"
+            return "the selected parameter is not a boolean"
         return f"{selected.name} is read-only" if selected.read_only else ""
 
     def run(self, console: Console) -> Work | None:

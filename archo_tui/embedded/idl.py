@@ -58,7 +58,7 @@ def parse(path: Path, package: str) -> list[Section]:
     """
     if not _is_message(path.stem):
         raise InterfaceError(
-            f"{path}:1: {path.stem} is no name of an interface: capitals, letters and digits, "
+            f"{path}:1: {path.stem} is not a name of an interface: capitals, letters and digits, "
             "like BatteryStatus"
         )
     wanted, sections = _PARTS[path.suffix], [_Reader(path, package)]
@@ -121,10 +121,10 @@ class _Reader:
     def _constant(self, word: str, name: str, text: str) -> None:
         if word not in PRIMITIVES:
             raise ValueError(
-                f"{word} is no type of a constant: one of {', '.join(sorted(PRIMITIVES))}"
+                f"{word} is not a type of constants: one of {', '.join(sorted(PRIMITIVES))}"
             )
         if not _CONSTANT.fullmatch(name):
-            raise ValueError(f"{name!r} is no name of a constant: capitals, digits and single _")
+            raise ValueError(f"{name!r} is not a name of a constant: capitals, digits and single _")
         if name in self._constants:
             raise ValueError(f"a second constant named {name!r}")
         kind = FieldType(word)
@@ -133,7 +133,9 @@ class _Reader:
     def _field(self, word: str, name: str, text: str, number: int) -> None:
         kind = _type(word, self._package)
         if not _PACKAGE.fullmatch(name):
-            raise ValueError(f"{name!r} is no name of a field: small letters, digits and single _")
+            raise ValueError(
+                f"{name!r} is not a name of a field: small letters, digits and single _"
+            )
         if keyword.iskeyword(name):
             raise ValueError(f"{name!r} is a word of Python: rosidl's classes cannot be imported")
         if name in self._fields:
@@ -168,7 +170,7 @@ def _element(word: str, package: str) -> FieldType:
     parts = word.split("/")
     before, name = parts if len(parts) == 2 else (package, word)
     if not (is_package(before) and _is_message(name)):
-        raise ValueError(f"{word!r} is no type: a primitive one, Name or package/Name")
+        raise ValueError(f"{word!r} is not a type: a primitive one, Name or package/Name")
     return FieldType(f"{before}/{name}")
 
 

@@ -167,7 +167,7 @@ def _name(file: Path) -> str:
         raise InterfaceError(f"{file}:1: not XML: its encoding is not known") from None
     line = text.count(b"\n", 0, max(text.find(b"<name"), 0)) + 1
     if not is_package(name):
-        said = f"{name!r} is no name of a package: small letters, digits and single _"
+        said = f"{name!r} is not a name of a package: small letters, digits and single _"
         raise InterfaceError(f"{file}:{line}: {said}")
     if name in NEEDED:
         raise InterfaceError(f"{file}:{line}: the engine needs {name} as it is: take another name")

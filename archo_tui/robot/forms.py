@@ -96,6 +96,8 @@ def named(leaves: Iterable[Leaf], form: Mapping[str, Input], words: list[str]) -
         return {path: " ".join(words) for path in labels.values()}
     lower = {label.lower(): path for label, path in labels.items()}
     found = {}
+    if words and not labels:
+        raise ValueError("takes no values")
     for word in words:
         name, equals, text = word.partition("=")
         path = lower.get(name.lower())
@@ -103,7 +105,7 @@ def named(leaves: Iterable[Leaf], form: Mapping[str, Input], words: list[str]) -
             raise ValueError(f"expected {_expected(labels)}, not {word[:_SHOWN]}")
         found[path] = text
     if set(found) != set(lower.values()):
-        raise ValueError(f"expected {_expected(labels)}" if labels else "takes nothing")
+        raise ValueError(f"expected {_expected(labels)}" if labels else "takes no values")
     return found
 
 

@@ -267,7 +267,7 @@ class Goals:
         services.hold_open(future, one.action.servers, lambda a: len(a.goals_canceling) > 0)
         answer = await self._in_time(future)
         if answer is not None and len(answer.goals_canceling):
-            return Outcome(True, "cancelling")
+            return Outcome(True, "accepted")
         if one.goal.phase == Phase.CANCELLING:
             one.update(phase=before, cancel_asked=None)
         if answer is None:
@@ -424,7 +424,7 @@ class Goals:
             self._last = goal
             self.history.appendleft(goal)
             if goal.phase != Phase.REFUSED or before.phase != Phase.SENT:  # else the verb says it
-                self._say("GOAL", f"{goal.name} {goal.word.lower()}: {goal.message}".rstrip(": "))
+                self._say("GOAL", _end_of(goal))
         self._changed()
 
     def _task(self, function: Callable[..., Any], *arguments: Any) -> None:
@@ -436,3 +436,11 @@ class Goals:
     def _wake(self) -> None:
         if self._node.executor is not None:
             self._node.executor.wake()
+
+
+def _end_of(goal: Goal) -> str:
+    """How a goal ended: in the robot's words alone where they name both."""
+    word, said = goal.word.lower(), goal.message.lower()
+    if said and word in said and goal.name.lower() in said:
+        return goal.message
+    return f"{goal.name} {word}: {goal.message}".rstrip(": ")

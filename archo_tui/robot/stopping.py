@@ -23,6 +23,7 @@ from archo_tui.robots import model
 ALL_ANSWERS = 3.0  # s that the answers of several servers are waited for
 OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
 _FIND_PERIOD = 0.1  # s between two looks for a server
+_NOTHING_NEW = ("", "ok", "stop", "stopped", "success")  # in the answer to a STOP that is confirmed
 
 
 class _Said(NamedTuple):
@@ -193,4 +194,9 @@ def _said(answers: list[Any], servers: int, wait: float) -> _Said:
     doubtful = next((outcome for _, outcome in said if not outcome.ok), None)
     if doubtful is not None:
         return _Said(doubtful, StopAnswer.UNCONFIRMED)
-    return _Said(said[0][1])
+    return _Said(Outcome(True, _confirmed(said[0][1].text)))
+
+
+def _confirmed(text: str) -> str:
+    """That it is, and the robot's own words where they say more."""
+    return "confirmed" if text.lower().rstrip(".!") in _NOTHING_NEW else f"confirmed: {text}"

@@ -43,7 +43,7 @@ def _names(robot: Robot) -> Faults:
             names.append((robot.stop.where, robot.stop.release))
     for where, name in names:
         if not _NAME.fullmatch(name):
-            yield where, f"{name!r} is no name of a topic, service or action"
+            yield where, f"{name!r} is not a name of a topic, service or action"
 
 
 def _types(robot: Robot) -> Faults:
@@ -53,7 +53,7 @@ def _types(robot: Robot) -> Faults:
     types += [(goal.where, goal.type, "action") for goal in robot.goals]
     for where, kind, of in types:
         if not _TYPE.fullmatch(kind) or kind.split("/")[1] != of:
-            yield where, f"{kind!r} is no type: expected package/{of}/Name"
+            yield where, f"{kind!r} is not a type: expected package/{of}/Name"
 
 
 def _titles(robot: Robot) -> Faults:
@@ -73,11 +73,11 @@ def _words(robot: Robot) -> Faults:
     used: set[str] = set()
     for what, word, where in found:
         if not _ID.fullmatch(word):
-            yield where, f"{word!r} is no {what}: small letters, digits and _"
+            yield where, f"{word!r} is not a valid {what}: small letters, digits and _"
         if word in words.TAKEN:
             yield where, f"the {what} {word} is the console's own: choose another"
         if word in used:
-            yield where, f"the {what} {word} is that of another one: choose another"
+            yield where, f"duplicate {what} {word}: choose another"
         used.add(word)
 
 
@@ -112,7 +112,7 @@ def _gauges(robot: Robot) -> Faults:
     titles = set()
     for gauge in robot.gauges:
         if gauge.title in titles:  # an alarm is known by it
-            yield gauge.where, f"the title {gauge.title} is that of another gauge: choose another"
+            yield gauge.where, f"duplicate title {gauge.title}: choose another"
         titles.add(gauge.title)
         yield from _field(gauge.field)
         yield from _order(gauge.where, "low", gauge.low, "high", gauge.high)
@@ -131,7 +131,7 @@ def _goal(goal: GoalKind) -> Faults:
         yield from _order(given.where, "low", given.low, "high", given.high)
         label = given.label or path
         if label.lower() in labels:  # `--plain` takes `label=value`
-            yield given.where, f"the label {label} is that of another field: choose another"
+            yield given.where, f"duplicate label {label}: choose another"
         labels.add(label.lower())
         for other in (*goal.form, *goal.fixed):
             if other != path and other.startswith(f"{path}."):

@@ -77,7 +77,7 @@ class EventsPanel(Panel):
     keys = (
         ("level", "level"),
         ("search", "search"),
-        ("whole_event", "whole"),
+        ("whole_event", "open"),
         ("full_screen", "full screen"),
         ("copy_command", "copy"),
         ("save_events", "save"),

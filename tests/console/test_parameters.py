@@ -377,7 +377,7 @@ async def test_space_switches_a_boolean_and_undo_takes_it_back() -> None:
         await undo(op)
         await op.until(lambda: "true *" not in op.text)
         await op.press("slash", "ctrl+u", *"max_speed", "enter", "space")
-        await op.until("the selected parameter is no boolean")
+        await op.until("the selected parameter is not a boolean")
 
 
 async def test_only_what_differs_is_shown_with_both_values_and_backspace_offers_the_starts() -> (

@@ -604,7 +604,7 @@ async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
         assert executor is not None
         late = Stop(context=made[0].context)
         executor.create_task(executor.add_node, late)
-        assert (await ended(stopping)).text == "Stopped"
+        assert (await ended(stopping)).text == "confirmed"
         late.destroy_node()
 
 
@@ -750,7 +750,7 @@ async def test_a_client_of_another_type_does_not_hide_the_server() -> None:
 
     async with robot(Both) as it:
         await until(lambda: "emergency_stop" in it.snapshot.offered)
-        assert (await ended(it.emergency_stop())).text == "Stopped"
+        assert (await ended(it.emergency_stop())).text == "confirmed"
 
 
 async def test_who_watches_sends_nothing_whoever_asks_for_it() -> None:

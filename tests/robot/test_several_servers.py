@@ -153,7 +153,7 @@ async def test_a_stop_that_is_always_answered_late_is_confirmed(seconds: tuple[f
         until_then = clock.seconds() + 3.0
         await until(lambda: it.snapshot.stop_asked is None or clock.seconds() > until_then)
         assert it.snapshot.stop_asked is None
-        told = "STOP, answered late: brake_"
+        told = "STOP, answered late: confirmed: brake_"
         await until(lambda: any(e.text.startswith(told) for e in it.snapshot.events))
 
 
