@@ -82,6 +82,7 @@ def pytest_configure(config: pytest.Config) -> None:
     else:  # real ROS 2: nothing may leave this process
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # while tests are collected: _checked_fields
+        engine.activate("ros2")
         config.addinivalue_line("filterwarnings", "default::DeprecationWarning")  # ROS's own
     # the textbook's listings say `warn`, of which rclpy warns
     config.addinivalue_line("filterwarnings", "ignore:Deprecated in favor:DeprecationWarning")

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from archo_tui.clock import Clock
 from archo_tui.robot.state import Outcome
 from tests.console.states import NORMAL
 from tests.robots.cart import Cart
@@ -174,7 +175,7 @@ async def in_no_time(holds: Callable[[int], object], number: int) -> None:
 
 async def test_every_stop_behind_a_release_is_sent_at_once() -> None:
     robot: Any = Quick()
-    async with typing(stub_station(robot, clock.current)) as person:
+    async with typing(stub_station(robot, clock.current or Clock())) as person:
         for count in range(1, 6):
             person.type("stop\nrelease\n")
             await in_no_time(lambda n: robot.told == ["stop", "release"] * n, count)
@@ -182,7 +183,7 @@ async def test_every_stop_behind_a_release_is_sent_at_once() -> None:
 
 async def test_of_a_flood_of_stops_two_a_second_reach_the_robot() -> None:
     robot: Any = Quick()
-    async with typing(stub_station(robot, clock.current)) as person:
+    async with typing(stub_station(robot, clock.current or Clock())) as person:
         began = clock.seconds()
         for count in range(1, 101):
             person.type("stop\n")
