@@ -211,7 +211,7 @@ def conditions(
         heard = max(battery.received or 0.0, motion.received or 0.0)
         found[CONTACT_LOST] = f"CONTACT LOST for {now - heard:.0f} s: the robot may still be moving"
         return found
-    moving = snapshot.goal is not None and snapshot.goal.is_running
+    moving = snapshot.running_goal is not None
     dock = "dock the robot when this move is done" if moving else "dock the robot"
     if battery.percentage is not None and not battery.is_old(now):
         if battery.percentage <= 0.0:

@@ -351,9 +351,9 @@ class Plain:
         """The first at once, or behind what runs; the others one after the other."""
         self._sent = None
         going = self._station.targets.is_going
-        goal = self._robot.snapshot.goal
+        goal = self._robot.snapshot.running_goal
         self._station.submit(targets)
-        if going or (goal is not None and goal.is_running):
+        if going or goal is not None:
             return Outcome(True, "queued")
         await self._until(lambda: self._sent is not None)
         assert self._sent is not None

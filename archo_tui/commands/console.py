@@ -105,8 +105,8 @@ class Suspend(Command):
             if answer == "Suspend":
                 console.action_suspend_process()
 
-        goal = console.view.snapshot.goal
-        if goal is None or not goal.is_running or console.station.attached:
+        goal = console.view.snapshot.running_goal
+        if goal is None or console.station.attached:
             console.action_suspend_process()
             return
         question = f"The robot is {way(goal)}; its nodes would pause."
@@ -118,8 +118,8 @@ class Quit(Command):
     help = "Quit; while a goal runs asks, and cancels it first"
 
     def run(self, console: Console) -> Work | None:
-        goal, station = console.view.snapshot.goal, console.station
-        if goal is None or not goal.is_running:
+        goal, station = console.view.snapshot.running_goal, console.station
+        if goal is None:
             return self._end(console, station.on_disconnect)  # one may be on its way to the robot
         if not goal.mine:
             self._leave_another(console)

@@ -64,10 +64,10 @@ class StartStop(_InNodes):
 
     def run(self, console: Console) -> Work | None:
         row, hosted = self._selected(console)
-        host, goal = console.station.host, console.view.snapshot.goal
+        host, goal = console.station.host, console.view.snapshot.running_goal
         if hosted.life != Life.UP:
             return self._do(console, "start", host.start_node, hosted)
-        if goal is None or not goal.is_running:
+        if goal is None:
             return self._do(console, "stop", host.stop_node, hosted)
         grave = (_last(goal.kind.action), _stop(console))
         needed = " and ".join(name for name in _short(hosted) if name in grave)

@@ -73,7 +73,8 @@ class Cancel(Command):
         goal = console.view.snapshot.goal
         if console.repeated and (goal is None or goal.phase in _CANCELLED or not goal.mine):
             return None
-        if goal is None or not goal.is_running or goal.mine:
+        running = console.view.snapshot.running_goal
+        if running is None or running.mine:
             return self._run(console)
         question = Confirm("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
 
@@ -84,8 +85,7 @@ class Cancel(Command):
         return None
 
     async def _run(self, console: Console) -> None:
-        goal = console.view.snapshot.goal
-        if goal is not None and goal.is_running:
+        if console.view.snapshot.running_goal is not None:
             console.tell(await console.station.robot.cancel())
         elif not console.copy_selection():
             keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
@@ -216,16 +216,15 @@ class Give(Command):
         self.footer = "" if given.is_about("battery") else self._word
 
     def run(self, console: Console) -> Work | None:
-        given, goal = self._given, console.view.snapshot.goal
+        given, goal = self._given, console.view.snapshot.running_goal
 
         async def give() -> None:
             on = not any(_reading(console, name) for name in given.toggle.values())
             console.tell(await console.station.robot.command(given, on))
 
-        runs = goal is not None and goal.is_running
-        if given.ask == "never" or (given.ask == "moving" and not runs):
+        if given.ask == "never" or (given.ask == "moving" and goal is None):
             return give()
-        now = f"The robot is {way(goal)}. " if goal is not None and runs else ""
+        now = f"The robot is {way(goal)}. " if goal is not None else ""
         question = Confirm(given.title, f"{now}{given.title} now?", "Leave it", self._word)
         console.ask(question, lambda answer: give() if answer == self._word else None)
         return None

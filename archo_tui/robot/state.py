@@ -300,6 +300,11 @@ class Snapshot(NamedTuple):
     actions: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
     services: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
 
+    @property
+    def running_goal(self) -> Goal | None:
+        """The goal, while it runs."""
+        return self.goal if self.goal is not None and self.goal.is_running else None
+
     def parameter(self, name: str) -> Parameter | None:
         """The first parameter of that name on any node."""
         return next((p for p in self.parameters if p.name == name), None)

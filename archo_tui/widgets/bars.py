@@ -140,11 +140,11 @@ def _contact(view: View) -> str:
 
 def _doing(view: View) -> tuple[str, str]:
     """What the robot does, and how far it has to go."""
-    snapshot, goal = view.snapshot, view.snapshot.goal
+    snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.robot.stop is not None else "no STOP"
     if snapshot.motion.stopped:
         return "✗ STOPPED", ""
-    if goal is None or not goal.is_running:
+    if goal is None:
         return stop, ""
     does = doing(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word
     return f"{does}   {stop}".rstrip(), way_left(goal)
