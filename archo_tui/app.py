@@ -17,7 +17,7 @@ from textual.widgets import Input
 
 from archo_tui import recall
 from archo_tui.commands import registry
-from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
+from archo_tui.commands.base import EVERYWHERE, Answers, Command, Work
 from archo_tui.commands.keymap import shown_keys
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.node_output import NodeOutput
@@ -413,22 +413,23 @@ class ArchoApp(TerminalApp):
             self.tell(Outcome(False, NOT_SENT))
         return shut
 
-    def ask(self, question: Confirm, then: Answered) -> None:
+    def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
         """Put a question now: the keys behind the one that asked are for its answer.
 
-        `then(answer)` follows; while another question is being asked, nothing does.
+        While another one is being asked, it is not put.
         """
-        if isinstance(self.screen, Confirm) or self._is_void(str(question.title)):
+        if isinstance(self.screen, Confirm) or self._is_void(title):
             return
         typed = self.stops.carried  # the answer's, too: a STOP between the two closes the question
 
         def answered(answer: str | None) -> None:
+            act = answers.get(answer or safe)
             with self.stops.at(typed):
-                work = then(answer or question.safe)
+                work = None if act is None else act()
                 if work is not None:
                     self.run_worker(work, group=COMMANDS)
 
-        self.push_screen(question, answered)
+        self.push_screen(Confirm(title, question, safe, *answers), answered)
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed; what it did is seen on the screen."""
