@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -29,7 +30,7 @@ from archo_tui.screens.dialog import Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.palette import Palette
 from archo_tui.screens.text import ShowText
-from archo_tui.station import Station, View
+from archo_tui.station import Station
 from archo_tui.targets import Target
 from archo_tui.terminal.app import COMMANDS, TerminalApp, begin
 from archo_tui.terminal.typed import mark, typed_after
@@ -37,6 +38,7 @@ from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.rows import Rows
+from archo_tui.widgets.shown import Shown
 
 TICK = 1.0  # s between two looks at ages and the time of day
 LONGEST = 30.0  # s that the end waits for answers: longer than any request is waited for
@@ -149,7 +151,7 @@ class ArchoApp(TerminalApp):
         if not (self.is_running and self.main.is_mounted):  # before or after the screen's life
             return
         blocked = frozenset(c.id for c in self.registry if self.blocked(c))
-        self.view = self.view._replace(blocked=blocked)
+        self.view = replace(self.view, blocked=blocked)
         footer = [
             FooterKey(
                 c.id,
@@ -167,8 +169,8 @@ class ArchoApp(TerminalApp):
             if isinstance(screen, AlarmList) and screen.is_mounted:
                 screen.show(self.view)
 
-    def _view(self) -> View:
-        return self.station.view._replace(keys=self._shown_keys)
+    def _view(self) -> Shown:
+        return Shown(**vars(self.station.view), keys=self._shown_keys)
 
     # keys
 

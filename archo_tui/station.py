@@ -5,9 +5,9 @@ The console's app and `--plain` both sit on it; each only shows what it says.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from archo_tui.alarms import Alarm, AlarmBoard, Ringer, conditions
 from archo_tui.clock import Clock
@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 
-class View(NamedTuple):
+@dataclass(frozen=True)
+class View:
     """One moment, as it is shown."""
 
     snapshot: Snapshot
@@ -35,16 +36,10 @@ class View(NamedTuple):
     history: History
     alarms: tuple[Alarm, ...] = ()
     hosted: tuple[Hosted, ...] = ()  # the nodes of this process
-    keys: Mapping[str, str] = MappingProxyType({})  # of each command, as a person reads it
-    blocked: frozenset[str] = frozenset()  # commands that cannot run now
     watching: bool = False  # nothing is commanded from here
     waiting: tuple[str, ...] = ()  # targets of the queue
     held: str = ""  # why the queue is held
     changing: bool = False  # a parameter is being set from here
-
-    def key(self, command: str) -> str:
-        """The key of a command, by its id."""
-        return self.keys[command]
 
 
 class Station:

@@ -15,7 +15,8 @@ from archo_tui.parameters import save_load
 from archo_tui.robot.state import Outcome
 from archo_tui.robots.model import Robot
 from archo_tui.screens.main import MainScreen
-from archo_tui.station import Station, View
+from archo_tui.station import Station
+from archo_tui.widgets.shown import Shown
 
 Work = Coroutine[Any, Any, None]  # what may wait for the robot
 Answers = Mapping[str, Callable[[], Work | None]]  # what each answer does, by its words
@@ -28,7 +29,7 @@ class Console(Protocol):
     """The console, as its commands see it; the app is one."""
 
     station: Station
-    view: View  # what is shown now
+    view: Shown  # what is shown now
     main: MainScreen
     repeated: bool  # the key of the command is being held down
     typed: dict[str, dict[str, str]]  # what was last typed into each form, by path

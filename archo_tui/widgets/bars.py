@@ -15,6 +15,7 @@ from archo_tui.robot.state import Battery, Motion, Phase
 from archo_tui.robot.text import harmless
 from archo_tui.state_text import number
 from archo_tui.station import View
+from archo_tui.widgets.shown import Shown
 
 _TINY = 71  # cells of the header, without the clock, below which panels may be scrolled away
 
@@ -53,7 +54,7 @@ def clock(view: View) -> Content:
     return Content.styled(f"{time_of_day(view.time)} ", "bold")
 
 
-def banner(view: View, width: int) -> Content:
+def banner(view: Shown, width: int) -> Content:
     """The alarm that matters most, how many more there are, and which are shelved."""
     shown = [alarm for alarm in view.alarms if alarm.state != State.SHELVED]
     names = [alarm.name for alarm in view.alarms if alarm.state == State.SHELVED]
