@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -111,7 +111,7 @@ class ArchoApp(TerminalApp):
     def on_mount(self) -> None:
         # inside of Textual's own, which takes all that is printed
         sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
-        self.station.drive = self._drive
+        self.station.run_on(self)
         self.station.robot.subscribe(self._take)
         begin(self, self._recall, "recall")
         begin(self, self._tick_for_ever, "tick")
@@ -497,9 +497,12 @@ class ArchoApp(TerminalApp):
             earlier = [old for old in before if old not in since]
             self.main.goal.recalls([*earlier, *since][-recall.MOST :])
 
-    def _drive(self, target: Target, queued: bool) -> None:
-        begin(self, partial(self._send, target, queued), COMMANDS)
+    # what the station asks for (its Face)
 
-    async def _send(self, target: Target, queued: bool) -> None:
-        outcome = await self.station.send(target, queued=queued)
+    def carry_out(self, work: Callable[[], Work]) -> None:
+        """As a command: the end waits for its answer."""
+        begin(self, work, COMMANDS)
+
+    def goal_answered(self, target: Target, outcome: Outcome, *, queued: bool) -> None:
+        """Say why the robot does not go there, where it was typed."""
         self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)

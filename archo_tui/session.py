@@ -164,7 +164,7 @@ class Session:
         kept, note = self.station.edits.kept, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
         if interfaces:
-            watched.append(OwnInterfaces(interfaces, note, lambda: self.station.restart()))
+            watched.append(OwnInterfaces(interfaces, note, self.station.restart))
         return watched
 
     def _give_up(self) -> None:
