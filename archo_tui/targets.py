@@ -99,7 +99,7 @@ class Targets:
 
 
 def _is_stopped(snapshot: Snapshot) -> bool:
-    return snapshot.stop_asked is not None or bool(snapshot.motion.stopped)
+    return snapshot.open_stop is not None or bool(snapshot.motion.stopped)
 
 
 def _in_the_way(alarms: Iterable[Alarm]) -> str:

@@ -129,7 +129,7 @@ FAULTS = [
     Fault("robot/parameters.py", "        if not answer.result.successful:\n", "        if False:\n", CONSOLE + "/test_parameters.py"),
     Fault("robot/parameter_values.py", "    if parameter.read_only:\n        raise", "    if False:\n        raise", ROBOT),
     Fault("robot/parameter_values.py", "not parameter.low <= value <= parameter.high", "value > parameter.high", ROBOT),
-    Fault("robot/stopping.py", "        if self.asked is not None:\n            self.over()", "        pass", ROBOT + " " + CONSOLE),
+    Fault("robot/stopping.py", "        if self.open is not None:\n            self.over()", "        pass", ROBOT + " " + CONSOLE),
     Fault("host.py", "            self._on_change(self)\n", "            pass\n", ROBOT),
     Fault("host.py", "            return False\n        self._executor.shutdown(0)", "            return True\n        self._executor.shutdown(0)", "tests/test_terminal.py"),
     Fault("shutdown.py", "    if on_disconnect == LEAVE:\n", "    if False:\n", "tests/test_shutdown.py"),
@@ -253,7 +253,7 @@ FAULTS = [
     Fault("cli.py", "_columns() - 2", "_columns() - 22", "tests/test_cli.py"),
     # held keys, the queue, alarms, the goal field, the end
     Fault("commands/robot.py", "if console.repeated and (goal is None", "if False and (goal is None", CONSOLE + "/test_goals.py"),
-    Fault("robot/client.py", "if queued and (self._stopping.asked is not None or", "if queued and (", ROBOT + "/test_robot.py"),
+    Fault("robot/client.py", "if queued and (self._stopping.open is not None or", "if queued and (", ROBOT + "/test_robot.py"),
     Fault("targets.py", "if alarm.name in (LOW, EMPTY) and", "if alarm.name == LOW and", CONSOLE + "/test_queue.py"),
     Fault("station.py", "if self.targets.held and not held:", "if self.targets.held:", CONSOLE + "/test_queue.py"),
     Fault("commands/nodes.py", "grave = (_last(goal.kind.action), _stop(console))", "grave = (_last(goal.kind.action),)", CONSOLE + "/test_nodes.py"),

@@ -25,7 +25,7 @@ from archo_tui.alarms import (
 )
 from archo_tui.clock import time_of_day
 from archo_tui.history import History
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state import Hosted, Life, OpenStop
 from archo_tui.screens.alarms import alarm_lines
 from archo_tui.station import View
 from archo_tui.widgets.bars import banner, header
@@ -70,7 +70,7 @@ def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
     goals: tuple[str, ...], said: str
 ) -> None:
     board = AlarmBoard()
-    found = conditions(NORMAL._replace(outlived=goals, stop_asked=NOW - 3), NOW)
+    found = conditions(NORMAL._replace(outlived=goals, open_stop=OpenStop(NOW - 3)), NOW)
     board.update(found, 0, 100)
     board.update(found, 3, 103)
     assert [alarm.name for alarm in board.all()] == [OUTLIVED, UNCONFIRMED]

@@ -156,8 +156,8 @@ class GiveUpStop(Command):
     help = "Give up a STOP that the robot does not confirm; it is sent no more (asks first)"
 
     def blocked(self, console: Console) -> str:
-        asked = console.view.snapshot.stop_asked
-        return "" if asked is not None else "no STOP is waiting to be confirmed"
+        stop = console.view.snapshot.open_stop
+        return "" if stop is not None else "no STOP is waiting to be confirmed"
 
     def run(self, console: Console) -> None:
         async def give_up() -> None:
