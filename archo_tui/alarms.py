@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
-from archo_tui.robot.state import Hosted, Life, Snapshot, StopAnswer
+from archo_tui.robot.state import Hosted, Life, OpenStop, Snapshot, StopAnswer
 from archo_tui.robots.model import Robot
 
 
@@ -173,8 +173,8 @@ def conditions(
     """
     battery, motion = snapshot.battery, snapshot.motion
     found: dict[str, str] = {}
-    if snapshot.stop_asked is not None:
-        found[UNCONFIRMED] = f"{stop_texts(snapshot, now)[0]}: use the hardware stop"
+    if snapshot.open_stop is not None:
+        found[UNCONFIRMED] = f"{stop_texts(snapshot.open_stop, now)[0]}: use the hardware stop"
     stop = snapshot.robot.stop
     if stop is not None and stop.service in snapshot.several:
         nodes = snapshot.several[stop.service]
@@ -211,7 +211,7 @@ def conditions(
         heard = max(battery.received or 0.0, motion.received or 0.0)
         found[CONTACT_LOST] = f"CONTACT LOST for {now - heard:.0f} s: the robot may still be moving"
         return found
-    moving = snapshot.goal is not None and snapshot.goal.is_running
+    moving = snapshot.running_goal is not None
     dock = "dock the robot when this move is done" if moving else "dock the robot"
     if battery.percentage is not None and not battery.is_old(now):
         if battery.percentage <= 0.0:
@@ -237,10 +237,9 @@ def conditions(
     return found
 
 
-def stop_texts(snapshot: Snapshot, now: float) -> tuple[str, ...]:
+def stop_texts(stop: OpenStop, now: float) -> tuple[str, ...]:
     """What came of a STOP that the robot has not confirmed: in full, and ever shorter."""
-    waited = now - (now if snapshot.stop_asked is None else snapshot.stop_asked)
-    answer, why = snapshot.stop_answer, snapshot.stop_why
+    waited, answer, why = now - stop.asked, stop.answer, stop.why
     if answer not in (StopAnswer.AWAITED, StopAnswer.NONE):
         return (f"STOP {answer.value} {why}".rstrip(),)
     if waited < 1:
@@ -253,12 +252,12 @@ def stop_texts(snapshot: Snapshot, now: float) -> tuple[str, ...]:
 
 def _moves_on(snapshot: Snapshot, now: float) -> bool:
     """True when the robot says that it moves, a while after a STOP that it has not confirmed."""
-    asked, motion = snapshot.stop_asked, snapshot.motion
-    if snapshot.stop_answer == StopAnswer.NOT_SENT:
+    stop, motion = snapshot.open_stop, snapshot.motion
+    if stop is None or stop.answer == StopAnswer.NOT_SENT:
         return False
-    if asked is None or motion.received is None or motion.is_old(now):
+    if motion.received is None or motion.is_old(now):
         return False
-    return bool(motion.moving) and motion.received - asked >= 1.0
+    return bool(motion.moving) and motion.received - stop.asked >= 1.0
 
 
 def is_low(snapshot: Snapshot) -> bool:

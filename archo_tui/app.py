@@ -1,25 +1,22 @@
-"""The Textual app: hands what the station says to the screen, and keys to the commands."""
+"""The Textual app: hands what the station says to the screen, and runs the commands."""
 
 from __future__ import annotations
 
-import asyncio
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from textual import events
 from textual.app import SystemCommand
-from textual.binding import Binding
 from textual.screen import Screen
 from textual.theme import ThemeProvider
 from textual.widgets import Input
 
 from archo_tui import recall
-from archo_tui.commands import registry
-from archo_tui.commands.base import EVERYWHERE, Answered, Command, Work
-from archo_tui.commands.keymap import shown_keys
+from archo_tui.commands.base import EVERYWHERE, Answers, Command, Work
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.keyed_app import KeyedApp
 from archo_tui.node_output import NodeOutput
 from archo_tui.robot.state import WATCHING, Outcome, Snapshot
 from archo_tui.robot.stops import NOT_SENT
@@ -29,29 +26,22 @@ from archo_tui.screens.dialog import Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.screens.palette import Palette
 from archo_tui.screens.text import ShowText
-from archo_tui.station import Station, View
+from archo_tui.station import Station
 from archo_tui.targets import Target
-from archo_tui.terminal.app import COMMANDS, TerminalApp, begin
-from archo_tui.terminal.typed import mark, typed_after
+from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.goal_panel import GoalPanel
-from archo_tui.widgets.rows import Rows
+from archo_tui.widgets.shown import Shown
 
 TICK = 1.0  # s between two looks at ages and the time of day
 LONGEST = 30.0  # s that the end waits for answers: longer than any request is waited for
-HELD = 0.7  # s within which the same key again means that it is held: X11 waits 0.66 s at first
 
 
-class ArchoApp(TerminalApp):
+class ArchoApp(KeyedApp):
     """The operator's console."""
 
     CSS_PATH = ["screens/main.tcss", "screens/dialog.tcss"]
-    BINDINGS = [
-        Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
-        Binding("enter", "next_field", "The next field of the form", show=False, priority=True),
-        *(Binding(key, f"move('{key}')", show=False, priority=True) for key in Rows.KEYS),
-    ]
 
     def __init__(
         self,
@@ -64,44 +54,15 @@ class ArchoApp(TerminalApp):
 
         `failed` is the traceback that ended the screen before this one, to be shown.
         """
-        super().__init__(station, theme)
+        super().__init__(station, keys or {}, theme)
         snapshot = station.robot.snapshot
         self.title = snapshot.robot.name
-        self.registry = registry(snapshot.robot)
-        self.main = MainScreen(snapshot, self.size)
         self.typed: dict[str, dict[str, str]] = {}
         self.used = snapshot.robot
         self._failed_before = failed
-        self._keys = {command.id: command.key for command in self.registry} | dict(keys or {})
-        self._shown_keys = shown_keys(self._keys)
-        self.stop_key = self._keys["stop"]
-        self._bind_commands()
-        self._early: list[tuple[events.Event, bool]] = []  # typed before the screen could take it
-        self._last_key, self._last_typed = "", 0.0
-        self._last_stops: int | None = None  # read before it
-        self._entered: tuple[object, ...] = ()  # where the last enter acted
-        self._leaves = self._pressed_stop = False
-        self._answers_void = 0  # keys with a lower count were for a question that is not put
-        self._swallows = False  # enter is held, and what that does was said
-        self.repeated = False
+        self._leaves = False
         self._sent: dict[str, float] = {}  # when each command that is not answered yet was given
         self.view = self._view()
-
-    def _bind_commands(self) -> None:
-        """All have priority, so that a key acts before the next one goes to whatever it focused.
-
-        Over a slow line several arrive at once. check_action gives letters back to a field.
-        App.bind knows no priority, and a keymap of Textual's drops what shares a key.
-        """
-        for command in self.registry:
-            key, action = self._keys[command.id], f"command('{command.id}')"
-            if not key:
-                continue
-            binding = Binding(key, action, command.help, id=command.id, priority=True)
-            # another list: the class's own bindings are shared by all apps
-            known = self._bindings.key_to_bindings.get(key, [])
-            ours = [b for b in known if b.action.startswith(("command(", "next_field"))]
-            self._bindings.key_to_bindings[key] = [*ours, binding]
 
     def get_default_screen(self) -> Screen[None]:
         return self.main
@@ -109,7 +70,7 @@ class ArchoApp(TerminalApp):
     def on_mount(self) -> None:
         # inside of Textual's own, which takes all that is printed
         sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
-        self.station.drive = self._drive
+        self.station.run_on(self)
         self.station.robot.subscribe(self._take)
         begin(self, self._recall, "recall")
         begin(self, self._tick_for_ever, "tick")
@@ -149,7 +110,7 @@ class ArchoApp(TerminalApp):
         if not (self.is_running and self.main.is_mounted):  # before or after the screen's life
             return
         blocked = frozenset(c.id for c in self.registry if self.blocked(c))
-        self.view = self.view._replace(blocked=blocked)
+        self.view = replace(self.view, blocked=blocked)
         footer = [
             FooterKey(
                 c.id,
@@ -167,144 +128,10 @@ class ArchoApp(TerminalApp):
             if isinstance(screen, AlarmList) and screen.is_mounted:
                 screen.show(self.view)
 
-    def _view(self) -> View:
-        return self.station.view._replace(keys=self._shown_keys)
+    def _view(self) -> Shown:
+        return Shown(**vars(self.station.view), keys=self._shown_keys)
 
-    # keys
-
-    async def on_event(self, event: events.Event) -> None:
-        if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
-            return  # only the left button acts
-        typed = isinstance(event, (events.Key, events.Paste)) and not event.is_forwarded
-        if typed and isinstance(event, events.Key) and self.is_stop(event):
-            mark(event, self.stops.read())  # from another driver than the terminal's
-            self.stop_now(event)
-            return
-        if isinstance(event, events.MouseEvent) and not event.is_forwarded:
-            if self._clicks_stop(event):
-                return
-            await asyncio.sleep(0)  # in a flood, too, others get their turn: STOP first of all
-        stops = typed_after(event)
-        if typed and stops is not None and stops < self._answers_void and not self._is_free(event):
-            return
-        repeated = (typed or isinstance(event, events.MouseDown)) and self._repeats(event)
-        if typed and (self._early or not self._takes_keys):
-            self._early.append((event, repeated))
-            self.call_later(self._release_keys)
-            return
-        await self._handle(event, repeated)
-
-    def stop_now(self, event: events.Key) -> None:
-        before, self.repeated = self.repeated, self._repeats(event)
-        with self.stops.at(typed_after(event)):
-            self.action_command("stop", counted=True)
-        self.repeated = before  # of the key that is being handled
-
-    def _is_free(self, event: events.Event) -> bool:
-        """True for a key that is a command everywhere: a cancel, say, is for no question."""
-        free = {self._keys[c.id] for c in self.registry if c.where == EVERYWHERE}
-        return isinstance(event, events.Key) and event.key in free
-
-    def _clicks_stop(self, event: events.MouseEvent) -> bool:
-        """True for a click on STOP where it is seen, also beside a dialog, and as one goes.
-
-        It acts as it is pressed; its release does nothing.
-        """
-        if isinstance(event, events.MouseUp) and self._pressed_stop:
-            self._pressed_stop = False
-            return True
-        if not isinstance(event, events.MouseDown) or not self.main.shows_stop_at(event.x, event.y):
-            return False
-        front = self.screen
-        stands = front is not self.main and not (isinstance(front, Leaving) and front.has_left)
-        if stands and front.get_widget_and_offset_at(event.x, event.y)[0] is not front:
-            return False  # on the dialog
-        self._pressed_stop = True
-        self.repeated = False
-        self.action_command("stop")
-        return True
-
-    def _repeats(self, event: events.Event) -> bool:
-        """True for a key that is held down: the same again, and soon."""
-        key = event.key if isinstance(event, events.Key) else ""
-        before, since = self._last_key, self._last_typed
-        self._last_key, self._last_typed = key, self.station.clock.monotonic()
-        apart, self._last_stops = self._last_stops, typed_after(event)  # a STOP between them
-        repeated = key != "" and key == before and self._last_typed - since < HELD
-        repeated = repeated and (key == self.stop_key or apart == self._last_stops)
-        self._swallows = self._swallows and repeated
-        return repeated
-
-    async def _handle(self, event: events.Event, repeated: bool) -> None:
-        self.repeated = repeated
-        if isinstance(event, events.Key) and event.key == "enter" and not event.is_forwarded:
-            if repeated and not self._may_repeat():
-                return
-            self._entered = self._place
-        with self.stops.at(typed_after(event)):  # it may have waited behind others
-            await super().on_event(event)
-
-    @property
-    def _place(self) -> tuple[object, ...]:
-        """Where enter acts: the screen, what has the focus, and the row of a list."""
-        focused = self.focused
-        return self.screen, focused, focused.item_key if isinstance(focused, Rows) else None
-
-    def _may_repeat(self) -> bool:
-        """False, and said, for an enter that is held down where it would answer or send.
-
-        It runs from field to field, and acts on another row of the screen where the one before
-        acted. What was opened by it wants to be answered by another one.
-        """
-        if self.check_action("next_field", ()):
-            return True
-        here, before = self._place, self._entered
-        if isinstance(self.focused, Rows) and here[0] is before[0] and here != before:
-            return True
-        empty = isinstance(self.focused, Input) and not self.focused.value
-        if not (self._swallows or empty):
-            self.say("Enter came too soon after the last one: press it again.")
-        self._swallows = True
-        return False
-
-    @property
-    def _takes_keys(self) -> bool:
-        """False while the screen in front is being built."""
-        return bool(self.screen_stack) and self.screen.is_mounted
-
-    async def _release_keys(self) -> None:
-        """Hand on what was typed meanwhile, in its order; what it opens is waited for as well."""
-        while self._early and self._takes_keys:
-            await self._handle(*self._early.pop(0))
-        if self._early:
-            await asyncio.sleep(0)
-            self.call_later(self._release_keys)
-
-    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """False leaves the key to the field or dialog that has the focus."""
-        field = self.focused if isinstance(self.focused, Input) else None
-        if action == "leave_field":
-            return self.screen is self.main and (field is not None or self.main.is_full)
-        if action == "next_field":
-            return isinstance(field, Field) and field.next_field is not None
-        if action == "move":
-            return isinstance(self.focused, Rows)
-        if action != "command":
-            return super().check_action(action, parameters)
-        command = self._command(str(parameters[0]))
-        if command.where == EVERYWHERE:
-            return True
-        if self.screen is not self.main or (field is not None and self._is_text(command, field)):
-            return False
-        return not command.panel or command.panel == self.main.focused_panel
-
-    def _is_text(self, command: Command, field: Input) -> bool:
-        """True when the command's key is text, or moves or edits, in the field."""
-        key = self._shown_keys[command.id]
-        return not isinstance(field, Field) or len(key) > 1 or field.is_text(key)
-
-    def _command(self, name: str) -> Command:
-        return next(c for c in self.registry if c.id == name)
+    # commands
 
     def action_command(self, name: str, counted: bool = False) -> None:
         """Run a command of the registry, or say why it cannot run.
@@ -337,7 +164,7 @@ class ArchoApp(TerminalApp):
         for screen in self.screen_stack:
             if isinstance(screen, Leaving) and screen.closes_at_stop:
                 screen.dismiss()
-                self._answers_void = self.stops.count  # what was typed for it acts nowhere else
+                self.void_answers()  # what was typed for it acts nowhere else
 
     def _waits(self, name: str) -> bool:
         """True, and said, when the robot has not answered a command yet."""
@@ -352,23 +179,6 @@ class ArchoApp(TerminalApp):
         finally:
             if self._sent.get(name) == sent:
                 del self._sent[name]
-
-    def action_move(self, key: str) -> None:
-        """Move the cursor of the list that has the focus."""
-        if isinstance(self.focused, Rows):
-            self.focused.press(key)
-
-    def action_next_field(self) -> None:
-        """At once: the keys behind enter are for the next field, however fast they come."""
-        if isinstance(self.focused, Field):
-            self.screen.set_focus(self.focused.next_field)
-
-    def action_leave_field(self) -> None:
-        """Out of a field, to where the focus was; out of the full screen."""
-        if isinstance(self.focused, Input):
-            self.main.focus_back()
-        else:
-            self.main.leave_full()
 
     def action_command_palette(self) -> None:
         if not any(isinstance(screen, Palette) for screen in self.screen_stack):
@@ -408,27 +218,28 @@ class ArchoApp(TerminalApp):
         """True, and said, when a STOP was read after what is being done."""
         shut = self.stops.gate().is_shut
         if shut:
-            self._answers_void = self.stops.count  # to what is not asked; else they act below it
+            self.void_answers()  # to what is not asked; else they act below it
             self.station.robot.note("YOU", "console", f"{title.lower()}: {NOT_SENT}")
             self.tell(Outcome(False, NOT_SENT))
         return shut
 
-    def ask(self, question: Confirm, then: Answered) -> None:
+    def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
         """Put a question now: the keys behind the one that asked are for its answer.
 
-        `then(answer)` follows; while another question is being asked, nothing does.
+        While another one is being asked, it is not put.
         """
-        if isinstance(self.screen, Confirm) or self._is_void(str(question.title)):
+        if isinstance(self.screen, Confirm) or self._is_void(title):
             return
         typed = self.stops.carried  # the answer's, too: a STOP between the two closes the question
 
         def answered(answer: str | None) -> None:
+            act = answers.get(answer or safe)
             with self.stops.at(typed):
-                work = then(answer or question.safe)
+                work = None if act is None else act()
                 if work is not None:
                     self.run_worker(work, group=COMMANDS)
 
-        self.push_screen(question, answered)
+        self.push_screen(Confirm(title, question, safe, *answers), answered)
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed; what it did is seen on the screen."""
@@ -494,9 +305,12 @@ class ArchoApp(TerminalApp):
             earlier = [old for old in before if old not in since]
             self.main.goal.recalls([*earlier, *since][-recall.MOST :])
 
-    def _drive(self, target: Target, queued: bool) -> None:
-        begin(self, partial(self._send, target, queued), COMMANDS)
+    # what the station asks for (its Face)
 
-    async def _send(self, target: Target, queued: bool) -> None:
-        outcome = await self.station.send(target, queued=queued)
+    def carry_out(self, work: Callable[[], Work]) -> None:
+        """As a command: the end waits for its answer."""
+        begin(self, work, COMMANDS)
+
+    def goal_answered(self, target: Target, outcome: Outcome, *, queued: bool) -> None:
+        """Say why the robot does not go there, where it was typed."""
         self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)

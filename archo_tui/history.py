@@ -19,11 +19,11 @@ _HOLDS = 1.5  # s that a sample stands for: where the parts are shorter than a s
 
 def readings(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
     """What there is of each quantity; None: not heard, or not reported by this robot."""
-    battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.goal
+    battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.running_goal
     return {
         "charge": None if battery.is_old(now) else battery.percentage,
         "speed": None if motion.is_old(now) else motion.speed,
-        "left": goal.remaining if goal is not None and goal.is_running else None,
+        "left": None if goal is None else goal.remaining,
     }
 
 

@@ -99,7 +99,7 @@ class Plain:
 
     async def run(self) -> int:
         """Until `quit`, the end of the input, or a signal; returns the exit code."""
-        self._station.drive = self._drive
+        self._station.run_on(self)
         self._output.start()
         self._robot.subscribe(self._take)
         self._shutdown.on_signals()
@@ -335,11 +335,12 @@ class Plain:
         self._take(self._robot.snapshot)  # the goal is known before the end is looked for
         return outcome
 
-    def _drive(self, target: Target, queued: bool) -> None:
-        self._start(self._send(target, queued))
+    def carry_out(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
+        """Beside the rest."""
+        self._start(work())
 
-    async def _send(self, target: Target, queued: bool) -> None:
-        outcome = await self._station.send(target, queued=queued)
+    def goal_answered(self, target: Target, outcome: Outcome, *, queued: bool) -> None:
+        """One from the queue is not waited for by its line: it is said."""
         self._sent = outcome
         if not outcome.ok and queued:
             self._say(f"failed: {target.text}: {outcome.text}")
@@ -347,13 +348,16 @@ class Plain:
         self._station.look()
         self._changed.set()
 
+    def restart(self) -> None:
+        """Not here: lines that are read already would be lost."""
+
     async def _send_all(self, targets: list[Target]) -> Outcome:
         """The first at once, or behind what runs; the others one after the other."""
         self._sent = None
         going = self._station.targets.is_going
-        goal = self._robot.snapshot.goal
+        goal = self._robot.snapshot.running_goal
         self._station.submit(targets)
-        if going or (goal is not None and goal.is_running):
+        if going or goal is not None:
             return Outcome(True, "queued")
         await self._until(lambda: self._sent is not None)
         assert self._sent is not None

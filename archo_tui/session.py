@@ -70,81 +70,15 @@ class Session:
 
         Raises ArchoError for whatever the user can mend, before anything runs.
         """
-        self.options = options
-        if not options.namespace.startswith("/"):
-            raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
-        if not _NAMESPACE.fullmatch(options.namespace):
-            raise ArchoError(
-                f"--namespace {options.namespace}: only letters, digits and _ between slashes, "
-                "and no digit first"
-            )
-        self._clock = clock or Clock()
+        _check(options)
+        self.options, self._clock = options, clock or Clock()
         self.description = robot_files.load(options.robot or robot_files.default())
-        if options.attach:
-            _check_attach(options)
-        elif options.on_disconnect == LEAVE:
-            raise ArchoError(
-                "--on-disconnect leave needs --attach: the nodes hosted here end with the console"
-            )
         self._own_files = [] if options.attach else files.default_files()
         self._overrides = files.load([*self._own_files, *options.params_files])
-        others = options.attach or options.node_makers or options.only
-        own = {}
-        if options.interfaces is not None:
-            own = own_interfaces.find(options.interfaces, options.engine)
-        engine.activate(options.engine, hosting=not others, own=own)
-
-        import rclpy
-        from rclpy.context import Context
-        from rclpy.exceptions import (
-            InvalidParameterTypeException,
-            InvalidParameterValueException,
-            NameValidationException,
-        )
-        from rclpy.signals import SignalHandlerOptions
-        from rclpy.utilities import get_default_context
-
-        from archo_tui.host import Host, HostedFile
-        from archo_tui.node_files import NodeFile
-        from archo_tui.robot.client import Robot
-
-        # a textbook's node is made without a context: in the default one
-        self._default = bool(options.node_files)
-        self._context = get_default_context() if self._default else Context()
-        try:
-            rclpy.init(
-                args=self._ros_args(),
-                context=self._context,
-                domain_id=options.domain_id,
-                signal_handler_options=SignalHandlerOptions.NO,
-            )
-        except Exception as error:  # ROS has a dozen of them, all for bad arguments
-            said = (str(error).splitlines() or [repr(error)])[0]
-            if said.startswith("["):  # rcl lists what it does not know, and says no more
-                said = f"unknown ROS arguments: {said}"
-            raise ArchoError(said) from None
+        interfaces = self._activate()
+        self._init_rclpy()
         self.journal = Journal(journal_file())
-        try:
-            self.robot = Robot(
-                self._context,
-                self.description,
-                self._clock,
-                self._happened,
-                watching=options.watch,
-            )
-            self.host = Host(self._context, self.robot.note, self.robot.restarted)
-            self._node_files = [NodeFile(str(given)) for given in options.node_files]
-            self._host_nodes()
-        except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-            self._give_up()
-            raise ArchoError(self._refused(str(error))) from None
-        except NameValidationException as error:
-            self._give_up()
-            said, name = str(error).splitlines()[:2]  # the third line points at the character
-            raise ArchoError(f"{said} {name.strip()}") from None
-        except BaseException:
-            self._give_up()
-            raise
+        self._make_nodes()
         self.station = Station(
             self.robot,
             self.host,
@@ -156,11 +90,82 @@ class Session:
             on_disconnect=options.on_disconnect,
             quiet=options.quiet_alarms,
         )
+        self._watch = Watch(self._watched(interfaces))
+
+    def _activate(self) -> dict[str, Path]:
+        """The engine; returns the interface packages of the user's own."""
+        options, own = self.options, {}
+        others = options.attach or options.node_makers or options.only
+        if options.interfaces is not None:
+            own = own_interfaces.find(options.interfaces, options.engine)
+        engine.activate(options.engine, hosting=not others, own=own)
+        return own
+
+    def _init_rclpy(self) -> None:
+        import rclpy
+        from rclpy.context import Context
+        from rclpy.signals import SignalHandlerOptions
+        from rclpy.utilities import get_default_context
+
+        # a textbook's node is made without a context: in the default one
+        self._default = bool(self.options.node_files)
+        self._context = get_default_context() if self._default else Context()
+        try:
+            rclpy.init(
+                args=self._ros_args(),
+                context=self._context,
+                domain_id=self.options.domain_id,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+        except Exception as error:  # ROS has a dozen of them, all for bad arguments
+            said = (str(error).splitlines() or [repr(error)])[0]
+            if said.startswith("["):  # rcl lists what it does not know, and says no more
+                said = f"unknown ROS arguments: {said}"
+            raise ArchoError(said) from None
+
+    def _make_nodes(self) -> None:
+        """The client's, and those that run in this process."""
+        from rclpy.exceptions import (
+            InvalidParameterTypeException,
+            InvalidParameterValueException,
+            NameValidationException,
+        )
+
+        from archo_tui.host import Host
+        from archo_tui.node_files import NodeFile
+        from archo_tui.robot.client import Robot
+
+        try:
+            self.robot = Robot(
+                self._context,
+                self.description,
+                self._clock,
+                self._happened,
+                watching=self.options.watch,
+            )
+            self.host = Host(self._context, self.robot.note, self.robot.restarted)
+            self._node_files = [NodeFile(str(given)) for given in self.options.node_files]
+            self._host_nodes()
+        except (InvalidParameterTypeException, InvalidParameterValueException) as error:
+            self._give_up()
+            raise ArchoError(self._refused(str(error))) from None
+        except NameValidationException as error:
+            self._give_up()
+            said, name = str(error).splitlines()[:2]  # the third line points at the character
+            raise ArchoError(f"{said} {name.strip()}") from None
+        except BaseException:
+            self._give_up()
+            raise
+
+    def _watched(self, interfaces: dict[str, Path]) -> list[Watched]:
+        """The user's own files: what becomes of them when they are saved."""
+        from archo_tui.host import HostedFile
+
         kept, note = self.station.edits.kept, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
-        if own:
-            watched.append(OwnInterfaces(own, note, lambda: self.station.restart()))
-        self._watch = Watch(watched)
+        if interfaces:
+            watched.append(OwnInterfaces(interfaces, note, self.station.restart))
+        return watched
 
     def _give_up(self) -> None:
         self.journal.close()
@@ -255,6 +260,23 @@ class Session:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _check(options: Options) -> None:
+    """Raises ArchoError for options that are wrong, or do not go together."""
+    if not options.namespace.startswith("/"):
+        raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
+    if not _NAMESPACE.fullmatch(options.namespace):
+        raise ArchoError(
+            f"--namespace {options.namespace}: only letters, digits and _ between slashes, "
+            "and no digit first"
+        )
+    if options.attach:
+        _check_attach(options)
+    elif options.on_disconnect == LEAVE:
+        raise ArchoError(
+            "--on-disconnect leave needs --attach: the nodes hosted here end with the console"
+        )
 
 
 def _check_attach(options: Options) -> None:

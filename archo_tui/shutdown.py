@@ -51,8 +51,8 @@ async def _let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> N
 
 def _ours(robot: Robot) -> Goal | None:
     """The goal that runs; another client's is not ours to end."""
-    goal = robot.snapshot.goal
-    return goal if goal is not None and goal.is_running and goal.mine else None
+    goal = robot.snapshot.running_goal
+    return goal if goal is not None and goal.mine else None
 
 
 class Shutdown:

@@ -5,9 +5,10 @@ The console's app and `--plain` both sit on it; each only shows what it says.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Callable, Coroutine, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, Protocol
 
 from archo_tui.alarms import Alarm, AlarmBoard, Ringer, conditions
 from archo_tui.clock import Clock
@@ -23,7 +24,8 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 
-class View(NamedTuple):
+@dataclass(frozen=True)
+class View:
     """One moment, as it is shown."""
 
     snapshot: Snapshot
@@ -35,16 +37,23 @@ class View(NamedTuple):
     history: History
     alarms: tuple[Alarm, ...] = ()
     hosted: tuple[Hosted, ...] = ()  # the nodes of this process
-    keys: Mapping[str, str] = MappingProxyType({})  # of each command, as a person reads it
-    blocked: frozenset[str] = frozenset()  # commands that cannot run now
     watching: bool = False  # nothing is commanded from here
     waiting: tuple[str, ...] = ()  # targets of the queue
     held: str = ""  # why the queue is held
     changing: bool = False  # a parameter is being set from here
 
-    def key(self, command: str) -> str:
-        """The key of a command, by its id."""
-        return self.keys[command]
+
+class Face(Protocol):
+    """What shows the station to its operator, and runs its work: the app, or `--plain`."""
+
+    def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """Begin it, on the loop."""
+
+    def goal_answered(self, target: Target, outcome: Outcome, *, queued: bool) -> None:
+        """How the robot answered a goal that was sent; `queued`: it came from the queue."""
+
+    def restart(self) -> None:
+        """End, and begin again with the same words; called from any thread."""
 
 
 class Station:
@@ -74,15 +83,22 @@ class Station:
         self.edits = UndoList()
         self.targets = Targets()
         self._history = History()
-        self.restart: Callable[[], None] = lambda: None  # everything, from any thread
-        # sends a target that is due; True: it comes from the queue
-        self.drive: Callable[[Target, bool], None] = lambda *_: None
+        self._face: Face | None = None
         self._journal = journal
         self._engine, self._namespace = engine, namespace
         self._board = AlarmBoard()
         self._snapshot = Snapshot()
         self._second = clock.monotonic()
         self.view = self._view()
+
+    def run_on(self, face: Face) -> None:
+        """From now on this face runs what is sent, and hears what comes of it."""
+        self._face = face
+
+    def restart(self) -> None:
+        """End, and begin again with the same words, once there is a face; from any thread."""
+        if self._face is not None:
+            self._face.restart()
 
     def take(self, snapshot: Snapshot) -> list[Alarm]:
         """Something was heard. Returns the alarms that changed."""
@@ -114,7 +130,7 @@ class Station:
             said = f"queue held: {texts} ({self.targets.held})"
             self.robot.note("WARN", "console", said)
         if due is not None:
-            self.drive(due, True)
+            self._drive(due, queued=True)
 
     def submit(self, targets: Sequence[Target]) -> None:
         """Drive these, one after the other; behind what runs or is being sent."""
@@ -122,7 +138,7 @@ class Station:
         targets = [target._replace(stops=stops) for target in targets]
         first = self.targets.submit(targets, self._snapshot)
         if first is not None:
-            self.drive(first, False)
+            self._drive(first, queued=False)
         self.look()
 
     def resume(self) -> Outcome:
@@ -143,7 +159,11 @@ class Station:
         self.robot.note("YOU", "console", f"left out of the queue: {text}")
         self.look()
 
-    async def send(self, target: Target, *, queued: bool) -> Outcome:
+    def _drive(self, target: Target, *, queued: bool) -> None:
+        assert self._face is not None  # nothing is due before there is one
+        self._face.carry_out(partial(self._send, self._face, target, queued))
+
+    async def _send(self, face: Face, target: Target, queued: bool) -> None:
         """Send a goal; from the queue not behind a STOP."""
         with self.robot.stops.at(target.stops):
             outcome = await self.robot.send(target.kind, target.values, queued=queued)
@@ -151,7 +171,7 @@ class Station:
             self.targets.not_sent(target)
         else:
             self.targets.answered(ok=outcome.ok)
-        return outcome
+        face.goal_answered(target, outcome, queued=queued)
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:
         """The operator has seen these alarms."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from archo_tui.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
-from archo_tui.robot.state import Goal, Phase, Snapshot, target
+from archo_tui.robot.state import Phase, Snapshot, target
 from archo_tui.robots.model import GoalKind
 
 
@@ -40,7 +40,7 @@ class Targets:
 
     def submit(self, targets: Sequence[Target], snapshot: Snapshot) -> Target | None:
         """The operator wants these: returns the first when it can be sent now; the rest waits."""
-        if self._sending or _runs(snapshot.goal):
+        if self._sending or snapshot.running_goal is not None:
             self.waiting += targets
             return None
         self.waiting += targets[1:]
@@ -88,7 +88,7 @@ class Targets:
             self.held = "STOP"  # whether the goal that it ended is heard of before or after it
         else:
             self.hold(ended or _in_the_way(alarms))
-        if self.held or self._sending or _runs(goal):
+        if self.held or self._sending or snapshot.running_goal is not None:
             return None
         return self._begin(self.waiting.pop(0), snapshot)
 
@@ -98,12 +98,8 @@ class Targets:
         return target
 
 
-def _runs(goal: Goal | None) -> bool:
-    return goal is not None and goal.is_running
-
-
 def _is_stopped(snapshot: Snapshot) -> bool:
-    return snapshot.stop_asked is not None or bool(snapshot.motion.stopped)
+    return snapshot.open_stop is not None or bool(snapshot.motion.stopped)
 
 
 def _in_the_way(alarms: Iterable[Alarm]) -> str:

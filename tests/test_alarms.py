@@ -25,10 +25,11 @@ from archo_tui.alarms import (
 )
 from archo_tui.clock import time_of_day
 from archo_tui.history import History
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state import Hosted, Life, OpenStop
 from archo_tui.screens.alarms import alarm_lines
 from archo_tui.station import View
 from archo_tui.widgets.bars import banner, header
+from archo_tui.widgets.shown import Shown
 from tests.console.states import BATTERY, MOTOR, NORMAL, STATES
 from tests.support.clock import NOW
 
@@ -69,7 +70,7 @@ def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
     goals: tuple[str, ...], said: str
 ) -> None:
     board = AlarmBoard()
-    found = conditions(NORMAL._replace(outlived=goals, stop_asked=NOW - 3), NOW)
+    found = conditions(NORMAL._replace(outlived=goals, open_stop=OpenStop(NOW - 3)), NOW)
     board.update(found, 0, 100)
     board.update(found, 3, 103)
     assert [alarm.name for alarm in board.all()] == [OUTLIVED, UNCONFIRMED]
@@ -140,7 +141,7 @@ def test_the_board_keeps_to_the_machine(state: State) -> None:
 
 
 def shown(board: AlarmBoard) -> str:
-    view = View(
+    view = Shown(
         NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys={"acknowledge": "a"}
     )
     return banner(view, 80).plain.strip()
@@ -260,9 +261,9 @@ def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
     board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 0, 100)
     board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 3, 103)
     keys = {"acknowledge": "a", "charge": "c"}
-    view = View(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys=keys)
+    view = Shown(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys=keys)
     assert "dock the robot, or press c to charge" in banner(view, 120).plain
-    nobody_charges = view._replace(blocked=frozenset({"charge"}))
+    nobody_charges = replace(view, blocked=frozenset({"charge"}))
     assert "press c" not in banner(nobody_charges, 120).plain
 
 
@@ -271,7 +272,7 @@ def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
     view = View(silent, NOW, NOW, 0.0, "embedded", "/", History())
     assert "▲ motor_status silent, 4 s" in header(view, 80).plain
     assert "online" not in header(view, 80).plain
-    assert "● online" in header(view._replace(snapshot=NORMAL), 80).plain
+    assert "● online" in header(replace(view, snapshot=NORMAL), 80).plain
 
 
 def test_a_low_battery_stays_an_alarm_until_it_counts_as_empty() -> None:

@@ -28,8 +28,9 @@ MODULES = sorted(
 )
 # what is found, by file: a new use belongs here, and what is no longer found has changed its name
 KNOWN = {
-    "app.py": "_bindings _handle_exception",
+    "app.py": "_handle_exception",
     "commands/keymap.py": "_ansi_sequences _character_to_key",
+    "keyed_app.py": "_bindings",
     "screens/base.py": "_on_resize",
     "screens/main.py": "_compositor _compositor_refresh",
     "screens/palette.py": "_cancel_gather_commands _dispatch_message _move_page _on_click "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os.path
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -14,12 +14,12 @@ from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.state import Outcome
 from archo_tui.robots.model import Robot
-from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.main import MainScreen
-from archo_tui.station import Station, View
+from archo_tui.station import Station
+from archo_tui.widgets.shown import Shown
 
 Work = Coroutine[Any, Any, None]  # what may wait for the robot
-Answered = Callable[[str], Work | None]
+Answers = Mapping[str, Callable[[], Work | None]]  # what each answer does, by its words
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
 PARAMETERS, NODES, EVENTS = 4, 5, 6
 _PANELS = {PARAMETERS: "Parameters", NODES: "Nodes", EVENTS: "Events"}  # that have own commands
@@ -29,7 +29,7 @@ class Console(Protocol):
     """The console, as its commands see it; the app is one."""
 
     station: Station
-    view: View  # what is shown now
+    view: Shown  # what is shown now
     main: MainScreen
     repeated: bool  # the key of the command is being held down
     typed: dict[str, dict[str, str]]  # what was last typed into each form, by path
@@ -52,8 +52,8 @@ class Console(Protocol):
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog."""
 
-    def ask(self, question: Confirm, then: Answered) -> None:
-        """Put a question now; `then(answer)` follows."""
+    def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
+        """Put a question now; `safe` is the answer that changes nothing."""
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.base import EVERYWHERE, Command, Console, Work
+from functools import partial
+
+from archo_tui.commands.base import EVERYWHERE, Answers, Command, Console, Work
 from archo_tui.goal_text import way
 from archo_tui.screens.alarms import AlarmList
-from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.help import Entry, Help
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.system import CAN_SUSPEND
@@ -101,16 +102,12 @@ class Suspend(Command):
         return "" if CAN_SUSPEND else "this system cannot suspend a program"
 
     def run(self, console: Console) -> None:
-        def then(answer: str) -> None:
-            if answer == "Suspend":
-                console.action_suspend_process()
-
-        goal = console.view.snapshot.goal
-        if goal is None or not goal.is_running or console.station.attached:
+        goal = console.view.snapshot.running_goal
+        if goal is None or console.station.attached:
             console.action_suspend_process()
             return
         question = f"The robot is {way(goal)}; its nodes would pause."
-        console.ask(Confirm("Suspend", question, "Stay", "Suspend"), then)
+        console.confirm("Suspend", question, "Stay", {"Suspend": console.action_suspend_process})
 
 
 class Quit(Command):
@@ -118,22 +115,16 @@ class Quit(Command):
     help = "Quit; while a goal runs asks, and cancels it first"
 
     def run(self, console: Console) -> Work | None:
-        goal, station = console.view.snapshot.goal, console.station
-        if goal is None or not goal.is_running:
+        goal, station = console.view.snapshot.running_goal, console.station
+        if goal is None:
             return self._end(console, station.on_disconnect)  # one may be on its way to the robot
         if not goal.mine:
             self._leave_another(console)
             return None
-        answers = ["Stay", "Cancel it and quit"]
+        answers: Answers = {"Cancel it and quit": partial(self._end, console, CANCEL)}
         if station.attached:
-            answers.append("Leave it running and quit")
-
-        def then(answer: str) -> Work | None:
-            if answer == answers[0]:
-                return None
-            return self._end(console, CANCEL if answer == answers[1] else LEAVE)
-
-        console.ask(Confirm("Quit", f"The robot is {way(goal)}.", *answers), then)
+            answers = {**answers, "Leave it running and quit": partial(self._end, console, LEAVE)}
+        console.confirm("Quit", f"The robot is {way(goal)}.", "Stay", answers)
         return None
 
     async def _end(self, console: Console, choice: str) -> None:
@@ -143,15 +134,12 @@ class Quit(Command):
 
     def _leave_another(self, console: Console) -> None:
         """Another client's goal is not ours to end, but our nodes may be driving it."""
-        attached = console.station.attached
-        what = "it keeps running" if attached else "the nodes of this console would end with it"
-        question = Confirm("Quit", f"Another client's goal is running: {what}.", "Stay", "Quit")
-
-        def then(answer: str) -> Work | None:
-            wanted = answer == "Quit"
-            return self._end(console, console.station.on_disconnect) if wanted else None
-
-        console.ask(question, then)
+        station = console.station
+        nodes = "the nodes of this console would end with it"
+        what = "it keeps running" if station.attached else nodes
+        question = f"Another client's goal is running: {what}."
+        end = partial(self._end, console, station.on_disconnect)
+        console.confirm("Quit", question, "Stay", {"Quit": end})
 
 
 class QuitEverywhere(Quit):

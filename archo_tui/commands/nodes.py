@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.goal_text import way
 from archo_tui.robot.state import Hosted, Life, Outcome
 from archo_tui.robot.stops import NOT_SENT
-from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.text import ShowText
 from archo_tui.widgets.nodes_panel import NodeRow
 
@@ -64,22 +64,18 @@ class StartStop(_InNodes):
 
     def run(self, console: Console) -> Work | None:
         row, hosted = self._selected(console)
-        host, goal = console.station.host, console.view.snapshot.goal
+        host, goal = console.station.host, console.view.snapshot.running_goal
         if hosted.life != Life.UP:
             return self._do(console, "start", host.start_node, hosted)
-        if goal is None or not goal.is_running:
-            return self._do(console, "stop", host.stop_node, hosted)
+        stop = partial(self._do, console, "stop", host.stop_node, hosted)
+        if goal is None:
+            return stop()
         grave = (_last(goal.kind.action), _stop(console))
         needed = " and ".join(name for name in _short(hosted) if name in grave)
         if not needed:
-            return self._do(console, "stop", host.stop_node, hosted)
+            return stop()
         question = f"The robot is {way(goal)}, and {row.name} serves {needed}. Stop the node?"
-
-        def then(answer: str) -> Work | None:
-            wanted = answer == "Stop it"
-            return self._do(console, "stop", host.stop_node, hosted) if wanted else None
-
-        console.ask(Confirm("Stop a node", question, "Leave it", "Stop it"), then)
+        console.confirm("Stop a node", question, "Leave it", {"Stop it": stop})
         return None
 
 
@@ -90,19 +86,15 @@ class Copy(_InNodes):
 
     def run(self, console: Console) -> Work | None:
         row, hosted = self._selected(console)
-        copy = console.station.host.copy_node
+        copy = partial(self._do, console, "copy", console.station.host.copy_node, hosted)
         if not hosted.serves:
-            return self._do(console, "copy", copy, hosted)
+            return copy()
         names = ", ".join(_short(hosted))
         stop = " STOP must then be confirmed by both." if _stop(console) in _short(hosted) else ""
         question = (
             f"{row.name} serves {names}: a call reaches both, and both act.{stop} Run another copy?"
         )
-
-        def then(answer: str) -> Work | None:
-            return self._do(console, "copy", copy, hosted) if answer == "Run it" else None
-
-        console.ask(Confirm("Another copy", question, "No", "Run it"), then)
+        console.confirm("Another copy", question, "No", {"Run it": copy})
         return None
 
 

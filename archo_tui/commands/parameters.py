@@ -5,14 +5,21 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Work, write_file
+from archo_tui.commands.base import (
+    IN_PANEL,
+    PARAMETERS,
+    Answers,
+    Command,
+    Console,
+    Work,
+    write_file,
+)
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import text_of
 from archo_tui.screens.ask_path import AskPath
-from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.edit_parameter import EditParameter
 
 _DEFAULT_FILE = "archo_params.yaml"
@@ -112,8 +119,7 @@ class Undo(_InParameters):
             f"{name} has since changed to {text_of(value)}. Restore {text_of(edit.before[name])}?"
             for name, value in others.items()
         )
-        question = Confirm("Undo", said, "Leave it", "Restore")
-        console.ask(question, lambda answer: undo() if answer == "Restore" else None)
+        console.confirm("Undo", said, "Leave it", {"Restore": undo})
         return None
 
 
@@ -166,9 +172,6 @@ class Load(_InParameters):
                 for p, value in plan.changes
             ] or ["All parameters already have the values in the file."]
             lines += [f"left out: {line}" for line in plan.left_out]
-        answers = ["Cancel"]
-        if plan.changes and not plan.problems:
-            answers.append(f"Change {len(plan.changes)}")
 
         async def change() -> None:
             by_node: dict[str, dict[str, object]] = {}
@@ -177,5 +180,6 @@ class Load(_InParameters):
             for node, values in by_node.items():
                 console.tell(await console.station.set_parameters(node, values))
 
-        question = Confirm("Load parameters", "\n".join(lines), *answers)
-        console.ask(question, lambda answer: None if answer == answers[0] else change())
+        can = plan.changes and not plan.problems
+        answers: Answers = {f"Change {len(plan.changes)}": change} if can else {}
+        console.confirm("Load parameters", "\n".join(lines), "Cancel", answers)

@@ -9,7 +9,6 @@ from archo_tui.commands.base import EVERYWHERE, Command, Console, Work
 from archo_tui.goal_text import way
 from archo_tui.robot.state import RUNNING, Outcome, Phase
 from archo_tui.robots.model import GoalKind, Service, Stop
-from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.message_form import MessageForm
 
 # a cancel was asked for, or there is nothing to cancel any more
@@ -73,19 +72,19 @@ class Cancel(Command):
         goal = console.view.snapshot.goal
         if console.repeated and (goal is None or goal.phase in _CANCELLED or not goal.mine):
             return None
-        if goal is None or not goal.is_running or goal.mine:
+        running = console.view.snapshot.running_goal
+        if running is None or running.mine:
             return self._run(console)
-        question = Confirm("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
 
         async def cancel() -> None:
             console.tell(await console.station.robot.cancel(another=True))
 
-        console.ask(question, lambda answer: cancel() if answer == "Cancel it" else None)
+        question = "Another client sent this goal. Cancel it?"
+        console.confirm("Cancel", question, "No", {"Cancel it": cancel})
         return None
 
     async def _run(self, console: Console) -> None:
-        goal = console.view.snapshot.goal
-        if goal is not None and goal.is_running:
+        if console.view.snapshot.running_goal is not None:
             console.tell(await console.station.robot.cancel())
         elif not console.copy_selection():
             keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
@@ -98,13 +97,11 @@ class CancelAll(Command):
     help = "Cancel every goal of the robot's actions, whoever sent it (asks first)"
 
     def run(self, console: Console) -> None:
-        question = "Cancel every goal of the robot's actions, other clients' too?"
-
         async def cancel() -> None:
             console.tell(await console.station.robot.cancel_all())
 
-        ask = Confirm("Cancel every goal", question, "No", "Cancel all")
-        console.ask(ask, lambda answer: cancel() if answer == "Cancel all" else None)
+        question = "Cancel every goal of the robot's actions, other clients' too?"
+        console.confirm("Cancel every goal", question, "No", {"Cancel all": cancel})
 
 
 class Continue(Command):
@@ -159,17 +156,15 @@ class GiveUpStop(Command):
     help = "Give up a STOP that the robot does not confirm; it is sent no more (asks first)"
 
     def blocked(self, console: Console) -> str:
-        asked = console.view.snapshot.stop_asked
-        return "" if asked is not None else "no STOP is waiting to be confirmed"
+        stop = console.view.snapshot.open_stop
+        return "" if stop is not None else "no STOP is waiting to be confirmed"
 
     def run(self, console: Console) -> None:
-        question = "The robot has not confirmed the STOP and may be driving. Send it no more?"
-
         async def give_up() -> None:
             console.tell(await console.station.robot.give_up_stop())
 
-        ask = Confirm("Give up STOP", question, "Keep sending", "Give up")
-        console.ask(ask, lambda answer: give_up() if answer == "Give up" else None)
+        question = "The robot has not confirmed the STOP and may be driving. Send it no more?"
+        console.confirm("Give up STOP", question, "Keep sending", {"Give up": give_up})
 
 
 class Release(Command):
@@ -188,15 +183,11 @@ class Release(Command):
         return super().blocked(console) or ("" if stopped else "the robot is not stopped")
 
     def run(self, console: Console) -> None:
-        question = "Release the stop? Moves are allowed again; nothing resumes by itself."
-
-        def then(answer: str) -> Work | None:
-            return release() if answer == "Release" else None
-
         async def release() -> None:
             console.tell(await console.station.robot.release_emergency_stop())
 
-        console.ask(Confirm("Release", question, "Stay stopped", "Release"), then)
+        question = "Release the stop? Moves are allowed again; nothing resumes by itself."
+        console.confirm("Release", question, "Stay stopped", {"Release": release})
 
 
 class Give(Command):
@@ -216,18 +207,17 @@ class Give(Command):
         self.footer = "" if given.is_about("battery") else self._word
 
     def run(self, console: Console) -> Work | None:
-        given, goal = self._given, console.view.snapshot.goal
+        given, goal = self._given, console.view.snapshot.running_goal
 
         async def give() -> None:
             on = not any(_reading(console, name) for name in given.toggle.values())
             console.tell(await console.station.robot.command(given, on))
 
-        runs = goal is not None and goal.is_running
-        if given.ask == "never" or (given.ask == "moving" and not runs):
+        if given.ask == "never" or (given.ask == "moving" and goal is None):
             return give()
-        now = f"The robot is {way(goal)}. " if goal is not None and runs else ""
-        question = Confirm(given.title, f"{now}{given.title} now?", "Leave it", self._word)
-        console.ask(question, lambda answer: give() if answer == self._word else None)
+        now = f"The robot is {way(goal)}. " if goal is not None else ""
+        question = f"{now}{given.title} now?"
+        console.confirm(given.title, question, "Leave it", {self._word: give})
         return None
 
 

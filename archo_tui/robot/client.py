@@ -179,7 +179,7 @@ class Robot:
 
         async def go(gate: Gate) -> Outcome:
             turn = self._services.turn()
-            if queued and (self._stopping.asked is not None or self._telemetry.motion.stopped):
+            if queued and (self._stopping.open is not None or self._telemetry.motion.stopped):
                 return Outcome(False, HELD)
             rivals = self._graph.rivals(kind.action)
             if rivals:  # of another one than the robot file's as well
@@ -412,7 +412,7 @@ class Robot:
             alone = self.description.stop is None or (
                 self.description.stop.service not in self._graph.several
             )  # of several robots one says nothing about the others
-            if alone and self._telemetry.motion.stopped and self._stopping.asked is not None:
+            if alone and self._telemetry.motion.stopped and self._stopping.open is not None:
                 if self._stopping.is_to_be_repeated:
                     self._tell("STOP, sent again: the robot says that it is stopped")
                 self._stopping.over()
@@ -496,9 +496,7 @@ class Robot:
                 offered=self._graph.offered,
                 events=self._log.all(),
                 charge=self._telemetry.charge,
-                stop_asked=self._stopping.asked,
-                stop_answer=self._stopping.answer,
-                stop_why=self._stopping.why,
+                open_stop=self._stopping.open,
                 outlived=self._outlived,
                 namespace=self._graph.namespace,
                 faults=self._faults,

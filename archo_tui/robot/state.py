@@ -270,6 +270,14 @@ class StopAnswer(Enum):
     UNCONFIRMED = "ANSWERED, NOT CONFIRMED"
 
 
+class OpenStop(NamedTuple):
+    """A STOP that was asked for and that the robot has not confirmed."""
+
+    asked: float  # monotonic s
+    answer: StopAnswer = StopAnswer.AWAITED
+    why: str = ""  # more about that
+
+
 class Snapshot(NamedTuple):
     """Everything a screen can show, at one moment."""
 
@@ -285,9 +293,7 @@ class Snapshot(NamedTuple):
     offered: frozenset[str] = frozenset()  # which names of the robot file somebody serves
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
-    stop_asked: float | None = None  # a STOP was sent then, and the robot has not confirmed it
-    stop_answer: StopAnswer = StopAnswer.AWAITED
-    stop_why: str = ""  # more about that
+    open_stop: OpenStop | None = None
     outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
     namespace: str = "/"  # of the robot that is operated
     faults: Mapping[str, str] = _NOTHING  # why one of these is not used
@@ -299,6 +305,11 @@ class Snapshot(NamedTuple):
     forms: Mapping[str, tuple[Leaf, ...]] = _NOTHING  # by id of the goal
     actions: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
     services: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
+
+    @property
+    def running_goal(self) -> Goal | None:
+        """The goal, while it runs."""
+        return self.goal if self.goal is not None and self.goal.is_running else None
 
     def parameter(self, name: str) -> Parameter | None:
         """The first parameter of that name on any node."""

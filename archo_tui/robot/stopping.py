@@ -17,7 +17,7 @@ from archo_tui.robot import interfaces, services
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.offers import Offers
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Outcome, StopAnswer
+from archo_tui.robot.state import OpenStop, Outcome, StopAnswer
 from archo_tui.robots import model
 
 ALL_ANSWERS = 3.0  # s that the answers of several servers are waited for
@@ -56,8 +56,7 @@ class Stopping:
         self._node, self._stop, self._clock = node, stop, clock
         self._services, self._graph, self._offers = pending, graph, offers
         self._look, self._changed, self._tell = look, changed, tell
-        self.asked: float | None = None  # monotonic s of the first that is not confirmed
-        self.answer, self.why = StopAnswer.AWAITED, ""
+        self.open: OpenStop | None = None  # the first that is not confirmed
         self._first = 0  # the turn of that first one: an answer to an earlier one is not to it
         self._told = 0  # the turn of the one that was answered so
         self._answered: tuple[float, float] | None = None  # when the last was sent, and confirmed
@@ -73,7 +72,7 @@ class Stopping:
 
         Answers to earlier calls still count.
         """
-        if self.asked is None:
+        if self.open is None:
             return
         outcome, is_news = await self._send()
         if is_news:
@@ -83,8 +82,8 @@ class Stopping:
         """How one call ended, and whether that was news."""
         assert self._stop is not None
         sent, number = self._clock.monotonic(), self._services.turn()
-        if self.asked is None:
-            self.asked, self._first = sent, number
+        if self.open is None:
+            self.open, self._first = OpenStop(sent), number
         self._changed()
 
         def late(said: _Said) -> None:
@@ -104,17 +103,17 @@ class Stopping:
             return False
         if said.outcome.ok or said.answer == StopAnswer.UNCONFIRMED:
             self._answered = sent, self._clock.monotonic()
-        if self.asked is None:  # another one was confirmed meanwhile
+        if self.open is None:  # another one was confirmed meanwhile
             return False
         if said.outcome.ok:
             self.over()
             return True
-        if number <= self._told and self.answer != StopAnswer.NONE:  # one has more to say
+        if number <= self._told and self.open.answer != StopAnswer.NONE:  # one has more to say
             return False
-        is_news = (said.answer, said.why) != (self.answer, self.why)
-        self.answer, self.why, self._told = said.answer, said.why, number
+        before, self._told = self.open, number
+        self.open = OpenStop(before.asked, said.answer, said.why)
         self._changed()
-        return is_news
+        return self.open != before
 
     def is_behind(self, turn: int) -> bool:
         """True when a STOP left after that turn: which of the two the robot takes last is open.
@@ -128,18 +127,18 @@ class Stopping:
         if self.is_behind(turn):
             return
         self._left = None
-        if self.asked is not None:
+        if self.open is not None:
             self.over()
 
     def over(self) -> None:
         """It is confirmed, past, or given up."""
-        self.asked, self.answer, self.why = None, StopAnswer.AWAITED, ""
+        self.open = None
         self._changed()
 
     @property
     def is_to_be_repeated(self) -> bool:
         """True for one that not every server has answered: the robot may not have got it."""
-        return self.asked is not None and self.answer == StopAnswer.NONE
+        return self.open is not None and self.open.answer == StopAnswer.NONE
 
     @property
     def obeyed_since(self) -> float | None:

@@ -18,7 +18,6 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot.text import harmless
 from archo_tui.screens.base import Base
-from archo_tui.station import View
 from archo_tui.terminal.compositor import Bare, DirtyCompositor
 from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
@@ -32,6 +31,7 @@ from archo_tui.widgets.nodes_panel import NodesPanel
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.search import Search
+from archo_tui.widgets.shown import Shown
 
 _LATEST = 0.5  # s after which the screen is drawn, laid out for its size or not
 
@@ -77,7 +77,7 @@ class MainScreen(Base[None]):
         self._below: object = None  # what the footer shows
         self.everywhere = Content("")  # of the footer what works in dialogs, too
         self._is_laid_out = False
-        self._view: View | None = None  # the last one
+        self._view: Shown | None = None  # the last one
         self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
 
     def compose(self) -> ComposeResult:
@@ -207,7 +207,7 @@ class MainScreen(Base[None]):
         else:
             self.set_focus(self._before)
 
-    def show(self, view: View, commands: list[FooterKey]) -> None:
+    def show(self, view: Shown, commands: list[FooterKey]) -> None:
         """Show a new view everywhere."""
         width = self.size.width
         self._header.show(bars.header(view, width - 9))
@@ -226,7 +226,7 @@ class MainScreen(Base[None]):
         if self._view is not None:
             self._show_panel(message.panel, self._view)
 
-    def _show_panel(self, panel: Panel, view: View) -> None:
+    def _show_panel(self, panel: Panel, view: Shown) -> None:
         try:
             panel.show(view)
             if self._broken.pop(panel.number, ""):

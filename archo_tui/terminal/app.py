@@ -68,6 +68,8 @@ def _collect_garbage() -> None:
 class TerminalApp(App[None]):
     """Base of the app."""
 
+    _runs_on: asyncio.AbstractEventLoop
+
     def __init__(self, station: Station, theme: str) -> None:
         """`theme` is a name, or empty for the one that suits the terminal."""
         super().__init__()
@@ -119,6 +121,7 @@ class TerminalApp(App[None]):
             await asyncio.gather(*given, return_exceptions=True)
 
     def on_load(self) -> None:
+        self._runs_on = asyncio.get_running_loop()
         message_hook.set(self._carry)  # before the tasks of all widgets, which take it along
         self._beside = contextvars.copy_context()
 
@@ -150,12 +153,6 @@ class TerminalApp(App[None]):
     def on_mount(self) -> None:
         if not self.is_headless:
             self._ending.on_signals()
-        loop = asyncio.get_running_loop()
-
-        def restart() -> None:
-            loop.call_soon_threadsafe(self._ending.begin, RESTART)
-
-        self.station.restart = restart
         self.app_resume_signal.subscribe(self, lambda _: self.repaint())
         if not gc.isenabled():
             self.set_timer(_STANDS, _collect_garbage)
@@ -188,6 +185,10 @@ class TerminalApp(App[None]):
     def on_paste_cut(self) -> None:
         text = "The paste was cut off: nothing of it was taken. Paste it again."
         self.notify(text, severity="warning", markup=False)
+
+    def restart(self) -> None:
+        """End, and begin again with the same words; from any thread, once it is mounted."""
+        self._runs_on.call_soon_threadsafe(self._ending.begin, RESTART)
 
     def hang_up(self) -> None:
         """The terminal is gone."""

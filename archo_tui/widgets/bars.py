@@ -15,6 +15,7 @@ from archo_tui.robot.state import Battery, Motion, Phase
 from archo_tui.robot.text import harmless
 from archo_tui.state_text import number
 from archo_tui.station import View
+from archo_tui.widgets.shown import Shown
 
 _TINY = 71  # cells of the header, without the clock, below which panels may be scrolled away
 
@@ -53,7 +54,7 @@ def clock(view: View) -> Content:
     return Content.styled(f"{time_of_day(view.time)} ", "bold")
 
 
-def banner(view: View, width: int) -> Content:
+def banner(view: Shown, width: int) -> Content:
     """The alarm that matters most, how many more there are, and which are shelved."""
     shown = [alarm for alarm in view.alarms if alarm.state != State.SHELVED]
     names = [alarm.name for alarm in view.alarms if alarm.state == State.SHELVED]
@@ -140,11 +141,11 @@ def _contact(view: View) -> str:
 
 def _doing(view: View) -> tuple[str, str]:
     """What the robot does, and how far it has to go."""
-    snapshot, goal = view.snapshot, view.snapshot.goal
+    snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.robot.stop is not None else "no STOP"
     if snapshot.motion.stopped:
         return "✗ STOPPED", ""
-    if goal is None or not goal.is_running:
+    if goal is None:
         return stop, ""
     does = doing(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word
     return f"{does}   {stop}".rstrip(), way_left(goal)

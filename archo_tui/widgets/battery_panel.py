@@ -7,10 +7,10 @@ from textual.app import ComposeResult
 from archo_tui import state_text
 from archo_tui.robot.state import Snapshot
 from archo_tui.robots.model import Robot
-from archo_tui.station import View
 from archo_tui.widgets import trend
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.shown import Shown
 from archo_tui.widgets.styled import content
 
 
@@ -30,7 +30,7 @@ class BatteryPanel(Panel, can_focus=True):
     def compose(self) -> ComposeResult:
         yield from (self._line, self._gauge, self._history, self._trend)
 
-    def show(self, view: View) -> None:
+    def show(self, view: Shown) -> None:
         snapshot, battery = view.snapshot, view.snapshot.battery
         width = max(self._gauge.size.width, 1)
         line = state_text.battery_line(snapshot, view.now, width)

@@ -11,10 +11,10 @@ from textual.widget import Widget
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import OWN_LEVELS, Event
 from archo_tui.robot.text import harmless
-from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
+from archo_tui.widgets.shown import Shown
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
@@ -115,7 +115,7 @@ class EventsPanel(Panel):
     def operated(self) -> Widget:
         return self._rows
 
-    def show(self, view: View) -> None:
+    def show(self, view: Shown) -> None:
         self.show_keys(view, f"{self._level} and above, and yours")
         if view.snapshot.events is not self._seen:
             self._seen = view.snapshot.events

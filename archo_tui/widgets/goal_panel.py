@@ -14,11 +14,11 @@ from textual.widgets import Button, Label
 from archo_tui import goal_text, state_text
 from archo_tui.robot.forms import is_integer, is_number, parse
 from archo_tui.robot.state import WATCHING, Leaf, Phase, Snapshot
-from archo_tui.station import View
 from archo_tui.targets import Target
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.shown import Shown
 from archo_tui.widgets.styled import content
 
 
@@ -82,7 +82,7 @@ class GoalPanel(Panel):
         if self._is_wide:
             self._hint.display = False
 
-    def show(self, view: View) -> None:
+    def show(self, view: Shown) -> None:
         self.show_keys(view, "enter go")
         snapshot, self._watching = view.snapshot, view.watching
         width = self._bar.size.width

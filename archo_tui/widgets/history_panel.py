@@ -21,6 +21,7 @@ from archo_tui.state_text import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans
 from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.plot import MARK, curve
+from archo_tui.widgets.shown import Shown
 from archo_tui.widgets.styled import rich_style
 
 _LABEL = 6  # cells for the number at the side
@@ -167,7 +168,7 @@ class HistoryPanel(Panel, can_focus=True):
     def compose(self) -> ComposeResult:
         yield self._lines
 
-    def show(self, view: View) -> None:
+    def show(self, view: Shown) -> None:
         if not self.display:
             return
         span = SPANS[self._span]

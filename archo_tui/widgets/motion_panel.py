@@ -9,9 +9,9 @@ from textual.widgets import Button
 
 from archo_tui import state_text
 from archo_tui.robots.model import Robot
-from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.shown import Shown
 from archo_tui.widgets.styled import content
 
 
@@ -46,7 +46,7 @@ class MotionPanel(Panel, can_focus=True):
             yield self._services[-1][1]
         yield from self._gauges  # below STOP: in a small terminal they are cut, and it is not
 
-    def show(self, view: View) -> None:
+    def show(self, view: Shown) -> None:
         self.show_publishers(view, self._topic)
         self.show_keys(view)
         line = state_text.motion_line(view.snapshot, view.now)

@@ -15,6 +15,7 @@ from archo_tui.state_text import age
 from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
+from archo_tui.widgets.shown import Shown
 
 _MARK, _AGE, _RATE = 2, 6, 9  # columns
 
@@ -147,7 +148,7 @@ class NodesPanel(Panel):
     def operated(self) -> Widget:
         return self._rows
 
-    def show(self, view: View) -> None:
+    def show(self, view: Shown) -> None:
         self.show_keys(view)
         # once a second is enough for ages: a chatty robot must not become a chatty terminal
         drawn = (view.second, view.hosted, len(view.snapshot.nodes))

@@ -11,6 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Button
 
 from archo_tui.station import View
+from archo_tui.widgets.shown import Shown
 
 
 class Panel(Container):
@@ -36,11 +37,11 @@ class Panel(Container):
     def on_resize(self) -> None:
         self.post_message(self.Resized(self))
 
-    def show(self, view: View) -> None:
+    def show(self, view: Shown) -> None:
         """Show what changed."""
         raise NotImplementedError
 
-    def show_keys(self, view: View, before: str = "") -> None:
+    def show_keys(self, view: Shown, before: str = "") -> None:
         """Write the keys on the border, as many as there is room for; each can be clicked.
 
         Those of commands that cannot run now are darker; pressed, they say why.

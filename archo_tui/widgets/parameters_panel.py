@@ -12,11 +12,11 @@ from archo_tui.robot.parameter_values import range_text
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import same, text_of
-from archo_tui.station import View
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Columns, Rows, Text, column, crop, pad
 from archo_tui.widgets.search import Search
+from archo_tui.widgets.shown import Shown
 
 _NODE, _NAME, _VALUE = (16, 28), 21, (8, 20)  # columns: least and most, or least
 _TYPE, _ALLOWED = (8, 9), (7, 11)
@@ -67,7 +67,7 @@ class ParametersPanel(Panel):
         """The parameter under the cursor."""
         return self._rows.item
 
-    def show(self, view: View) -> None:
+    def show(self, view: Shown) -> None:
         self.show_keys(view, "what differs from the start" if self._only_changed else "")
         if view.snapshot.parameters is not self._shown:
             before, self._shown = self._shown, view.snapshot.parameters

@@ -18,7 +18,8 @@ engine.activate("embedded", hosting=True)
 from archo_bringup.motor_controller import MotorController  # noqa: E402
 from rclpy.node import Node  # noqa: E402
 
-from archo_tui.app import HELD, ArchoApp  # noqa: E402
+from archo_tui.app import ArchoApp  # noqa: E402
+from archo_tui.keyed_app import HELD  # noqa: E402
 from archo_tui.session import Options, Session  # noqa: E402
 from tests.support.console import send  # noqa: E402
 

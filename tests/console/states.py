@@ -11,6 +11,7 @@ from archo_tui.robot.state import (
     Goal,
     Motion,
     NodeState,
+    OpenStop,
     Parameter,
     Phase,
     Snapshot,
@@ -174,7 +175,7 @@ STATES: dict[str, Snapshot] = {
     "goal cancelled": NORMAL._replace(goal=CANCELLED, history=(CANCELLED,)),
     "goal arrived": NORMAL._replace(goal=ARRIVED, history=(ARRIVED, CANCELLED)),
     "goal unknown": goal(Phase.UNKNOWN, started=None, heard=None, remaining=None),
-    "motor stop not confirmed": NORMAL._replace(stop_asked=NOW - 2.0),
+    "motor stop not confirmed": NORMAL._replace(open_stop=OpenStop(NOW - 2.0)),
     "node silent": NORMAL._replace(
         nodes=(NORMAL.nodes[0]._replace(heard=NOW - 4.0), *NORMAL.nodes[1:])
     ),

@@ -11,7 +11,7 @@ import pytest
 
 from archo_tui import recall
 from archo_tui.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
-from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
+from archo_tui.robot.state import Goal, Motion, OpenStop, Phase, Snapshot
 from archo_tui.targets import Target, Targets
 from tests.support.archo import ARCHO, SHELF
 from tests.support.clock import seconds
@@ -205,9 +205,9 @@ ARRIVED = Snapshot(robot=ARCHO, goal=ended(0))
         ({"goal": ended(0, Phase.ABORTED)}, [], "aborted"),
         ({"goal": ended(0, Phase.DISPUTED)}, [], "ended"),
         ({"goal": ended(0, Phase.ABORTED), "motion": Motion(stopped=True)}, [], "STOP"),
-        ({"goal": ended(0, Phase.ABORTED), "stop_asked": 1.0}, [], "STOP"),
+        ({"goal": ended(0, Phase.ABORTED), "open_stop": OpenStop(1.0)}, [], "STOP"),
         ({"goal": ended(0, Phase.CANCELLED)}, [Alarm(LOW, "", 0.0)], "cancelled"),
-        ({"stop_asked": 1.0}, [], "STOP"),
+        ({"open_stop": OpenStop(1.0)}, [], "STOP"),
         ({"motion": Motion(stopped=True)}, [], "STOP"),
         ({}, [Alarm(LOW, "", 0.0)], LOW),
         ({}, [Alarm(EMPTY, "", 0.0)], EMPTY),

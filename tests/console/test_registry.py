@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 from textual.widgets import Input
 
-from archo_tui.app import HELD, ArchoApp
+from archo_tui.app import ArchoApp
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command
 from archo_tui.commands.keymap import shown
+from archo_tui.keyed_app import HELD
 from archo_tui.widgets.field import INTEGER
 from tests.console.states import STATES
 from tests.support.archo import ARCHO

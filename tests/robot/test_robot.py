@@ -297,10 +297,10 @@ async def test_a_stop_without_an_answer_is_not_forgotten() -> None:
         await until(lambda: "emergency_stop" in it.snapshot.offered)
         outcome = await ended(it.emergency_stop())
         assert outcome.text == "no answer in 2 s: use the hardware stop"
-        asked = it.snapshot.stop_asked
-        assert asked is not None
-        await until(lambda: clock.seconds() > asked + 6.0)
-        assert it.snapshot.stop_asked == asked
+        stop = it.snapshot.open_stop
+        assert stop is not None
+        await until(lambda: clock.seconds() > stop.asked + 6.0)
+        assert it.snapshot.open_stop == stop
         release.set()
 
 
@@ -550,16 +550,16 @@ async def test_a_goal_sent_before_a_stop_and_accepted_after_it_does_not_confirm_
         node.answer(node.goal_answer)
         await ended(going)
         await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.MOVING)
-        assert it.snapshot.stop_asked is not None
+        assert it.snapshot.open_stop is not None
 
 
 async def test_a_goal_that_is_sent_after_an_unanswered_stop_and_accepted_ends_it() -> None:
     async with stoppable() as (it, node):
         assert not (await ended(it.emergency_stop())).ok
-        assert it.snapshot.stop_asked is not None
+        assert it.snapshot.open_stop is not None
         node.answer(node.goal_answer)
         assert (await ended(go(it, 3))).ok
-        await until(lambda: it.snapshot.stop_asked is None)
+        await until(lambda: it.snapshot.open_stop is None)
 
 
 async def test_a_queued_goal_is_not_sent_behind_a_stop_that_nobody_answered() -> None:
@@ -599,7 +599,7 @@ async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
 
     async with robot(make) as it:
         stopping = asyncio.ensure_future(it.emergency_stop())
-        await until(lambda: it.snapshot.stop_asked is not None)
+        await until(lambda: it.snapshot.open_stop is not None)
         executor = made[0].executor
         assert executor is not None
         late = Stop(context=made[0].context)
@@ -614,7 +614,7 @@ async def test_a_stop_that_nobody_serves_says_what_is_missing_and_is_not_forgott
         outcome = await ended(it.emergency_stop())
         assert outcome.text == ("/emergency_stop is not offered by any node: use the hardware stop")
         assert clock.seconds() - before >= 2.0
-        assert it.snapshot.stop_asked is not None
+        assert it.snapshot.open_stop is not None
         events = [event.text for event in it.snapshot.events if event.level == "YOU"]
         assert events == [f"STOP: {outcome.text}"]
 
@@ -723,7 +723,7 @@ async def test_a_stop_of_another_type_is_not_called_and_that_is_said_at_once(kin
         await until(lambda: "emergency_stop" in it.snapshot.offered)
         outcome = await ended(it.emergency_stop())
         assert not outcome.ok
-        assert it.snapshot.stop_asked is not None
+        assert it.snapshot.open_stop is not None
         if kind is SetBool:  # called with a default, it would release
             assert called == []
             assert outcome.text == (

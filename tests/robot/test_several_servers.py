@@ -16,7 +16,7 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 
 from archo_tui.alarms import OUTLIVED, STOPS, UNCONFIRMED, conditions
-from archo_tui.robot.state import Phase, StopAnswer
+from archo_tui.robot.state import OpenStop, Phase, StopAnswer
 from tests.console.states import STATES
 from tests.support import clock
 from tests.support.archo import go
@@ -110,7 +110,7 @@ async def test_one_stop_counts_the_answers_of_all_its_servers(
         assert outcome.ok == ok
         assert said in outcome.text
         assert all(brake.asked for brake in made)
-        assert (it.snapshot.stop_asked is None) == ok
+        assert (it.snapshot.open_stop is None) == ok
         for brake in made:
             brake.awake.set_result(True)
 
@@ -131,7 +131,7 @@ async def test_a_stop_without_an_answer_is_sent_again_until_there_is_one() -> No
         await until(lambda: made[0].asked >= 3)
         assert "STOP SENT, no answer for" in alarms(it)[UNCONFIRMED]
         made[0].says = "yes"
-        await until(lambda: it.snapshot.stop_asked is None)
+        await until(lambda: it.snapshot.open_stop is None)
         asked = made[0].asked
         await until(lambda: any("STOP, sent again" in e.text for e in it.snapshot.events))
         later = clock.seconds() + 3.0
@@ -149,10 +149,11 @@ async def test_a_stop_that_is_always_answered_late_is_confirmed(seconds: tuple[f
         await until(lambda: "emergency_stop" in it.snapshot.offered)
         await until(lambda: len(made) == 1 or "emergency_stop" in it.snapshot.several)
         assert not (await ended(it.emergency_stop())).ok
-        assert it.snapshot.stop_answer == StopAnswer.NONE
+        assert it.snapshot.open_stop
+        assert it.snapshot.open_stop.answer == StopAnswer.NONE
         until_then = clock.seconds() + 3.0
-        await until(lambda: it.snapshot.stop_asked is None or clock.seconds() > until_then)
-        assert it.snapshot.stop_asked is None
+        await until(lambda: it.snapshot.open_stop is None or clock.seconds() > until_then)
+        assert it.snapshot.open_stop is None
         told = "STOP, answered late: confirmed: brake_"
         await until(lambda: any(e.text.startswith(told) for e in it.snapshot.events))
 
@@ -178,7 +179,7 @@ async def test_the_late_answer_to_a_stop_before_a_release_is_none_to_the_next_st
         made[0].says = "nothing"
         assert not (await ended(it.emergency_stop())).ok
         await until(lambda: clock.seconds() > first + 5.0)
-        assert it.snapshot.stop_asked is not None
+        assert it.snapshot.open_stop is not None
         made[0].awake.set_result(True)
 
 
@@ -280,7 +281,9 @@ async def test_a_goal_of_a_server_that_was_restarted_at_once_does_not_run_for_ev
 
 
 async def test_moving_behind_a_stop_that_is_not_confirmed_is_an_alarm() -> None:
-    moving = STATES["motor moving"]._replace(stop_asked=NOW - 3, stop_answer=StopAnswer.NONE)
+    moving = STATES["motor moving"]._replace(open_stop=OpenStop(NOW - 3, StopAnswer.NONE))
     assert OUTLIVED in conditions(moving, NOW)
-    assert OUTLIVED not in conditions(moving._replace(stop_asked=NOW), NOW)
-    assert OUTLIVED not in conditions(moving._replace(stop_asked=None), NOW)
+    assert OUTLIVED not in conditions(
+        moving._replace(open_stop=OpenStop(NOW, StopAnswer.NONE)), NOW
+    )
+    assert OUTLIVED not in conditions(moving._replace(open_stop=None), NOW)

@@ -14,7 +14,8 @@ from textual.app import App
 from textual.keys import REPLACED_KEYS, _get_unicode_name_from_key
 from textual.pilot import Pilot
 
-from archo_tui.app import HELD, ArchoApp
+from archo_tui.app import ArchoApp
+from archo_tui.keyed_app import HELD
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
 from tests.support import chosen, clock
