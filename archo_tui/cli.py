@@ -288,8 +288,13 @@ def _keys(options: Namespace) -> int:
     keys, others = keymap.load(path, commands)
     print(_safe(f"# {path}"))
     for command in commands:
-        line = f"{command.id}: {keys[command.id]}" if keys[command.id] else f"# {command.id}:"
-        print(_safe(f"{line:<{len(command.id) + 18}} # {command.place}: {command.help}"))
+        key, place = keys[command.id], command.place
+        line = f"{command.id}: {key}" if key else f"# {command.id}:"
+        if not key:
+            place = "in the palette only"
+            taker = keymap.who_has(command, command.key, keys, commands)
+            place += f", {command.key} is the key of {taker}" if taker else ""
+        print(_safe(f"{line:<{len(command.id) + 18}} # {place}: {command.help}"))
     if others:
         _complain(others)
     return 0
