@@ -1,4 +1,4 @@
-"""`--check`: hosts files of the user's own, and asks their nodes what the chapter asks.
+"""`archo-tui check`: hosts files of the user's own, and asks their nodes what the chapter asks.
 
 It comes before the engine is chosen, and so imports no rclpy.
 """

@@ -8,7 +8,8 @@ import gc
 import os
 import signal
 import sys
-from collections.abc import Sequence
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 from io import StringIO, TextIOWrapper
 
 from archo_tui import __version__
@@ -16,7 +17,7 @@ from archo_tui.errors import ArchoError
 
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
 if TYPE_CHECKING:
-    from typing import NoReturn, TextIO
+    from typing import Any, NoReturn, TextIO
 
     from archo_tui.session import Session
 
@@ -37,39 +38,59 @@ def _columns() -> int:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong without what a terminal could act on: it quotes what was typed."""
+    """Says in one line what is wrong, and where to look."""
+
+    def __init__(self, prog: str, description: str, **more: Any) -> None:
+        width = _columns() - 2  # as argparse has it by itself, for which it loads all of shutil
+        super().__init__(
+            prog=prog,
+            description=description,
+            allow_abbrev=False,  # a typo is said, and not taken for something else
+            formatter_class=lambda prog: _Formatter(prog, width=width),
+            **more,
+        )
 
     def error(self, message: str) -> NoReturn:
-        super().error(_safe(message))
+        raise ArchoError(f"{message} (see {self.prog} --help)")
+
+
+class _Formatter(argparse.HelpFormatter):
+    """Leaves indented lines of a text as they are."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        lines = text.splitlines()
+        fill = super()._fill_text
+        return "\n".join(
+            line if not line or line[0] == " " else fill(line, width, indent) for line in lines
+        )
+
+
+_DESCRIPTION = """\
+Operate the warehouse robot ARCHO from a terminal.
+
+examples:
+  archo-tui                         ARCHO, without ROS
+  archo-tui --node battery.py       a node of your own
+  archo-tui --engine ros2 --attach  a robot on ROS 2
+
+commands (archo-tui COMMAND --help says more):
+"""
 
 
 def parser() -> argparse.ArgumentParser:
-    """The options; what follows --ros-args is ROS's and is taken off before."""
-    width = _columns() - 2  # as argparse has it by itself, for which it loads all of shutil
+    """The console's options; what follows --ros-args is ROS's and is taken off before."""
+    commands = "".join(f"  {name:<10} {what}\n" for name, (what, _, _) in SUBCOMMANDS.items())
     made = _Parser(
-        prog="archo-tui",
-        allow_abbrev=False,  # a typo is said, and not taken for something else
-        formatter_class=lambda prog: argparse.HelpFormatter(prog, width=width),
-        description="Operate the warehouse robot ARCHO from a terminal.",
+        "archo-tui",
+        _DESCRIPTION + commands,
+        usage="archo-tui [option ...]\n       archo-tui COMMAND ...",
         epilog="A stop from here is a software stop: it does not replace the hardware one. "
         "What libraries print while the screen is shown goes to stderr.log, beside the journal.",
+        add_help=False,  # it stands in the last group
     )
-    made.add_argument(
-        "--version",
-        action="store_true",
-        help="print the versions, the engine and TERM, for reports",
-    )
-    made.add_argument(
-        "--params-file",
-        metavar="FILE",
-        action="append",
-        default=[],
-        help="ROS parameter file for the nodes; can be given several times, the last one wins",
-    )
-    made.add_argument(
-        "--use-sim", action="store_true", help="also start fake_battery_drain (2 %% a second)"
-    )
-    made.add_argument(
+    made.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    nodes = made.add_argument_group("your own nodes")
+    nodes.add_argument(
         "--node",
         metavar="FILE",
         action="append",
@@ -78,76 +99,102 @@ def parser() -> argparse.ArgumentParser:
         "robot's own of the same name, else beside them; they are restarted whenever the file is "
         "saved; can be given several times",
     )
-    made.add_argument(
-        "--check",
+    nodes.add_argument("--only", action="store_true", help="host none of the robot's own nodes")
+    _interfaces_option(nodes, "; everything restarts when one is saved")
+    robot = made.add_argument_group("the robot")
+    robot.add_argument(
+        "--use-sim", action="store_true", help="also start fake_battery_drain (2 %% a second)"
+    )
+    robot.add_argument(
+        "--params-file",
         metavar="FILE",
         action="append",
         default=[],
-        help="no screen: ask the nodes of a Python file what the textbook's chapter asks of them; "
-        "a line a check (TAP), with a hint for what is wrong; can be given several times",
+        help="ROS parameter file for the nodes; can be given several times, the last one wins",
     )
-    made.add_argument(
-        "--robot",
-        metavar="FILE",
-        help="what the robot offers and what it means, instead of ARCHO's config/robots/archo.yaml",
-    )
-    made.add_argument(
-        "--interfaces",
-        metavar="DIR",
-        help="an interface package, or a workspace's src/, whose files are taken before the "
-        "built-in ones; everything restarts when one is saved (embedded engine only)",
-    )
-    made.add_argument("--only", action="store_true", help="host none of the robot's own nodes")
-    made.add_argument(
-        "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
-    )
-    made.add_argument(
-        "--engine",
-        default="embedded",
-        help="what `import rclpy` means: embedded (default, no ROS needed) or ros2 (the real one)",
-    )
-    made.add_argument(
+    _robot_option(robot)
+    ros = made.add_argument_group("ROS 2")
+    _engine_option(ros)
+    ros.add_argument(
         "--attach",
         action="store_true",
         help="host no nodes: operate the robot on the ROS 2 graph",
     )
-    made.add_argument(
+    ros.add_argument(
+        "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
+    )
+    ros.add_argument(
+        "--ros-args",
+        metavar="...",
+        help="ROS arguments for all nodes: -r from:=to, -p [node:]name:=value, --params-file FILE",
+    )
+    how = made.add_argument_group("how it is operated")
+    how.add_argument(
+        "--plain",
+        action="store_true",
+        help="no screen: commands on standard input (help lists them), an event a line on standard "
+        "output; the exit code is 0 only when every goal arrived and every line succeeded",
+    )
+    how.add_argument(
         "--watch", action="store_true", help="show everything and send no command, not even STOP"
     )
-    made.add_argument(
+    how.add_argument(
+        "--quiet-alarms",
+        action="store_true",
+        help="no bell and no notice of the desktop for a new alarm",
+    )
+    how.add_argument(
         "--on-disconnect",
         choices=("cancel", "leave"),
         default="cancel",
         help="what happens to a running goal when the terminal is lost or a signal ends the "
         "console: cancel it (default), or, with --attach, leave it running",
     )
-    made.add_argument(
-        "--quiet-alarms",
+    about = made.add_argument_group("about")
+    about.add_argument("-h", "--help", action="help", help="show this help message and exit")
+    about.add_argument(
+        "--version",
         action="store_true",
-        help="no bell and no notice of the desktop for a new alarm",
-    )
-    made.add_argument(
-        "--keys",
-        action="store_true",
-        help="print every command's name and key in the form of keymap.yaml",
-    )
-    made.add_argument(
-        "--journal",
-        action="store_true",
-        help="print the path of the journal: commands, alarms and warnings as JSON lines",
-    )
-    made.add_argument(
-        "--plain",
-        action="store_true",
-        help="no screen: commands on standard input (help lists them), an event a line on standard "
-        "output; the exit code is 0 only when every goal arrived and every line succeeded",
-    )
-    made.add_argument(
-        "--ros-args",
-        metavar="...",
-        help="ROS arguments for all nodes: -r from:=to, -p [node:]name:=value, --params-file FILE",
+        help="print the versions, the engine and TERM, for reports",
     )
     return made
+
+
+def _engine_option(made: argparse._ActionsContainer) -> None:
+    made.add_argument(
+        "--engine",
+        default="embedded",
+        help="what `import rclpy` means: embedded (default, no ROS needed) or ros2 (the real one)",
+    )
+
+
+def _interfaces_option(made: argparse._ActionsContainer, then: str = "") -> None:
+    made.add_argument(
+        "--interfaces",
+        metavar="DIR",
+        help="an interface package, or a workspace's src/, whose files are taken before the "
+        f"built-in ones{then} (embedded engine only)",
+    )
+
+
+def _robot_option(made: argparse._ActionsContainer) -> None:
+    made.add_argument(
+        "--robot",
+        metavar="FILE",
+        help="what the robot offers and what it means, instead of ARCHO's config/robots/archo.yaml",
+    )
+
+
+def _check_options(made: argparse._ActionsContainer) -> None:
+    made.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="a Python file (or package.module) of rclpy nodes; what comes of it is a line a check "
+        "(TAP), with a hint for what is wrong",
+    )
+    _engine_option(made)
+    _interfaces_option(made)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -160,7 +207,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if argv is None else argv
     words, ros_args = split_ros_args(given)
     try:
-        code = _run(parser().parse_args(words), ros_args)
+        code = _obey(words, ros_args)
         if code == _AGAIN:
             os.execv(sys.executable, [sys.executable, "-m", "archo_tui", *given])
         if sys.stdout is not None:
@@ -179,6 +226,27 @@ def main(argv: Sequence[str] | None = None) -> int:
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
             signal.signal(signal.SIGINT, signal.default_int_handler)
     return code
+
+
+def _obey(words: list[str], ros_args: list[str]) -> int:
+    """Run the subcommand that is named, else the console."""
+    options = parser().parse_args(words)
+    if not options.command:
+        return _run(options, ros_args)
+    name, *rest = options.command
+    if name not in SUBCOMMANDS:
+        import difflib
+
+        near = difflib.get_close_matches(name, SUBCOMMANDS, n=1)
+        hint = f" (nearest: {near[0]})" if near else ""
+        raise ArchoError(f"no command {name!r}{hint}: one of {', '.join(SUBCOMMANDS)}")
+    what, add_options, run = SUBCOMMANDS[name]
+    made = _Parser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
+    add_options(made)
+    before = words[: -len(options.command)]  # of the console's options, some are its own too
+    if ros_args:
+        raise ArchoError(f"--ros-args is for the console, not for {name}")
+    return run(made.parse_intermixed_args([*before, *rest]))
 
 
 def _complain(said: str) -> None:
@@ -207,7 +275,7 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return own, ros
 
 
-def _keys(robot: str | None) -> int:
+def _keys(options: Namespace) -> int:
     """The current keymap, in the form of its file."""
     from pathlib import Path
 
@@ -216,12 +284,17 @@ def _keys(robot: str | None) -> int:
     from archo_tui.robots import load
 
     path = config_file("keymap.yaml")
-    commands = registry(load.load(Path(robot) if robot else load.default()))
+    commands = registry(load.load(Path(options.robot) if options.robot else load.default()))
     keys, others = keymap.load(path, commands)
     print(_safe(f"# {path}"))
     for command in commands:
-        line = f"{command.id}: {keys[command.id]}" if keys[command.id] else f"# {command.id}:"
-        print(_safe(f"{line:<{len(command.id) + 18}} # {command.place}: {command.help}"))
+        key, place = keys[command.id], command.place
+        line = f"{command.id}: {key}" if key else f"# {command.id}:"
+        if not key:
+            place = "in the palette only"
+            taker = keymap.who_has(command, command.key, keys, commands)
+            place += f", {command.key} is the key of {taker}" if taker else ""
+        print(_safe(f"{line:<{len(command.id) + 18}} # {place}: {command.help}"))
     if others:
         _complain(others)
     return 0
@@ -251,18 +324,9 @@ def _textual() -> str:
     return "not installed by its package"
 
 
-def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
+def _run(options: Namespace, ros_args: list[str]) -> int:
     if options.version:
         return _version(options.engine)
-    if options.keys:
-        return _keys(options.robot)
-    if options.journal:
-        from archo_tui.paths import journal_file
-
-        print(_safe(str(journal_file())))
-        return 0
-    if options.check:
-        return _check(options)
     from pathlib import Path
 
     if options.node:
@@ -305,7 +369,15 @@ def _run(options: argparse.Namespace, ros_args: list[str]) -> int:
     return code or (FAILED if stuck else 0)
 
 
-def _check(options: argparse.Namespace) -> int:
+def _journal(_options: Namespace) -> int:
+    """Where it is."""
+    from archo_tui.paths import journal_file
+
+    print(_safe(str(journal_file())))
+    return 0
+
+
+def _check(options: Namespace) -> int:
     """What the chapter asks, asked."""
     from pathlib import Path
 
@@ -315,7 +387,7 @@ def _check(options: argparse.Namespace) -> int:
     out = sys.stdout
     try:
         return run(
-            options.check,
+            options.files,
             options.engine,
             Path(options.interfaces) if options.interfaces else None,
             lambda line: print(line, file=out, flush=True),
@@ -325,7 +397,7 @@ def _check(options: argparse.Namespace) -> int:
         return FAILED
 
 
-def _plain(session: Session, options: argparse.Namespace, stdin: TextIO | None) -> int:
+def _plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     from archo_tui import plain
     from archo_tui.node_output import NodeOutput
     from archo_tui.shutdown import heed_signals
@@ -343,7 +415,7 @@ def _plain(session: Session, options: argparse.Namespace, stdin: TextIO | None) 
     return plain.run(session.station, None if stdin is None else stdin.fileno())
 
 
-def _console(session: Session, _options: argparse.Namespace, stdin: TextIO | None) -> int:
+def _console(session: Session, _options: Namespace, stdin: TextIO | None) -> int:
     _need_terminal(stdin)
     import asyncio
 
@@ -400,3 +472,11 @@ def _device(stream: TextIO) -> int:
     if sys.platform == "win32":
         return 0
     return os.fstat(stream.fileno()).st_rdev
+
+
+# what it does, its options, and what runs it
+SUBCOMMANDS: dict[str, tuple[str, Callable[[_Parser], None], Callable[[Namespace], int]]] = {
+    "check": ("ask nodes what the textbook's chapter asks", _check_options, _check),
+    "keys": ("print every key, in the form of keymap.yaml", _robot_option, _keys),
+    "journal": ("print the path of the journal, in JSON lines", lambda _: None, _journal),
+}

@@ -1,4 +1,4 @@
-"""`--check`: what learners write, right and wrong, and what each of them is told.
+"""`archo-tui check`: what learners write, right and wrong, and what each of them is told.
 
 A file in `share/learners/` begins with what is expected of it: `# ok: 1 2` are the checks that
 pass, `# not ok 3: WORDS` is one that fails and words of its hint, `# skip 1: WORDS` names what is
@@ -111,7 +111,7 @@ def test_a_learner_is_told(
         limit = 0.5 if chosen.ENGINE == "embedded" else 5.0
         monkeypatch.setattr("archo_tui.node_files.CONSTRUCTION_TIME", limit)
     monkeypatch.chdir(FOLDER)
-    code = main(["--engine", chosen.ENGINE, "--check", f"{name}.py"])
+    code = main(["check", "--engine", chosen.ENGINE, f"{name}.py"])
     said = capsys.readouterr()
     if expected.refused:
         assert code == 2
@@ -151,8 +151,7 @@ def test_a_learner_is_told(
 
 def check(capsys: pytest.CaptureFixture[str], *files: Path) -> tuple[int, list[str]]:
     """The exit code, and the lines that are not skipped."""
-    words = [word for file in files for word in ("--check", str(file))]
-    code = main(["--engine", chosen.ENGINE, *words])
+    code = main(["check", "--engine", chosen.ENGINE, *map(str, files)])
     first, *lines, plan = capsys.readouterr().out.splitlines()
     assert (first, plan) == ("TAP version 13", "1..11")
     return code, [line for line in lines if "# SKIP" not in line]
@@ -197,7 +196,7 @@ def test_an_interrupt_is_said(
         raise KeyboardInterrupt
 
     monkeypatch.setattr("archo_tui.chapter.asker.Asker.wait_for_crashes", interrupt)
-    code = main(["--engine", chosen.ENGINE, "--check", str(LISTINGS / "motor_parameters.py")])
+    code = main(["check", "--engine", chosen.ENGINE, str(LISTINGS / "motor_parameters.py")])
     said = capsys.readouterr()
     assert code == 1
     assert said.out.splitlines()[-1] == "Bail out! interrupted"

@@ -67,6 +67,13 @@ def test_version_and_help() -> None:
     said = archo("--help").stdout
     for option in ("--params-file", "--use-sim", "--namespace", "--engine", "--ros-args"):
         assert option in said
+    heads = [line for line in said.splitlines() if line.endswith(":") and line[0] != " "]
+    assert heads == [
+        *("examples:", "commands (archo-tui COMMAND --help says more):", "your own nodes:"),
+        *("the robot:", "ROS 2:", "how it is operated:", "about:"),
+    ]
+    examples = said.partition("examples:\n")[2].partition("\n\n")[0].splitlines()
+    assert [line[:11] for line in examples] == ["  archo-tui"] * 3
 
 
 @pytest.mark.parametrize(("columns", "width"), [("", 80), ("wide", 80), ("0", 80), ("60", 60)])
@@ -79,14 +86,14 @@ def test_help_is_as_wide_as_columns_say(
 
 
 def test_the_keymap_is_printed_in_the_form_of_its_file(tmp_path: Path, refused: Refused) -> None:
-    said = archo("--keys").stdout
+    said = archo("keys").stdout
     assert "stop: ctrl+x           # everywhere: STOP: software stop" in said
     (tmp_path / "config" / "archo-tui").mkdir(parents=True)
     file = tmp_path / "config" / "archo-tui" / "keymap.yaml"
     file.write_text(said.replace("stop: ctrl+x", "stop: f5"))
-    assert "\nstop: f5 " in archo("--keys").stdout
+    assert "\nstop: f5 " in archo("keys").stdout
     file.write_text("reset: 1\n")
-    assert refused("--keys") == f"{file}:1: 1 is already the key of panel_1"
+    assert refused("keys") == f"{file}:1: 1 is already the key of panel_1"
 
 
 def test_the_keymap_is_that_of_the_robot_file(
@@ -95,7 +102,7 @@ def test_the_keymap_is_that_of_the_robot_file(
     file = str(Path(__file__).parent / "robots" / "rover.yaml")
 
     def keys(*words: str) -> str:
-        assert main(["--keys", *words]) == 0
+        assert main(["keys", *words]) == 0
         return capsys.readouterr().out
 
     assert "\ndock: D " in keys("--robot", file)
@@ -107,7 +114,7 @@ def test_the_keymap_is_that_of_the_robot_file(
     assert "\nreset: f7 " in keys()
 
 
-@pytest.mark.parametrize("mode", [[], ["--plain"], ["--keys"]])
+@pytest.mark.parametrize("mode", [[], ["--plain"], ["keys"]])
 def test_a_wrong_robot_file_is_one_line_before_the_terminal_is_touched(
     mode: list[str],
     tmp_path: Path,
@@ -122,7 +129,7 @@ def test_a_wrong_robot_file_is_one_line_before_the_terminal_is_touched(
     assert said == f"archo-tui: {file}:2: unknown key batery (nearest: battery)\n"
 
 
-@pytest.mark.parametrize("mode", [[], ["--plain"], ["--keys"]])
+@pytest.mark.parametrize("mode", [[], ["--plain"], ["keys"]])
 @pytest.mark.parametrize(
     ("key", "said"),
     [
@@ -145,13 +152,14 @@ def test_a_key_that_is_taken_is_one_line_in_each_face(
     blink = "  - {id: blink, title: Blink, service: blink, key: b}\n"
     file.write_text(f"commands:\n{blink}{beep}")
     monkeypatch.setattr("archo_tui.cli._need_terminal", lambda _: None)
-    words = ["--engine", chosen.ENGINE, "--only", "--robot", str(file), *mode]
+    hosted = [] if mode == ["keys"] else ["--engine", chosen.ENGINE, "--only"]
+    words = [*hosted, "--robot", str(file), *mode]
     assert main(words) == 2
     assert capsys.readouterr().err == f"archo-tui: {file}:3: {said}\n"
 
 
 def test_without_docstrings_the_help_texts_are_there() -> None:
-    command = [sys.executable, "-OO", "-m", "archo_tui", "--keys"]
+    command = [sys.executable, "-OO", "-m", "archo_tui", "keys"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
     assert "everywhere: STOP: software stop" in done.stdout
 
@@ -164,25 +172,73 @@ def test_nothing_that_is_printed_reaches_the_terminal_as_a_sequence(
     robot.write_text(text.replace("help: Reset the", r'help: "\e[31mReset"#'), encoding="utf-8")
     monkeypatch.setenv("TERM", "\x1b[31m")
     monkeypatch.setenv("XDG_STATE_HOME", "/tmp/\x1b[31m")
-    for words in (["--version"], ["--journal"], ["--keys", "--robot", str(robot)]):
+    for words in (["--version"], ["journal"], ["keys", "--robot", str(robot)]):
         assert main(words) in (0, 2)
-    with pytest.raises(SystemExit):
-        main(["--\x1b[31m"])
+    for words in (["--\x1b[31m"], ["\x1b[31m"], ["keys", "\x1b[31m"]):
+        assert main(words) == 2
     out, err = capsys.readouterr()
     assert "\x1b" not in out + err
-    assert (out.count(RED), err.count(RED)) == (3, 1)
+    assert (out.count(RED), err.count(RED)) == (3, 2)
 
 
-def test_no_option_is_taken_for_another(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main(["--nod", "x.py"])
-    assert "unrecognized arguments: --nod x.py" in capsys.readouterr().err
+ONE = "one of check, keys, journal"
 
 
-def test_an_unknown_option_is_refused(refused: Refused) -> None:
-    done = archo("--no-such")
-    assert done.returncode == 2
-    assert "unrecognized arguments: --no-such" in done.stderr
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("--no-such", "unrecognized arguments: --no-such (see archo-tui --help)"),
+        ("--nod x.py", "unrecognized arguments: --nod (see archo-tui --help)"),
+        ("--engine", "argument --engine: expected one argument (see archo-tui --help)"),
+        ("chek x.py", f"no command 'chek' (nearest: check): {ONE}"),
+        ("--only battery.py", f"no command 'battery.py': {ONE}"),
+        ("check", "the following arguments are required: FILE (see archo-tui check --help)"),
+        ("journal x", "unrecognized arguments: x (see archo-tui journal --help)"),
+        ("keys --rob x", "unrecognized arguments: --rob x (see archo-tui keys --help)"),
+        ("keys --engine ros2", "unrecognized arguments: --engine ros2 (see archo-tui keys --help)"),
+        ("--plain check x.py", "unrecognized arguments: --plain (see archo-tui check --help)"),
+        (
+            "--namespace /r keys",
+            "unrecognized arguments: --namespace /r (see archo-tui keys --help)",
+        ),
+        ("check x.py --ros-args -p a:=1", "--ros-args is for the console, not for check"),
+    ],
+)
+def test_words_that_mean_nothing_are_refused(words: str, said: str, refused: Refused) -> None:
+    assert refused(*words.split()) == said
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "check a.py b.py --engine ros2 --interfaces d",
+        "check --engine ros2 a.py --interfaces d b.py",
+        "--interfaces d --engine ros2 check a.py b.py",
+    ],
+)
+def test_a_subcommand_takes_its_options_anywhere(
+    words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ran: list[tuple[object, ...]] = []
+
+    def run(*given: object) -> int:
+        ran.append(given[:3])
+        return 0
+
+    monkeypatch.setattr("archo_tui.check.run", run)
+    assert main(words.split()) == 0
+    assert ran == [(["a.py", "b.py"], "ros2", Path("d"))]
+
+
+def test_each_subcommand_has_a_help_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
+    for name, options in (("check", "FILE"), ("keys", "--robot"), ("journal", "--help")):
+        with pytest.raises(SystemExit) as ended:
+            main([name, "--help"])
+        said = capsys.readouterr().out
+        assert ended.value.code == 0
+        assert said.startswith(f"usage: archo-tui {name} [-h]")
+        assert options in said
+        assert "--plain" not in said
 
 
 def test_without_a_terminal_it_says_so() -> None:
@@ -274,7 +330,7 @@ def test_leaving_a_goal_running_needs_a_robot_elsewhere(refused: Refused) -> Non
 
 
 def test_the_journals_path_is_printed() -> None:
-    assert archo("--journal").stdout.endswith("/state/archo-tui/journal.jsonl\n")
+    assert archo("journal").stdout.endswith("/state/archo-tui/journal.jsonl\n")
 
 
 @pytest.mark.parametrize(

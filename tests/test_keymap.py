@@ -7,8 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from archo_tui.cli import main
 from archo_tui.commands import keymap, registry
+from archo_tui.commands.base import Command
 from archo_tui.errors import ArchoError
+from archo_tui.paths import config_file
 from tests.console.states import NORMAL
 from tests.support.archo import ARCHO
 from tests.support.stub import stub_app
@@ -97,6 +100,66 @@ def test_the_consoles_own_keys_are_not_a_robot_files_to_take(
     with pytest.raises(ArchoError) as caught:
         keymap.load(tmp_path / "none.yaml", registry(robot))
     assert str(caught.value) == f"mine.yaml:7: {said}"
+
+
+class Replay(Command):
+    id, key, help = "replay", "v", "Replay a recording"
+    yields = True
+
+
+@pytest.mark.parametrize(
+    ("robots", "text", "key"),
+    [
+        ("", "", "v"),
+        ("", "reset: f5\n", "v"),
+        ("", "reset: v\n", ""),
+        ("v", "", ""),
+        ("v", "reset: v\nbeep: f6\n", ""),
+        ("v", "beep: f6\n", "v"),
+        ("v", "replay: f6\n", "f6"),
+    ],
+)
+def test_a_new_key_yields_to_a_robot_files_and_a_keymaps(
+    robots: str,
+    text: str,
+    key: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    beep = replace(ARCHO.commands[0], id="beep", where="mine.yaml:7", key=robots)
+    commands = (Replay(), *registry(replace(ARCHO, commands=(ARCHO.commands[0], beep))))
+    file = config_file("keymap.yaml")
+    file.parent.mkdir(parents=True)
+    file.write_text(text)
+    assert keymap.load(file, commands)[0]["replay"] == key
+    monkeypatch.setattr("archo_tui.commands.registry", lambda _: commands)
+    assert main(["keys"]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if "replay:" in line)
+    if key:
+        assert line.split("#")[0].strip() == f"replay: {key}"
+    else:
+        taker = "reset" if "reset" in text else "beep"
+        said = f"# in the palette only, v is the key of {taker}: Replay a recording"
+        assert line == f"# replay:                {said}"
+
+
+def test_a_new_key_that_a_keymap_names_is_kept_or_refused(tmp_path: Path) -> None:
+    file = tmp_path / "keymap.yaml"
+    file.write_text("reset: v\nreplay: v\n")
+    with pytest.raises(ArchoError, match=":1: v is already the key of replay"):
+        keymap.load(file, (*COMMANDS, Replay()))
+
+
+async def test_a_command_that_yielded_is_in_the_helps_palette_only_part(tmp_path: Path) -> None:
+    app = stub_app(NORMAL, keys=load(tmp_path, "") | {"history": ""})
+    async with app.run_test(size=(160, 48)) as pilot:
+        await pilot.press("question_mark", *"history")
+        await pilot.pause()
+        lines = [strip.text for strip in app.screen._compositor.render_strips()]
+        titles = [line for line in lines if "In the palette only" in line]
+        assert len(titles) == 1
+        below = lines[lines.index(titles[0]) + 1]
+        assert "Show the history on the full screen" in below
 
 
 async def test_the_screen_says_and_takes_the_chosen_keys(tmp_path: Path) -> None:

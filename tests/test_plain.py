@@ -236,8 +236,8 @@ def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:
         ("archo --plain <&-", 0, ""),
         ("archo --plain >&- </dev/null", 2, "--plain needs a standard output, and it is closed"),
         ("echo status | archo --plain >/dev/full", 1, ""),
-        ("archo --keys >/dev/full", 1, "cannot write to standard output: No space left"),
-        ("archo --keys >&-", 0, ""),
+        ("archo keys >/dev/full", 1, "cannot write to standard output: No space left"),
+        ("archo keys >&-", 0, ""),
         ("archo --help >&-", 0, ""),
         ("echo nonsense | archo --plain 2>&-", 1, ""),
         (
@@ -262,13 +262,13 @@ def test_an_ascii_output_gets_ascii() -> None:
     assert b"battery * GOOD" in done.stdout
 
 
-@pytest.mark.parametrize("option", ["--help", "--keys", "--journal"])
-def test_a_user_without_a_home_is_no_traceback(option: str) -> None:
+@pytest.mark.parametrize("word", ["--help", "keys", "journal"])
+def test_a_user_without_a_home_is_no_traceback(word: str) -> None:
     code = (
         "import os, sys; os.environ.pop('HOME', None); os.environ.pop('XDG_STATE_HOME', None); "
         "os.environ.pop('XDG_CONFIG_HOME', None); import pwd; "
         "pwd.getpwuid = lambda uid: (_ for _ in ()).throw(KeyError(uid)); "
-        f"from archo_tui.cli import main; sys.exit(main([{option!r}]))"
+        f"from archo_tui.cli import main; sys.exit(main([{word!r}]))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
     assert (done.returncode, done.stderr) == (0, b"")

@@ -112,6 +112,7 @@ class Command:
     once: bool = False  # a held key gives it once; not again before the answer
     every: float = 0.0  # s until it is sent again while there is no answer
     acts: bool = False  # on the robot: not while watching only
+    yields: bool = False  # its key is newer than 0.1.0: a robot file or a keymap may take it
     from_file: str = ""  # file and line of the robot file that it comes from
 
     @property

@@ -57,7 +57,7 @@ class ShowHelp(Command):
         entries = [
             Entry(
                 command.place[0].upper() + command.place[1:]
-                if command.key
+                if console.view.key(command.id)
                 else "In the palette only",
                 console.view.key(command.id),
                 command.help,

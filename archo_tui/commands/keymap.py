@@ -36,7 +36,8 @@ _SENT_AS = {
 def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
     """The key of every command by its id, and a line about those that this robot does not have.
 
-    One keymap serves several robots. Raises ArchoError that names the line.
+    One keymap serves several robots. A command that yields has no key when another took it.
+    Raises ArchoError that names the line.
     """
     commands = list(commands)
     keys = robots_keys(commands)
@@ -51,10 +52,14 @@ def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
             continue
         keys[name] = _checked(f"{path}:{line}", known[name], key)
         lines[name] = line
+    yielding = [command for command in commands if command.yields and command.id not in lines]
+    for command in yielding:
+        if who_has(command, keys[command.id], keys, commands):
+            keys[command.id] = ""
     for name, line in lines.items():
-        for other in known.values():
-            if other.id != name and keys[other.id] == keys[name] and _meet(known[name], other):
-                raise ArchoError(f"{path}:{line}: {keys[name]} is already the key of {other.id}")
+        other = who_has(known[name], keys[name], keys, commands)
+        if other:
+            raise ArchoError(f"{path}:{line}: {keys[name]} is already the key of {other}")
     said = f"{path}: this robot has no command {', '.join(others)}: left out" if others else ""
     return keys, said
 
@@ -65,7 +70,7 @@ def robots_keys(commands: Sequence[Command]) -> dict[str, str]:
     Raises ArchoError that names the robot file's line.
     """
     keys = {command.id: command.key for command in commands if not command.from_file}
-    core = {key: name for name, key in keys.items() if key}
+    core = {c.key: c.id for c in commands if c.key and not c.from_file and not c.yields}
     for command in commands:
         if not command.from_file:
             continue
@@ -76,6 +81,14 @@ def robots_keys(commands: Sequence[Command]) -> dict[str, str]:
         if keys[command.id]:
             core[keys[command.id]] = command.id
     return keys
+
+
+def who_has(
+    command: Command, key: str, keys: Mapping[str, str], commands: Iterable[Command]
+) -> str:
+    """The id of another command that has the key where this one would get it; empty: none has."""
+    others = (c.id for c in commands if c is not command and _meet(command, c))
+    return next((name for name in others if key and keys[name] == key), "")
 
 
 def shown(key: str) -> str:

@@ -74,7 +74,7 @@ def _words(robot: Robot) -> Faults:
     for what, word, where in found:
         if not _ID.fullmatch(word):
             yield where, f"{word!r} is not a valid {what}: small letters, digits and _"
-        if word in words.TAKEN:
+        if word in words.RESERVED:
             yield where, f"the {what} {word} is the console's own: choose another"
         if word in used:
             yield where, f"duplicate {what} {word}: choose another"

@@ -7,29 +7,32 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-# what `--plain` takes
-VERBS = (
-    *("go", "cancel", "continue", "skip", "stop", "release"),
-    *("set", "undo", "params", "status", "help", "quit"),
+RESERVED = frozenset(
+    {
+        # verbs, as they are typed
+        *("go", "cancel", "continue", "skip", "stop", "release", "get", "set", "undo", "params"),
+        *("save", "load", "nodes", "start", "halt", "copy", "alarms", "ack", "shelve"),
+        *("status", "events", "history", "keep", "help", "quit"),
+        # subcommands of archo-tui
+        *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
+        *("recordings", "replay", "rewind"),
+        # what only the screen has, as in a keymap
+        *("cancel_all", "continue_queue", "drop_target", "give_up_stop"),
+        *("any_goal", "any_service", "keep_robot", "acknowledge"),
+        *(f"panel_{number}" for number in range(1, 8)),
+        *("edit", "restore", "switch", "only_changed", "filter"),
+        *("start_stop", "copy_node", "details"),
+        *("level", "search", "copy_command", "full_screen", "whole_event", "save_events"),
+        *("shorter", "longer"),
+        *("help_everywhere", "palette", "quiet_alarms", "suspend", "quit_everywhere"),
+    }
 )
-# the ids of the screen's commands, as in a keymap
-COMMANDS = (
-    *("go", "cancel", "cancel_all", "continue_queue", "drop_target", "stop", "give_up_stop"),
-    *("release", "any_goal", "any_service", "keep_robot", "acknowledge", "alarms"),
-    *(f"panel_{number}" for number in range(1, 8)),
-    *("edit", "restore", "switch", "only_changed", "filter", "undo", "save", "load"),
-    *("start_stop", "copy_node", "details"),
-    *("level", "search", "copy_command", "full_screen", "whole_event", "save_events"),
-    *("history", "shorter", "longer"),
-    *("help", "help_everywhere", "palette", "quiet_alarms", "suspend", "quit", "quit_everywhere"),
-)
-TAKEN = frozenset((*VERBS, *COMMANDS))
 
 
 def free(word: str, used: Collection[str]) -> str:
-    """The word, or the first of `word_2`, `word_3` ... that is neither taken nor used."""
+    """The word, or the first of `word_2`, `word_3` ... that is neither reserved nor used."""
     numbered, number = word, 1
-    while numbered in TAKEN or numbered in used:
+    while numbered in RESERVED or numbered in used:
         number += 1
         numbered = f"{word}_{number}"
     return numbered

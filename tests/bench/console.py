@@ -139,7 +139,7 @@ def commands() -> None:
     took: dict[str, list[float]] = {}
     program = str(Path(sys.executable).with_name("archo-tui"))
     for _ in range(2 * ROUNDS):
-        for words in ("-c pass", "--help", "--version", "--journal"):
+        for words in ("-c pass", "--help", "--version", "journal"):
             command = [sys.executable if "pass" in words else program, *words.split()]
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
             subprocess.run(command, stdout=subprocess.DEVNULL, check=False)

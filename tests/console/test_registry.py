@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from pathlib import Path
+from pkgutil import iter_modules
 
 import pytest
+from textual.binding import Binding
 from textual.widgets import Input
 
+from archo_tui import screens
 from archo_tui.app import ArchoApp
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command
 from archo_tui.commands.keymap import shown
 from archo_tui.keyed_app import HELD
 from archo_tui.widgets.field import INTEGER
+from archo_tui.widgets.rows import Rows
 from tests.console.states import STATES
 from tests.support.archo import ARCHO
 from tests.support.console import send
@@ -26,6 +31,72 @@ PLACES = [f"panel {number}" for number in range(1, 7)] + [
     "shelf field", "begun shelf field", "filter field", "search field", "full screen",
     "edit dialog", "question", "help", "file dialog", "palette",
 ]  # fmt: skip
+
+
+# every key, by place: one that is new has to find its room here
+KEYS = {
+    EVERYWHERE: {
+        "ctrl+c": "cancel", "ctrl+x": "stop", "ctrl+p": "palette", "ctrl+z": "suspend",
+        "ctrl+q": "quit_everywhere", "f1": "help_everywhere",
+    },
+    NOT_TYPING: {
+        **{str(number): f"panel_{number}" for number in range(1, 8)},
+        "a": "acknowledge", "c": "charge", "g": "go", "h": "history", "k": "drop_target",
+        "n": "continue_queue", "q": "quit", "r": "reset",
+        "A": "alarms", "C": "any_service", "G": "any_goal", "R": "release",
+        "left_square_bracket": "shorter", "right_square_bracket": "longer",
+        "question_mark": "help",
+    },
+    "in Parameters": {
+        "d": "only_changed", "u": "undo", "enter": "edit", "backspace": "restore",
+        "space": "switch", "slash": "filter", "ctrl+s": "save", "ctrl+o": "load",
+    },
+    "in Nodes": {"s": "start_stop", "plus": "copy_node", "enter": "details"},
+    "in Events": {
+        "e": "full_screen", "l": "level", "y": "copy_command", "enter": "whole_event",
+        "slash": "search", "ctrl+s": "save_events",
+    },
+    "ArchoApp": {
+        "escape": "leave_field", "enter": "next_field",
+        **{key: f"move('{key}')" for key in Rows.KEYS},
+    },
+    "AlarmList": {
+        "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "escape": "close", "q": "close",
+    },
+    "Choose": {"escape": "close"},
+    "Confirm": {
+        "escape": "safe", "n": "safe", "y": "yes",
+        "left": "app.focus_previous", "right": "app.focus_next",
+    },
+    "Help": {"escape": "close", "pageup": "scroll(-1)", "pagedown": "scroll(1)"},
+    "Form": {"escape": "close"},
+    "MessageForm": {"escape": "close", "ctrl+s": "send"},
+    "ShowText": {"escape": "close", "enter": "close", "q": "close"},
+}  # fmt: skip
+
+
+def test_every_key_stands_in_the_table_once() -> None:
+    found: dict[str, dict[str, str]] = {}
+    for command in COMMANDS:
+        there = found.setdefault(command.place, {})
+        assert command.key not in there
+        if command.key:
+            there[command.key] = command.id
+    for name in ("app", *(f"screens.{one.name}" for one in iter_modules(screens.__path__))):
+        module = import_module(f"archo_tui.{name}")
+        for thing in vars(module).values():
+            if isinstance(thing, type) and thing.__module__ == module.__name__:
+                made = Binding.make_bindings(vars(thing).get("BINDINGS", ()))
+                if bound := {binding.key: binding.action for binding in made}:
+                    found[thing.__name__] = bound
+    assert found == KEYS
+
+
+def test_no_key_of_a_panel_is_one_of_every_panel() -> None:
+    everywhere = [*KEYS[EVERYWHERE], *KEYS[NOT_TYPING]]
+    assert len(set(everywhere)) == len(everywhere)
+    for place in ("in Parameters", "in Nodes", "in Events"):
+        assert not KEYS[place].keys() & set(everywhere)
 
 
 async def go_to(app: ArchoApp, quiet: Quiet, place: str) -> int:

@@ -122,7 +122,8 @@ def _until(holds: Callable[[], object], what: Callable[[], str]) -> None:
 
 def shell(command: str, **environ: str) -> subprocess.CompletedProcess[bytes]:
     """Run a line of shell with `archo` in it."""
-    archo = f"{shlex.quote(sys.executable)} -m archo_tui --engine {chosen.ENGINE}"
+    archo = f"{shlex.quote(sys.executable)} -m archo_tui"
+    command = command.replace("archo --plain", f"archo --engine {chosen.ENGINE} --plain")
     given = {"ROS_DOMAIN_ID": str(chosen.next_domain()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
     return subprocess.run(
         ["sh", "-c", command.replace("archo", archo)],
