@@ -56,7 +56,7 @@ KEYS = {
         "e": "full_screen", "l": "level", "y": "copy_command", "enter": "whole_event",
         "slash": "search", "ctrl+s": "save_events",
     },
-    "ArchoApp": {
+    "KeyedApp": {
         "escape": "leave_field", "enter": "next_field",
         **{key: f"move('{key}')" for key in Rows.KEYS},
     },
@@ -82,7 +82,7 @@ def test_every_key_stands_in_the_table_once() -> None:
         assert command.key not in there
         if command.key:
             there[command.key] = command.id
-    for name in ("app", *(f"screens.{one.name}" for one in iter_modules(screens.__path__))):
+    for name in ("keyed_app", *(f"screens.{one.name}" for one in iter_modules(screens.__path__))):
         module = import_module(f"archo_tui.{name}")
         for thing in vars(module).values():
             if isinstance(thing, type) and thing.__module__ == module.__name__:
