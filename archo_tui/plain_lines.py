@@ -7,7 +7,7 @@ import re
 LONGEST = 64 * 1024  # bytes of a line that is taken
 TOO_LONG = b"\n"  # in place of a line that is longer; no line can be that
 
-# what a terminal sends for a key that is no letter, or around what is pasted
+# what a terminal sends for a key that is not a letter, or around what is pasted
 _KEY = re.compile(r"\x1b(\[[0-?]*[ -/]*[@-~]|O[@-~])")
 _STOP = re.compile(r"[\W_]*stop(?!\w)", re.IGNORECASE)
 

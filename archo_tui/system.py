@@ -21,7 +21,7 @@ CAN_SUSPEND = hasattr(signal, "SIGTSTP")
 
 
 def user_name() -> str:
-    """Who runs this process; in a container a number, which is no user's."""
+    """Who runs this process; in a container a number that belongs to no user."""
     with contextlib.suppress(KeyError, OSError, ImportError):  # the last: without the module pwd
         return getpass.getuser()
     if sys.platform != "win32" and hasattr(os, "getuid"):

@@ -104,7 +104,7 @@ class AnyService(_AnyOf):
                 console.say(outcome.text, name)
                 short = name.rpartition("/")[2]
                 known = [old for old in console.used.commands if old.service != name]
-                if not values:  # one with fields is no command of a robot file
+                if not values:  # one with fields cannot be a command of a robot file
                     used = Service(id=_id(console, name), title=short, service=name)
                     console.used = replace(console.used, commands=(*known, used))
             return outcome

@@ -101,7 +101,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def plan(path: Path, parameters: Sequence[Parameter]) -> Plan:
-    """What loading a file now would change. Raises ArchoError when it is no parameter file."""
+    """What loading a file now would change. Raises ArchoError when it is not a parameter file."""
     overrides = files.load([path])
     changes, problems = [], []
     for parameter in parameters:

@@ -36,7 +36,7 @@ INTEGERS = {
 
 
 def element_of(kind: str) -> str | None:
-    """The type of a list's elements; None of a type that is no list's."""
+    """The type of a list's elements; None when it is not a list's."""
     found = _ARRAY.fullmatch(kind)
     return None if found is None else found["of"] or found["each"]
 

@@ -23,7 +23,7 @@ from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robots.model import Field
 
-FARTHEST = 1e6  # a remainder beyond that is no reading
+FARTHEST = 1e6  # a remainder beyond that is not a reading
 FIRST_FEEDBACK = 15.0  # s without a word, before its pace is known, until it counts as lost
 ASK_AGAIN = 5.0  # s without a word of a goal itself, until its server is asked whether it knows it
 SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost

@@ -64,7 +64,7 @@ def parse(leaf: Leaf, given: Input, text: str) -> Any:
 def _check_range(leaf: Leaf, given: Input, value: Any, label: str, shown: str) -> None:
     low, high = INTEGERS.get(leaf.type, (None, None))
     low, high = _or(given.low, low), _or(given.high, high)
-    # written so that nan, which is not less than anything, is no number of a range either
+    # written so that nan, which is not less than anything, is not in a range either
     if low is not None and not value >= low:
         raise ValueError(f"{label}: at least {low:.15g}, not {shown}")
     if high is not None and not value <= high:

@@ -1,4 +1,4 @@
-"""What a message's fields hold, checked: a value out of its range is no reading."""
+"""What a message's fields hold, checked: a value out of its range is not a reading."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def read(field: Field | None, message: Any) -> Any:
 
 
 def number(value: Any, low: float, high: float) -> float | None:
-    """A number within low .. high, or None; NaN and a bool are none."""
+    """A number within low .. high, or None, also for NaN and a bool."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None
     return float(value) if math.isfinite(value) and low <= value <= high else None
@@ -50,5 +50,5 @@ def flag(value: Any) -> bool | None:
 
 
 def as_received(value: Any) -> str:
-    """A value that is no reading, in few characters."""
+    """A value that is not a reading, in few characters."""
     return f"{value:g}" if isinstance(value, float) else str(value)[:20]

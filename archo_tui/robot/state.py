@@ -119,7 +119,7 @@ class Goal(NamedTuple):
     started: float | None = None  # when it was accepted
     ended: float | None = None
     cancel_asked: float | None = None
-    unreadable: str = ""  # the last remainder as received, when it is none
+    unreadable: str = ""  # the last remainder as received, when it is not one
     feedback: str = ""  # the last feedback, field by field
     message: str = ""  # the robot's own words for the end, or the reason of a refusal
     mine: bool = True  # else another client's, whose values are not on the graph
@@ -171,7 +171,7 @@ class Goal(NamedTuple):
 
 
 class Leaf(NamedTuple):
-    """One field of a message that is no message itself."""
+    """One field of a message, not itself a message."""
 
     path: str  # dotted
     type: str  # as rclpy names it: int32, double, string<10>, sequence<int32>

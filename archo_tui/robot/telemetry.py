@@ -24,7 +24,7 @@ _DEPTH = 10
 _SAMPLE_PERIOD = 1.0  # s between two samples of the charge that are kept
 _SAMPLES = 300
 _JUMP = 0.5  # % in the wrong direction that is more than noise
-_MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V, m/s; beyond that it is no reading
+_MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V, m/s; beyond that it is not a reading
 _MOST = 1e15  # of a gauge without a range: so many digits a double has
 
 

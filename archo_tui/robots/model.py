@@ -151,7 +151,7 @@ class Service:
 
     @property
     def off_word(self) -> str:
-        """What is typed for a toggle to send false; empty for what is no toggle."""
+        """What is typed for a toggle to send false; empty when it is not a toggle."""
         return (self.off or f"{self.id}_off") if self.toggle else ""
 
     def is_about(self, topic: Literal["battery", "motion"]) -> bool:
@@ -168,7 +168,7 @@ class Gauge:
     type: str
     field: Field
     unit: str = ""
-    low: float | None = None  # beyond low .. high it is no reading
+    low: float | None = None  # beyond low .. high it is not a reading
     high: float | None = None
     warn_below: float | None = None
     warn_above: float | None = None

@@ -1,4 +1,4 @@
-"""What a terminal sends that is no key: what Textual reads of it, and what is dropped."""
+"""What a terminal sends that is not a key: what Textual reads of it, and what is dropped."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bytes of a terminal as text: UTF-8, and the 8-bit controls that are none."""
+"""Bytes of a terminal as text: UTF-8, and the 8-bit controls, which are not UTF-8."""
 
 from __future__ import annotations
 

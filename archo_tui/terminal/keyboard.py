@@ -83,13 +83,13 @@ class Keyboard:
         return [message for piece in pieces for message in self._of(piece)]
 
     def _of(self, piece: str) -> list[Message]:
-        """What comes of a whole piece; of what is no key, and nothing for Textual, nothing does."""
+        """What comes of a whole piece: nothing, when it is neither a key nor for Textual."""
         if piece == ESCAPE:
             return [events.Key("escape", ESCAPE)]
         if len(piece) == 1 or FOR_TEXTUAL.fullmatch(piece):
             return self._parse(piece)
         keys = keys_of(piece)
-        # its table has characters for some: alt+1 is none
+        # its table has characters for some that are not typed: alt+1
         if len(piece) == 2 and not isinstance(ANSI_SEQUENCES_KEYS.get(piece), tuple):
             keys = [alt_key(piece[1])]
         return [*(keys or [])]

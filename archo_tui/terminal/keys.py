@@ -25,7 +25,7 @@ _CHARACTERS = {"backspace": "\x7f", "enter": "\r", "tab": "\t"}
 
 
 def keys_of(sequence: str) -> list[events.Key] | None:
-    """The keys of a whole sequence, none for a key that is let go; None when it is no key."""
+    """The keys of a whole sequence, none for a key that is let go; None when it is not a key."""
     if match := _EXTENDED.fullmatch(sequence):
         keys = _extended(*(match[group] or "" for group in range(1, 5)))
         if keys is not None:

@@ -63,7 +63,7 @@ def tones(variables: Mapping[str, str]) -> dict[str, str]:
 
 
 def grey(variables: Mapping[str, str]) -> dict[str, str]:
-    """The surfaces as greys: of 256 colours the darkest that are none are blue, or black."""
+    """The surfaces as greys: of 256 colours the darkest others are blue, or black."""
     names = ("background", "surface", "panel", "scrollbar-background", "scrollbar-corner")
     found = {}
     for name, value in variables.items():

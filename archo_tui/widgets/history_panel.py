@@ -94,7 +94,7 @@ def _plot(
 
 
 def _round(high: float) -> float:
-    """The next of 1, 2, 5, 10, ... that is no less: a scale that seldom changes."""
+    """The smallest of 1, 2, 5, 10, ... that is not below it: a scale that seldom changes."""
     power = 10.0 ** math.floor(math.log10(high))
     return next(step * power for step in (1, 2, 5, 10) if high <= step * power)
 

@@ -37,7 +37,7 @@ def pad(text: str, width: int) -> str:
 def crop(text: str, width: int) -> str:
     """Text in at most `width` cells, with `…` at its end where it is cut: no digit ends there."""
     if cell_len(text) > width:
-        text = text.rstrip()  # blanks are no loss
+        text = text.rstrip()  # blanks need no ellipsis
     return text if cell_len(text) <= width else set_cell_size(text, max(width - 1, 0)) + "…"
 
 

@@ -17,7 +17,11 @@ from tests.bench.process import Program, resident
 SAVES, EACH = 200, 40
 ROBOT = ("-p", "route_length:=1000.0", "-p", "feedback_period:=0.1")
 NODE = Path(__file__).parents[2] / "nodes" / "archo_bringup" / "motor_controller.py"
-BROKEN = ("this is no Python\n", "import nothing_of_that_name\n", "raise ValueError('at import')\n")
+BROKEN = (
+    "not Python\n",
+    "import nothing_of_that_name\n",
+    "raise ValueError('at import')\n",
+)
 RAISES = "class Broken(Node):\n    def __init__(self):\n        raise KeyError('at construction')\n"
 
 

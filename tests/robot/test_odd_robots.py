@@ -35,7 +35,7 @@ from tests.support.stub import StandingClock, stub_app
 
 
 class Unset(Node):
-    """Has a parameter that was declared and never set, and one that is no number."""
+    """Has a parameter that was declared and never set, and one that is not a number."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("unset", **options)

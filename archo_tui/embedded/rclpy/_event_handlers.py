@@ -84,7 +84,7 @@ class EventHandler(Entity):
             return partial(self.callback, self._info())
 
     def _info(self) -> Any:
-        """What the callback is given; what it tells of is no news from now on."""
+        """What the callback is given; what it tells of is not new from now on."""
         raise NotImplementedError
 
     def _change(self) -> int:

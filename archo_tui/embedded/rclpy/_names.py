@@ -79,7 +79,7 @@ def node_name_problem(name: str) -> Problem:
 def topic_problem(name: str) -> Problem:
     """What ROS says against a topic's or a service's name, before it is expanded.
 
-    Raises TypeError for what is no text.
+    Raises TypeError for anything but a text.
     """
     if not isinstance(name, str):
         raise TypeError(f"a name is a str, not {type(name).__name__}")

@@ -81,7 +81,7 @@ class NodeParameters:
     ) -> list[Parameter[Any]]:
         """Declare several `(name, value, descriptor)` under a prefix; none if a name is bad.
 
-        Raises TypeError for what is no such tuple, and as `declare_parameter`.
+        Raises TypeError for anything but such a tuple, and as `declare_parameter`.
         """
         prefix = f"{namespace}{PARAMETER_SEPARATOR_STRING}" if namespace else ""
         whole = [_checked(place, prefix, given) for place, given in enumerate(parameters)]
@@ -192,7 +192,7 @@ class NodeParameters:
     def set_parameters(self, parameter_list: list[Parameter[Any]]) -> list[SetParametersResult]:
         """Set one by one; refusals are in the results.
 
-        Raises ParameterNotDeclaredException, TypeError for what is no Parameter.
+        Raises ParameterNotDeclaredException, TypeError for anything but a Parameter.
         """
         _check_are_parameters(parameter_list)
         return [self.set_parameters_atomically([parameter]) for parameter in parameter_list]
@@ -202,7 +202,7 @@ class NodeParameters:
     ) -> SetParametersResult:
         """Set all or none; a refusal is in the result.
 
-        Raises ParameterNotDeclaredException, TypeError for what is no Parameter.
+        Raises ParameterNotDeclaredException, TypeError for anything but a Parameter.
         """
         _check_are_parameters(parameter_list)
         before = self._pre_set_parameters_callbacks
@@ -268,7 +268,7 @@ class NodeParameters:
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
         """Names below the prefixes (all when there is none), `depth` levels deep (0: any).
 
-        Raises TypeError for what is no list of prefixes or no number, ValueError for a negative
+        Raises TypeError for anything but a list of prefixes and a number, ValueError for a negative
         depth.
         """
         if not isinstance(prefixes, list):

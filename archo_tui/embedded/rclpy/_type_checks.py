@@ -8,7 +8,7 @@ from typing import Any
 
 
 def check_action(kind: Any) -> None:
-    """Raises AttributeError for what is no action."""
+    """Raises AttributeError for anything but an action."""
     if not hasattr(kind, "Impl"):
         raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no action type")
 

@@ -231,7 +231,7 @@ class ROSClock(Clock):
             timer._change_time(simulated=enabled, until_ns=before)
 
     def set_ros_time_override(self, time: Time) -> None:
-        """The simulated time is this now. Raises TypeError for what is no Time."""
+        """The simulated time is this now. Raises TypeError for anything but a Time."""
         if not isinstance(time, Time):
             raise TypeError(
                 f"Time must be specified as rclpy.time.Time. Received type: {type(time)}"

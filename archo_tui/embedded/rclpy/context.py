@@ -43,14 +43,14 @@ class Context:
         Contexts of one domain talk.
 
         Raises RuntimeError when it was begun before, RCLError and its kin for bad arguments,
-        UnicodeEncodeError for those that are no UTF-8.
+        UnicodeEncodeError for those that are not UTF-8.
         """
         with self._lock:
             if self._has_begun:
                 raise RuntimeError("Context.init() must only be called once")
             args = sys.argv if args is None else args
             for argument in args:
-                argument.encode()  # as rcl takes it: UnicodeEncodeError for what is no UTF-8
+                argument.encode()  # as rcl takes it: UnicodeEncodeError for what is not UTF-8
             self._arguments = _arguments.parse(args)
             if domain_id is None:
                 domain_id = int(os.environ.get("ROS_DOMAIN_ID") or 0)

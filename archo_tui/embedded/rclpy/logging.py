@@ -32,7 +32,7 @@ def get_logger(name: str) -> RcutilsLogger:
 
 
 def set_logger_level(name: str, level: LoggingSeverity | int) -> None:
-    """Set a logger's level by name. Raises ValueError for what is no severity."""
+    """Set a logger's level by name. Raises ValueError for anything but a severity."""
     _logging.set_level(name, LoggingSeverity(level))
 
 

@@ -171,7 +171,7 @@ def parameter_dict_from_yaml_file(
 def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
     """The Python value of rcl_interfaces/ParameterValue; None when not set.
 
-    Raises RuntimeError for a type that is none.
+    Raises RuntimeError for an unknown type.
     """
     kind = parameter_value.type
     if kind not in Parameter.Type.__members__.values():

@@ -113,7 +113,7 @@ class AsyncParameterClient:
     ) -> Future[Any]:
         """Set what a file has for the node, one by one; with `use_wildcard` also what is for all.
 
-        Raises FileNotFoundError, RuntimeError for a file that is none of parameters.
+        Raises FileNotFoundError, RuntimeError for a file that is not one of parameters.
         """
         return self.set_parameters(self._read(parameter_file, use_wildcard), callback)
 

@@ -104,7 +104,7 @@ class Publisher(Endpoint, Generic[MsgT]):
     def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
         """True when everybody has what was published: in one process at once.
 
-        Raises InvalidHandle after `destroy()`, TypeError for what is no Duration.
+        Raises InvalidHandle after `destroy()`, TypeError for anything but a Duration.
         """
         self._use()
         if not isinstance(timeout, Duration):

@@ -70,8 +70,8 @@ def _declare_qos_parameters(
 ) -> None:
     """Declare `qos_overrides.<topic>.<publisher or subscription>.<policy>`, take in their values.
 
-    Raises InvalidQosOverridesError, RuntimeError for a word that is no policy, ValueError for a
-    profile that is unknown, TypeError for what is no kind of endpoint.
+    Raises InvalidQosOverridesError, RuntimeError for an unknown policy, ValueError for a
+    profile that is unknown, TypeError for an unknown kind of endpoint.
     """
     if not issubclass(entity_type, (Publisher, Subscription)):
         raise TypeError("Argument `entity_type` should be a subclass of Publisher or Subscription")

@@ -13,7 +13,7 @@ MsgT = TypeVar("MsgT")
 
 
 def serialize_message(message: Any) -> bytes:
-    """The message as bytes. Raises AttributeError for what is no message."""
+    """The message as bytes. Raises AttributeError for anything but a message."""
     check_is_valid_msg_type(type(message))
     return encode(message)
 

@@ -16,7 +16,7 @@ _ROS_1 = (
 
 
 def check_for_type_support(msg_or_srv_type: Any) -> None:
-    """Raises AttributeError for what is no interface.
+    """Raises AttributeError for anything but an interface.
 
     NoTypeSupportImportedException for a class of somebody's own whose support cannot be loaded.
     """

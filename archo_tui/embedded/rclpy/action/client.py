@@ -112,7 +112,7 @@ class ActionClient:
         feedback_sub_qos_profile: QoSProfile = QoSProfile(depth=10),  # noqa: B008
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
-        """Raises ValueError for a name that is none."""
+        """Raises ValueError for an invalid name."""
         check_action(action_type)
         problem = topic_problem(action_name)
         if problem:

@@ -182,8 +182,8 @@ class ActionServer:
         """`result_timeout` is how long a result is kept after the goal has ended, in s by the
         node's clock: with simulated time it does not pass while no clock is published.
 
-        Raises TypeError for an `execute_callback` that cannot be called, ValueError for a name that
-        is none and a negative timeout.
+        Raises TypeError for an `execute_callback` that cannot be called, ValueError for an
+        invalid name and a negative timeout.
         """
         check_action(action_type)
         problem = topic_problem(action_name)

@@ -33,7 +33,7 @@ class RcutilsLogger:
         return RcutilsLogger(self.name + "." + name if self.name else name)
 
     def set_level(self, level: LoggingSeverity | int) -> None:
-        """Log from this severity on. Raises ValueError for what is no severity."""
+        """Log from this severity on. Raises ValueError for anything but a severity."""
         _logging.set_level(self.name, LoggingSeverity(level))
 
     def get_effective_level(self) -> LoggingSeverity:
@@ -156,7 +156,7 @@ class _Place:
     """One place in the source that logs."""
 
     def __init__(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:
-        """Raises ValueError for a throttle by what is no clock."""
+        """Raises ValueError for a throttle by anything but a clock."""
         clock = asked.get("throttle_time_source_type", _MACHINE)
         if not isinstance(clock, Clock):
             raise ValueError(

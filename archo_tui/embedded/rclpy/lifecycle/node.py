@@ -94,7 +94,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return self._go("shutdown")
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
-        """Have an entity told of the transitions. Raises TypeError for what is none."""
+        """Have an entity told of the transitions. Raises TypeError for anything but an entity."""
         if not isinstance(entity, ManagedEntity):
             raise TypeError("Expected a rclpy.lifecycle.ManagedEntity instance.")
         self._managed_entities.add(entity)
