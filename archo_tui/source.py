@@ -52,10 +52,12 @@ class Source:
 
     def runs_at_import(self) -> tuple[str, int] | None:
         """The name and line of a function that spins and is called when the file is imported."""
+        rclpys = {*self._of_rclpy()}
         spinning = {
             function.name
             for function in self._functions
             if any(_name(call) in _SPINS for call in self._calls(function))
+            and any(isinstance(n, ast.Name) and n.id in rclpys for n in ast.walk(function))
         }
         defined = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.If)
         run = [node for node in self._tree.body if not isinstance(node, defined)]
@@ -127,6 +129,15 @@ class Source:
             is_main = isinstance(statement, ast.FunctionDef) and statement.name == "main"
             if is_main or isinstance(statement, ast.If):
                 yield statement
+
+    def _of_rclpy(self) -> Iterator[str]:
+        """What rclpy, and what is imported from it, is called here."""
+        for node in ast.walk(self._tree):
+            if isinstance(node, (ast.Import, ast.ImportFrom)):
+                module = node.module if isinstance(node, ast.ImportFrom) else ""
+                for alias in node.names:
+                    if (module or alias.name).partition(".")[0] == "rclpy":
+                        yield alias.asname or alias.name.partition(".")[0]
 
     def _calls(self, *roots: ast.AST) -> Iterator[ast.Call]:
         for root in roots:
