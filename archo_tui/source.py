@@ -25,7 +25,7 @@ class Source:
     def threads(self) -> int | None:
         """How many threads `main()` spins with, 0 for as many as rclpy likes; None for one.
 
-        What stands below `if __name__ == "__main__"` counts as `main()`.
+        What stands below `if __name__ == "__main__"` counts as `main()`, and so does what it calls.
         """
         roots = [*self._main()]
         for call in self._calls(*roots):
@@ -125,10 +125,16 @@ class Source:
         return ""
 
     def _main(self) -> Iterator[ast.AST]:
-        for statement in self._tree.body:
-            is_main = isinstance(statement, ast.FunctionDef) and statement.name == "main"
-            if is_main or isinstance(statement, ast.If):
-                yield statement
+        """`main()`, what stands below an `if`, and the file's functions that these call."""
+        functions = {n.name: n for n in self._tree.body if isinstance(n, ast.FunctionDef)}
+        roots: list[ast.AST] = [n for n in self._tree.body if isinstance(n, ast.If)]
+        roots += [function for name, function in functions.items() if name == "main"]
+        for root in roots:
+            yield root
+            for call in self._calls(root):
+                called = functions.get(call.func.id) if isinstance(call.func, ast.Name) else None
+                if called is not None and called not in roots:
+                    roots.append(called)
 
     def _of_rclpy(self) -> Iterator[str]:
         """What rclpy, and what is imported from it, is called here."""
