@@ -125,7 +125,7 @@ class Session:
             raise ArchoError(said) from None
         self._shutdowns = rclpy.shutdown, rclpy.try_shutdown
         if self._default:
-            rclpy.shutdown = rclpy.try_shutdown = _refuse_shutdown  # type: ignore[assignment]
+            rclpy.shutdown = rclpy.try_shutdown = _refuse_shutdown
         self.journal = Journal(journal_file())
         try:
             self.robot = Robot(
