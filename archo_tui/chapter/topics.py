@@ -152,8 +152,7 @@ def _dashboard(asker: Asker, heard: list[float]) -> Result:
     try:
         said = ""
         for level in _HIGH:
-            if not (said or is_low()):
-                said = _needless(asker, nodes, publisher, level)
+            said = said or _needless(asker, nodes, publisher, level)
         # the warning may have been heard before the level
         if said and asker.until(is_low, _AGAIN):
             said = ""
