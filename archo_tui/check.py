@@ -57,8 +57,8 @@ def _taken() -> Iterator[list[str]]:
     before, sys.stdin = sys.stdin, io.StringIO()
     try:
         with (
-            contextlib.redirect_stdout(NodeOutput(sys.stdout, note)),
-            contextlib.redirect_stderr(NodeOutput(sys.stderr, note)),
+            contextlib.redirect_stdout(NodeOutput(sys.stdout or io.StringIO(), note)),
+            contextlib.redirect_stderr(NodeOutput(sys.stderr or io.StringIO(), note)),
         ):
             yield printed
     finally:

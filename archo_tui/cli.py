@@ -334,12 +334,15 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
         # what it draws
         sys.setswitchinterval(0.0002)
     gc.disable()  # all that is imported and made at the start stays; TerminalApp enables it again
+    from archo_tui.node_output import HarmlessOutput
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
 
     if options.plain and sys.stdout is None:
         raise ArchoError("--plain needs a standard output, and it is closed")
     stdin, sys.stdin = sys.stdin, StringIO()  # a node that asks for input gets none
+    if sys.stderr is not None:
+        sys.stderr = HarmlessOutput(sys.stderr)
     session = Session(
         Options(
             engine=options.engine,

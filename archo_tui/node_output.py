@@ -1,4 +1,7 @@
-"""What hosted nodes print: lines of the events instead of letters on the screen."""
+"""What hosted nodes print: lines of the events instead of letters on the screen.
+
+What reaches a stream all the same has nothing in it that a terminal acts on.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TextIO
+
+from archo_tui.robot.text import safe
 
 _PERIOD = 1.0  # s in which each node may say so many lines:
 _MOST = 50
@@ -24,19 +29,46 @@ class _Said:
     left_out: int = 0
 
 
+class HarmlessOutput(io.TextIOBase):
+    """Standard error, for whoever prints there: a node, a thread of its own, Python's warnings."""
+
+    def __init__(self, other: TextIO) -> None:
+        self._other = other
+
+    def write(self, text: str) -> int:
+        self._other.write("\n".join(safe(line.expandtabs()) for line in text.split("\n")))
+        return len(text)
+
+    def flush(self) -> None:
+        self._other.flush()
+
+    def close(self) -> None:
+        """As below."""
+
+    def isatty(self) -> bool:
+        return self._other.isatty()
+
+    def fileno(self) -> int:
+        return self._other.fileno()
+
+
 class NodeOutput(io.TextIOBase):
-    """A standard output that tells threads apart: those of nodes have names that begin with `/`."""
+    """A standard output that tells threads apart: those of nodes have names that begin with `/`.
+
+    The others are threads that nodes have started; the console prints in the main thread only.
+    """
 
     def __init__(self, other: TextIO, note: Callable[[str, str, str], None]) -> None:
-        """`note(level, source, text)` takes a line; what no node prints goes to `other`."""
+        """`note(level, source, text)` takes a line; what the main thread prints goes to `other`."""
         self._other, self._note = other, note
         self._lock = threading.Lock()
         self._said: dict[str, _Said] = {}
 
     def write(self, text: str) -> int:
-        name = threading.current_thread().name
-        if not name.startswith("/"):
+        thread = threading.current_thread()
+        if thread is threading.main_thread():
             return self._other.write(text)
+        name = thread.name
         with self._lock:
             lines = self._lines(name, text)
         for line in lines:

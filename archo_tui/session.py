@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from archo_tui import engine, own_interfaces
 from archo_tui.clock import Clock
@@ -122,6 +122,9 @@ class Session:
             if said.startswith("["):  # rcl lists what it does not know, and says no more
                 said = f"unknown ROS arguments: {said}"
             raise ArchoError(said) from None
+        self._shutdowns = rclpy.shutdown, rclpy.try_shutdown
+        if self._default:
+            rclpy.shutdown = rclpy.try_shutdown = _refuse_shutdown
 
     def _make_nodes(self) -> None:
         """The client's, and those that run in this process."""
@@ -174,6 +177,7 @@ class Session:
     def _shutdown(self) -> None:
         import rclpy
 
+        rclpy.shutdown, rclpy.try_shutdown = self._shutdowns
         # of the default context rclpy makes another one when it is not named
         rclpy.try_shutdown(context=None if self._default else self._context)
 
@@ -277,6 +281,11 @@ def _check(options: Options) -> None:
         raise ArchoError(
             "--on-disconnect leave needs --attach: the nodes hosted here end with the console"
         )
+
+
+def _refuse_shutdown(**_: Any) -> NoReturn:
+    """Stands for rclpy's: in a textbook's node it would end the console with all of its nodes."""
+    raise RuntimeError("rclpy.shutdown() would end every node here: call it in main() only")
 
 
 def _check_attach(options: Options) -> None:

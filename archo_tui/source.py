@@ -25,7 +25,7 @@ class Source:
     def threads(self) -> int | None:
         """How many threads `main()` spins with, 0 for as many as rclpy likes; None for one.
 
-        What stands below `if __name__ == "__main__"` counts as `main()`.
+        What stands below `if __name__ == "__main__"` counts as `main()`, and so does what it calls.
         """
         roots = [*self._main()]
         for call in self._calls(*roots):
@@ -52,10 +52,12 @@ class Source:
 
     def runs_at_import(self) -> tuple[str, int] | None:
         """The name and line of a function that spins and is called when the file is imported."""
+        rclpys = {*self._of_rclpy()}
         spinning = {
             function.name
             for function in self._functions
             if any(_name(call) in _SPINS for call in self._calls(function))
+            and any(isinstance(n, ast.Name) and n.id in rclpys for n in ast.walk(function))
         }
         defined = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.If)
         run = [node for node in self._tree.body if not isinstance(node, defined)]
@@ -123,10 +125,25 @@ class Source:
         return ""
 
     def _main(self) -> Iterator[ast.AST]:
-        for statement in self._tree.body:
-            is_main = isinstance(statement, ast.FunctionDef) and statement.name == "main"
-            if is_main or isinstance(statement, ast.If):
-                yield statement
+        """`main()`, what stands below an `if`, and the file's functions that these call."""
+        functions = {n.name: n for n in self._tree.body if isinstance(n, ast.FunctionDef)}
+        roots: list[ast.AST] = [n for n in self._tree.body if isinstance(n, ast.If)]
+        roots += [function for name, function in functions.items() if name == "main"]
+        for root in roots:
+            yield root
+            for call in self._calls(root):
+                called = functions.get(call.func.id) if isinstance(call.func, ast.Name) else None
+                if called is not None and called not in roots:
+                    roots.append(called)
+
+    def _of_rclpy(self) -> Iterator[str]:
+        """What rclpy, and what is imported from it, is called here."""
+        for node in ast.walk(self._tree):
+            if isinstance(node, (ast.Import, ast.ImportFrom)):
+                module = node.module if isinstance(node, ast.ImportFrom) else ""
+                for alias in node.names:
+                    if (module or alias.name).partition(".")[0] == "rclpy":
+                        yield alias.asname or alias.name.partition(".")[0]
 
     def _calls(self, *roots: ast.AST) -> Iterator[ast.Call]:
         for root in roots:

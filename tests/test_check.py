@@ -111,6 +111,7 @@ def test_a_learner_is_told(
         limit = 0.5 if chosen.ENGINE == "embedded" else 5.0
         monkeypatch.setattr("archo_tui.node_files.CONSTRUCTION_TIME", limit)
     monkeypatch.chdir(FOLDER)
+    monkeypatch.setattr(threading, "excepthook", threading.__excepthook__)  # and not pytest's
     code = main(["check", "--engine", chosen.ENGINE, f"{name}.py"])
     said = capsys.readouterr()
     if expected.refused:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import threading
 
-from archo_tui.node_output import NodeOutput
+from archo_tui.node_output import HarmlessOutput, NodeOutput
 
 
 def printed(*texts: str, name: str = "/talker") -> tuple[list[tuple[str, str, str]], str]:
@@ -30,8 +30,18 @@ def test_whole_lines_are_noted_with_their_node() -> None:
     assert other == ""
 
 
-def test_what_no_node_prints_goes_on() -> None:
-    assert printed("plain\n", name="stdin") == ([], "plain\n")
+def test_what_a_thread_of_a_nodes_own_prints_is_noted_and_what_the_console_prints_goes_on() -> None:
+    notes, other = printed("own\n", name="Thread-1 (work)")
+    assert (notes, other) == ([("INFO", "Thread-1 (work) stdout", "own")], "")
+    stream = io.StringIO()
+    NodeOutput(stream, lambda *_: None).write("plain\n")
+    assert stream.getvalue() == "plain\n"
+
+
+def test_on_standard_error_nothing_is_for_the_terminal() -> None:
+    stream = io.StringIO()
+    assert HarmlessOutput(stream).write("\x1b[2Jone\ttwo\n\x07three") == 18
+    assert stream.getvalue() == "\ufffd[2Jone two\n\ufffdthree"
 
 
 def test_of_a_storm_only_some_lines_are_noted_and_none_without_an_end() -> None:

@@ -255,6 +255,19 @@ def test_no_input_or_output_whatever_is_a_traceback(command: str, code: int, sai
     assert (done.returncode, said in done.stderr.decode()) == (code, True), done
 
 
+def test_what_a_node_file_prints_is_nothing_that_a_terminal_acts_on(tmp_path: Path) -> None:
+    (tmp_path / "loud.py").write_text(
+        "import sys\nfrom rclpy.node import Node\n"
+        r'print("\x1b[2Jout"); print("\x1b[2Jerr", file=sys.stderr)'
+        "\n\n\nclass Loud(Node):\n"
+        "    def __init__(self):\n        super().__init__('loud')\n"
+        r"        print('\x1b[2Jmade', file=sys.stderr)"
+    )
+    done = shell(f"archo --plain --only --node {tmp_path}/loud.py </dev/null")
+    assert (done.returncode, done.stdout) == (0, b""), done
+    assert done.stderr.decode().splitlines() == ["\ufffd[2Jerr", "\ufffd[2Jmade"]
+
+
 def test_an_ascii_output_gets_ascii() -> None:
     done = shell("echo status | archo --plain", LC_ALL="C", PYTHONIOENCODING="ascii")
     assert done.returncode == 0, done

@@ -27,6 +27,7 @@ ANSWER = 3.0  # s until an answer or a log line must be there
 _WATCHED = 1.5  # s that every node runs at least, for a timer of one second
 _SLICE = 0.05  # s of one turn of the checker's executor
 _LOOKS = 5  # at nodes that crash again and again
+_THREAD = "Exception in thread "  # as Python begins to say what ended one
 _FRAME = re.compile(r'  File "(.+)", line (\d+), in ')
 
 
@@ -86,8 +87,11 @@ class Asker:
             self.until(lambda: False, self._began + _WATCHED - self.now(), nodes)
 
     def all_crashes(self) -> list[str]:
-        """What every crash was, once."""
+        """What every crash was, once; of threads that nodes have started, too."""
         self.nodes()
+        for number, line in enumerate(self.printed):
+            if line.startswith(_THREAD):
+                self._crashes |= dict.fromkeys([*self._tracebacks(number)][:1])
         return list(self._crashes)
 
     def busy(self, nodes: Sequence[HostedNode]) -> str:
@@ -120,22 +124,26 @@ class Asker:
                 return f"{hosted.file.named(code.co_filename)}:{code.co_firstlineno}: "
         return ""
 
-    def raised(self, nodes: Sequence[HostedNode], since: int) -> str:
-        """What an execute callback raised since that line was printed, and where.
+    def raised(self, since: int) -> str:
+        """What an execute callback raised last since that line was printed, and where.
 
         rclpy prints the traceback and goes on.
         """
-        found = where = text = ""
+        return ([*self._tracebacks(since)] or [""])[-1]
+
+    def _tracebacks(self, since: int) -> Iterator[str]:
+        """Those that were printed since that line and name a line of the files."""
+        where = text = ""
         for line in self.printed[since:]:
             frame = _FRAME.match(line)
             if frame is not None:
-                for hosted in nodes:
+                for hosted in self._host.nodes:
                     if hosted.file is not None and hosted.file.is_own(frame[1]):
                         where = f"{hosted.file.named(frame[1])}:{frame[2]}"
                         text = linecache.getline(frame[1], int(frame[2])).strip()
             elif where and line[:1].strip():
-                found, where = f"{where}: {WORDLESS.get(line, line)}, in: {text}", ""
-        return found
+                yield f"{where}: {WORDLESS.get(line, line)}, in: {text}"
+                where = ""
 
     def logged(self, nodes: Sequence[HostedNode], since: int) -> Iterator[Log]:
         """What these nodes have logged since that line of the logs."""

@@ -71,7 +71,7 @@ def moves(asker: Asker) -> Iterator[Result]:
             said = ask()
         except CrashedError as error:
             said = str(error)
-        raised = asker.raised(nodes, since) if said else ""
+        raised = asker.raised(since) if said else ""
         yield Result(title, raised or said)
         asker.nodes()
     client.destroy()

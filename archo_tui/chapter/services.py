@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -16,7 +17,8 @@ from archo_tui.robot import interfaces
 _RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
 _STOP = "emergency_stop answers True"
 _WORDS = "Encoder reset to zero"
-_OF_ENCODERS = ("tick", "encoder")  # in the names of attributes that count
+# the names of attributes that count; those of a whole turn, ticks_per_revolution, do not
+_OF_ENCODERS = re.compile("^(?!.*_per_).*(tick|encoder)", re.IGNORECASE)
 _TICKS = 15420  # the chapter's, before a reset
 _OWN = ("rcl_interfaces", "type_description_interfaces")  # packages of every node's services
 
@@ -73,12 +75,14 @@ def _reset(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> st
     if named.rpartition("/")[2] != "ResetEncoder":
         called = asker.place_of_text("reset_encoder")
         return f"{called}it is a {named}; the chapter's is an archo_interfaces/srv/ResetEncoder"
-    counters = _counters(nodes[0].node)
+    before = _numbers(nodes[0].node)
+    counters = {name: before[name] for name in before if _OF_ENCODERS.search(name)}
     for name, value in counters.items():
         if abs(value) < _TICKS:  # what is at zero already does not show a reset
             setattr(nodes[0].node, name, type(value)(_TICKS))
     answer, why = _answer(asker, nodes, client)
-    left = {name: value for name, value in _counters(nodes[0].node).items() if name in counters}
+    after = _numbers(nodes[0].node)
+    left = {name: value for name, value in after.items() if name in counters}
     for name, value in left.items():
         if value == _TICKS:
             setattr(nodes[0].node, name, counters[name])
@@ -87,19 +91,19 @@ def _reset(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> st
     if not answer.success or answer.message != _WORDS:
         lacks = "" if answer.success else ": set response.success = True"
         return f"{where}answered {answer.success}, {answer.message!r}{lacks}"
+    if any(before.get(name) and not value for name, value in after.items()):
+        return ""  # the one at zero is the encoder's, whatever its name
     if left and all(abs(value) >= _TICKS for value in left.values()):
         return f"{where}self.{next(iter(left))} is what it was before: set it to 0 in the callback"
     return ""
 
 
-def _counters(node: Any) -> dict[str, Any]:
-    """The attributes of a node that may be its encoder's."""
+def _numbers(node: Any) -> dict[str, Any]:
+    """The attributes of a node that are numbers."""
     return {
         name: value
         for name, value in vars(node).items()
-        if any(word in name.lower() for word in _OF_ENCODERS)
-        and isinstance(value, (int, float))
-        and not isinstance(value, bool)
+        if isinstance(value, (int, float)) and not isinstance(value, bool)
     }
 
 

@@ -125,7 +125,7 @@ def _wrong_type(made: Any) -> str:
     return "" if name in _KINDS else f"a {name}; the chapter's is a {_FLOAT}"
 
 
-def _dashboard(asker: Asker, heard: Sequence[float]) -> Result:
+def _dashboard(asker: Asker, heard: list[float]) -> Result:
     ends = asker.look(lambda node: _ends(node.subscriptions))
     # the motor may listen, too: it stops where the battery is empty
     ends = {h: topics for h, topics in ends.items() if h.name.rpartition("/")[2] != _MOTOR}
@@ -141,12 +141,21 @@ def _dashboard(asker: Asker, heard: Sequence[float]) -> Result:
             _WARNS, f"{asker.place_of_text(LEVEL)}the type that is subscribed to is {wrong}"
         )
     publisher = asker.node.create_publisher(made, LEVEL, 10)
-    # a battery of the learner's own may be low by itself
-    alone = all(level >= 20.0 for level in heard)
+    subscribed = asker.node.create_subscription(
+        made, LEVEL, lambda message: heard.append(level_of(message)), 10
+    )
+
+    def is_low() -> bool:
+        """A battery of the learner's own may be, by itself."""
+        return any(level < 20.0 for level in heard)
+
     try:
         said = ""
-        for level in _HIGH if alone else ():
+        for level in _HIGH:
             said = said or _needless(asker, nodes, publisher, level)
+        # the warning may have been heard before the level
+        if said and asker.until(is_low, _AGAIN):
+            said = ""
         for level in _LOW:
             said = said or _lacking(asker, nodes, publisher, level)
             if not said:  # one that warns once warns again when the battery was charged meanwhile
@@ -155,6 +164,7 @@ def _dashboard(asker: Asker, heard: Sequence[float]) -> Result:
     except CrashedError as error:
         return Result(_WARNS, str(error))
     finally:
+        asker.node.destroy_subscription(subscribed)
         asker.node.destroy_publisher(publisher)
 
 
