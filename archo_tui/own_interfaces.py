@@ -45,7 +45,7 @@ class OwnInterfaces:
         self,
         packages: Mapping[str, Path],
         note: Callable[[str, str, str], None],
-        restart: Callable[[], None],
+        restart: Callable[[str], None],
     ) -> None:
         """`note(level, source, text)` says what cannot be read; all goes on as it is then."""
         self._packages, self._note, self._restart = packages, note, restart
@@ -67,5 +67,4 @@ class OwnInterfaces:
                 said = said.replace(str(folder), name)
             self._note("ERROR", "interfaces", f"not read: {said}")
         else:
-            self._note("YOU", "console", "interfaces were saved: all nodes restart")
-            self._restart()
+            self._restart("interfaces were saved")

@@ -348,8 +348,9 @@ class Plain:
         self._station.look()
         self._changed.set()
 
-    def restart(self) -> None:
-        """Not here: lines that are read already would be lost."""
+    def restart(self, why: str) -> None:
+        """Not here, and said: lines that are read already would be lost."""
+        self._robot.note("WARN", "console", f"{why}: they count from the next start on")
 
     async def _send_all(self, targets: list[Target]) -> Outcome:
         """The first at once, or behind what runs; the others one after the other."""

@@ -52,7 +52,7 @@ class Face(Protocol):
     def goal_answered(self, target: Target, outcome: Outcome, *, queued: bool) -> None:
         """How the robot answered a goal that was sent; `queued`: it came from the queue."""
 
-    def restart(self) -> None:
+    def restart(self, why: str) -> None:
         """End, and begin again with the same words; called from any thread."""
 
 
@@ -95,10 +95,10 @@ class Station:
         """From now on this face runs what is sent, and hears what comes of it."""
         self._face = face
 
-    def restart(self) -> None:
+    def restart(self, why: str) -> None:
         """End, and begin again with the same words, once there is a face; from any thread."""
         if self._face is not None:
-            self._face.restart()
+            self._face.restart(why)
 
     def take(self, snapshot: Snapshot) -> list[Alarm]:
         """Something was heard. Returns the alarms that changed."""

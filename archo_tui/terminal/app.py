@@ -186,8 +186,9 @@ class TerminalApp(App[None]):
         text = "The paste was cut off: nothing of it was taken. Paste it again."
         self.notify(text, severity="warning", markup=False)
 
-    def restart(self) -> None:
+    def restart(self, why: str) -> None:
         """End, and begin again with the same words; from any thread, once it is mounted."""
+        self.station.robot.note("YOU", "console", f"{why}: all nodes restart")
         self._runs_on.call_soon_threadsafe(self._ending.begin, RESTART)
 
     def hang_up(self) -> None:

@@ -10,6 +10,7 @@ import archo_tui
 from archo_tui import own_interfaces
 from archo_tui.errors import ArchoError
 from tests.support import chosen
+from tests.support.script import Script
 from tests.support.terminal import Terminal
 
 INTERFACES = Path(archo_tui.__file__).parent.parent / "interfaces"
@@ -55,6 +56,21 @@ def test_a_saved_interface_restarts_everything_and_a_broken_one_does_not(tmp_pat
     assert terminal.exit_code() == 0
     assert terminal.is_as_before()
     terminal.close()
+
+
+@pytest.mark.real_time
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
+def test_in_plain_a_saved_interface_counts_from_the_next_start_and_that_is_said(
+    tmp_path: Path,
+) -> None:
+    source = package(tmp_path, "float32 temperature")
+    script = Script("--interfaces", str(source))
+    script.type("status\n")
+    script.until("battery ")
+    package(tmp_path, "float32 humidity")
+    script.until("interfaces were saved: they count from the next start on")
+    script.type("quit\n")
+    script.end()
 
 
 def test_a_file_that_cannot_be_read_names_its_line(tmp_path: Path) -> None:
