@@ -205,7 +205,7 @@ def test_policies_are_overridden_by_parameters_and_checked(ros: Ros) -> None:
 
 def test_a_subscription_without_a_filter_has_none_to_tell(ros: Ros) -> None:
     node = ros.node()
-    subscription = node.create_subscription(String, "things", print, 10)
+    subscription = node.create_subscription(String, "things", lambda _: None, 10)
     assert not subscription.is_cft_enabled
     with pytest.raises(RCLError, match="Failed to get cft expression parameters"):
         subscription.get_content_filter()
