@@ -257,9 +257,11 @@ def _complain(said: str) -> None:
 
 def _safe(text: str) -> str:
     """One line that no terminal acts on."""
-    from archo_tui.robot.text import safe
+    if text.isascii() and text.isprintable():
+        return text
+    from archo_tui.robot.text import safe  # and with it Rich, which is most of a short command
 
-    return text if text.isascii() and text.isprintable() else safe(text)
+    return safe(text)
 
 
 def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
@@ -362,8 +364,8 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
     )
     stuck: list[str] = []
     try:
-        face = _plain if options.plain else _console
-        code = face(session, options, stdin)
+        is_plain = options.plain
+        code = _plain(session, options, stdin) if is_plain else _console(session, stdin)
     finally:
         ignore_signals()
         stuck = session.close()
@@ -418,7 +420,7 @@ def _plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     return plain.run(session.station, None if stdin is None else stdin.fileno())
 
 
-def _console(session: Session, _options: Namespace, stdin: TextIO | None) -> int:
+def _console(session: Session, stdin: TextIO | None) -> int:
     _need_terminal(stdin)
     import asyncio
 
