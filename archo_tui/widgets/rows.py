@@ -95,8 +95,10 @@ class Rows(ScrollView, Generic[T], can_focus=True):
 
     @empty.setter
     def empty(self, text: str) -> None:
-        self._empty = text
-        self.redraw()
+        if text != self._empty:
+            self._empty = text
+            if not self._items:  # else it is not seen
+                self.redraw()
 
     @property
     def item(self) -> T | None:
