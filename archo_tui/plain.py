@@ -133,8 +133,7 @@ class Plain:
         """Something was typed."""
         if self._input.overflows > self._overflows:
             self._overflows = self._input.overflows
-            self._say("failed: more than 1 MB of lines wait: further ones are refused, stop is not")
-            self._failed = True
+            self._fail("more than 1 MB of lines wait: further ones are refused, stop is not")
         self._changed.set()
 
     def _written(self) -> None:
@@ -158,8 +157,7 @@ class Plain:
             outcome = await self._robot.emergency_stop()
             self._answered = covered
             if not outcome.ok:
-                self._say(f"failed: stop: {outcome.text}")
-                self._failed = True
+                self._fail(f"stop: {outcome.text}")
             self._changed.set()
 
     def _are_answered(self) -> bool:
@@ -220,15 +218,13 @@ class Plain:
 
     async def _run(self, line: Line) -> None:
         if line.fault:
-            self._say(f"failed: {line.fault}")
-            self._failed = True
+            self._fail(line.fault)
             return
         try:
             verb, *rest = shlex.split(line.text)
         except ValueError:
             verb, *rest = line.text.split()
-            self._say(f"failed: {verb}: a quote is not closed, or nothing follows the last \\")
-            self._failed = True
+            self._fail(f"{verb}: a quote is not closed, or nothing follows the last \\")
             return
         gate = self._robot.stops.gate()
         self._has_run = self._has_run or not gate.is_shut
@@ -237,8 +233,7 @@ class Plain:
         except Void:
             outcome = Outcome(False, NOT_SENT)
         if outcome is not None and not outcome.ok:
-            self._say(f"failed: {verb}: {outcome.text}")
-            self._failed = True
+            self._fail(f"{verb}: {outcome.text}")
 
     async def _do(self, verb: str, rest: list[str]) -> Outcome | None:
         robot = self._robot
@@ -343,8 +338,7 @@ class Plain:
         """One from the queue is not waited for by its line: it is said."""
         self._sent = outcome
         if not outcome.ok and queued:
-            self._say(f"failed: {target.text}: {outcome.text}")
-            self._failed = True
+            self._fail(f"{target.text}: {outcome.text}")
         self._station.look()
         self._changed.set()
 
@@ -444,6 +438,11 @@ class Plain:
     def _tell_alarms(self, changed: list[Alarm]) -> None:
         for alarm in changed:
             self._say(f"alarm {alarm.state.value}: {advice(alarm, self._ways)}")
+
+    def _fail(self, said: str) -> None:
+        """Say what did not succeed; the exit code will."""
+        self._say(f"failed: {said}")
+        self._failed = True
 
     def _say(self, text: str, at: float | None = None) -> None:
         self._out(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
