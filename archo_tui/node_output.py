@@ -29,21 +29,17 @@ class _Said:
     left_out: int = 0
 
 
-class HarmlessOutput(io.TextIOBase):
-    """Standard error, for whoever prints there: a node, a thread of its own, Python's warnings."""
+class _Output(io.TextIOBase):
+    """Stands before a stream, and is what that is but for what is written."""
 
     def __init__(self, other: TextIO) -> None:
         self._other = other
-
-    def write(self, text: str) -> int:
-        self._other.write("\n".join(safe(line.expandtabs()) for line in text.split("\n")))
-        return len(text)
 
     def flush(self) -> None:
         self._other.flush()
 
     def close(self) -> None:
-        """As below."""
+        """Nothing is held back; the other is not ours, and may be closed when this one is freed."""
 
     def isatty(self) -> bool:
         return self._other.isatty()
@@ -52,7 +48,15 @@ class HarmlessOutput(io.TextIOBase):
         return self._other.fileno()
 
 
-class NodeOutput(io.TextIOBase):
+class HarmlessOutput(_Output):
+    """Standard error, for whoever prints there: a node, a thread of its own, Python's warnings."""
+
+    def write(self, text: str) -> int:
+        self._other.write("\n".join(safe(line.expandtabs()) for line in text.split("\n")))
+        return len(text)
+
+
+class NodeOutput(_Output):
     """A standard output that tells threads apart: those of nodes have names that begin with `/`.
 
     The others are threads that nodes have started; the console prints in the main thread only.
@@ -60,7 +64,8 @@ class NodeOutput(io.TextIOBase):
 
     def __init__(self, other: TextIO, note: Callable[[str, str, str], None]) -> None:
         """`note(level, source, text)` takes a line; what the main thread prints goes to `other`."""
-        self._other, self._note = other, note
+        super().__init__(other)
+        self._note = note
         self._lock = threading.Lock()
         self._said: dict[str, _Said] = {}
 
@@ -91,15 +96,3 @@ class NodeOutput(io.TextIOBase):
         said.lines += len(lines[:room])
         said.left_out += len(lines[room:])
         return [*shown, *(line[:_LONGEST] for line in lines[:room])]
-
-    def flush(self) -> None:
-        self._other.flush()
-
-    def close(self) -> None:
-        """Nothing is held back; the other is not ours, and may be closed when this one is freed."""
-
-    def isatty(self) -> bool:
-        return self._other.isatty()
-
-    def fileno(self) -> int:
-        return self._other.fileno()

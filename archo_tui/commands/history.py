@@ -18,7 +18,7 @@ class LookBack(Command):
 
     def __init__(self, by: int) -> None:
         self._by = by
-        self._word = "longer" if by > 0 else "shorter"
+        self._word, self._most = ("longer", "longest") if by > 0 else ("shorter", "shortest")
         self.id = self._word
         self.key = "right_square_bracket" if by > 0 else "left_square_bracket"
         self.help = f"Show a {self._word} time in the history: 1 min, 10 min or an hour"
@@ -27,7 +27,7 @@ class LookBack(Command):
         history = console.main.history
         if not history.display:
             return f"the history is not shown: press {console.view.key('history')}"
-        return "" if history.can_look_back(self._by) else f"already the {self._word[:-2]}est span"
+        return "" if history.can_look_back(self._by) else f"already the {self._most} span"
 
     def run(self, console: Console) -> None:
         console.main.history.look_back(self._by)
