@@ -14,6 +14,7 @@ from tests.support import clock
 from tests.support.console import LONG
 from tests.support.plain import Typed, operated
 from tests.support.quiet import Quiet
+from tests.support.walks import Counting, length
 from tests.test_stop_is_final import ROBOTS
 
 _LINES = [
@@ -22,7 +23,6 @@ _LINES = [
     *("charge", "go 7\r", '"open', "params", "x" * 300),
 ]
 _STOPS = ["stop", "STOP!", "Stop.", " stop now", '"stop"', "stop\r", "\ufeffstop"]
-ROUNDS, FAR = 10, 80
 
 
 async def walk(person: Typed, seed: int, rounds: int, made: list[Any], stands: Any) -> None:
@@ -53,22 +53,6 @@ async def walk(person: Typed, seed: int, rounds: int, made: list[Any], stands: A
         person.type(typed[-1])
         await pause(4.0)
         assert stands(), f"seed {seed}, round {number}: {typed[-6:]}\n{person.said[-3000:]}"
-
-
-def length(which: int, request: pytest.FixtureRequest) -> tuple[int, int]:
-    """The seed and how many rounds: end to end another walk each time, and a long one."""
-    far = request.config.getoption("--end-to-end")
-    return (random.randrange(10**6), FAR) if far else (which, ROUNDS)
-
-
-class Counting(MotorController):
-    """Counts its goals: a walk in which nothing drives shows nothing."""
-
-    driven = 0
-
-    async def execute_move(self, goal: Any) -> Any:
-        self.driven += 1
-        return await super().execute_move(goal)
 
 
 @pytest.mark.parametrize("which", [1])

@@ -19,6 +19,7 @@ from archo_tui.terminal.typed import hand_on
 from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.console import LONG, Console, console
+from tests.support.walks import Counting, length
 from tests.test_stop_is_final import ROBOTS
 
 STOP = b"\x18"
@@ -30,7 +31,6 @@ _KEYS = [
 _REPLIES = [b"\x1b]11;rgb:1e1e/1e1e/1e1e\x1b\\", b"\x1bP>|XTerm(388)\x1b\\", b"\x1b[?1;2c"]
 _REPLIES += [b"\x1b_Gi=31;OK\x1b\\", b"\x1b[?997;1n", b"\x1b[8;24;80t", b"\x1b]52;c;ZzEyDQ==\x07"]
 _ENDS = [b"", b"\x1b", b"?", b"1", b"4", *_REPLIES[:3]]  # what may follow the last STOP
-ROUNDS, FAR = 10, 80
 
 
 class Typist:
@@ -110,22 +110,6 @@ async def walk(op: Console, seed: int, rounds: int, stands: Any) -> None:
         assert not op.session.robot._goals.are_over, "the walk must not quit"
         assert stands(), f"seed {seed}, round {number}: {typist.typed}\n{op.text}"
         await typist.pause(1.0)
-
-
-def length(which: int, request: pytest.FixtureRequest) -> tuple[int, int]:
-    """The seed and how many rounds: end to end another walk each time, and a long one."""
-    far = request.config.getoption("--end-to-end")
-    return (random.randrange(10**6), FAR) if far else (which, ROUNDS)
-
-
-class Counting(MotorController):
-    """Counts its goals: a walk in which nothing drives shows nothing."""
-
-    driven = 0
-
-    async def execute_move(self, goal: Any) -> Any:
-        self.driven += 1
-        return await super().execute_move(goal)
 
 
 @pytest.mark.parametrize("which", [1])

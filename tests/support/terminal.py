@@ -61,17 +61,10 @@ class Terminal:
             return
         self.pid = os.fork()
         if self.pid == 0:
-            os.setsid()
-            if controlling:
-                fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
-            for fd in (0, 1, 2):
-                os.dup2(slave, fd)
-            os.closerange(3, 100)
+            warm.move_into(slave, controlling=controlling, ignore_hangup=ignore_hangup)
             os.environ |= environment
             for name in ("COLUMNS", "LINES"):
                 os.environ.pop(name, None)
-            if ignore_hangup:
-                signal.signal(signal.SIGHUP, signal.SIG_IGN)
             start = f"from archo_tui.cli import main\nsys.exit(main({arguments!r}))"
             program = f"import sys\n{code}\n{start}"
             # readline may have put COLUMNS where only execv sees it

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import fcntl
 import json
 import os
 import select
@@ -15,6 +16,8 @@ import signal
 import socket
 import subprocess
 import sys
+import termios
+import threading
 import traceback
 from functools import cache
 from pathlib import Path
@@ -46,6 +49,18 @@ def loaded() -> Warm | None:
     passing = _FOLDERS | _OTHERS
     environment = frozenset((k, v) for k, v in os.environ.items() if k not in passing)
     return _of(environment) if is_on else None
+
+
+def move_into(slave: int, *, controlling: bool, ignore_hangup: bool) -> None:
+    """Leave this process's terminal for that one, and all files."""
+    if ignore_hangup:
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    os.setsid()
+    if controlling:
+        fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+    for number in (0, 1, 2):
+        os.dup2(slave, number)
+    os.closerange(3, 100)
 
 
 class Warm:
@@ -132,20 +147,10 @@ def _become(
     ignore_hangup: bool,
 ) -> NoReturn:
     """Be archo-tui in that terminal."""
-    import fcntl
-    import termios
-
     status = 1
     try:
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        if ignore_hangup:
-            signal.signal(signal.SIGHUP, signal.SIG_IGN)
-        os.setsid()
-        if controlling:
-            fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
-        for number in (0, 1, 2):
-            os.dup2(slave, number)
-        os.closerange(3, 100)
+        move_into(slave, controlling=controlling, ignore_hangup=ignore_hangup)
         os.environ.clear()
         os.environ |= environment
         os.chdir(folder)
@@ -162,8 +167,6 @@ def _become(
         traceback.print_exc()
     finally:
         with contextlib.suppress(Exception):
-            import threading
-
             threading._shutdown()  # type: ignore[attr-defined]  # as the interpreter does: joins
         with contextlib.suppress(Exception):
             sys.stdout.flush()
