@@ -3,32 +3,33 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from textual.app import SystemCommand
 from textual.screen import Screen
-from textual.theme import ThemeProvider
 from textual.widgets import Input
 
-from archo_tui import recall
 from archo_tui.commands.base import EVERYWHERE, Answers, Command, Work
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.keyed_app import KeyedApp
-from archo_tui.node_output import NodeOutput
-from archo_tui.robot.state import WATCHING, Outcome, Snapshot
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import WATCHING, Snapshot
 from archo_tui.robot.stops import NOT_SENT
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.dialog import Leaving
 from archo_tui.screens.main import MainScreen
-from archo_tui.screens.palette import Palette
+from archo_tui.screens.request import AnswerRequest
 from archo_tui.screens.text import ShowText
-from archo_tui.station import Station
-from archo_tui.targets import Target
+from archo_tui.station import recall
+from archo_tui.station.queue import QueuedGoal
+from archo_tui.station.station import Station
 from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.verbs.base import Values, Verb
+from archo_tui.verbs.goals import GOALS
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.goal_panel import GoalPanel
@@ -56,11 +57,12 @@ class ArchoApp(KeyedApp):
         """
         super().__init__(station, keys or {}, theme)
         snapshot = station.robot.snapshot
-        self.title = snapshot.robot.name
+        self.title = snapshot.file.name
         self.typed: dict[str, dict[str, str]] = {}
-        self.used = snapshot.robot
+        self.used = snapshot.file
         self._failed_before = failed
         self._leaves = False
+        self.has_sent = True  # a goal, as far as is known
         self._sent: dict[str, float] = {}  # when each command that is not answered yet was given
         self.view = self._view()
 
@@ -78,6 +80,9 @@ class ArchoApp(KeyedApp):
             said = "The screen crashed and was restarted; the nodes kept running."
             text = f"{said}\n\n{self._failed_before}"
             self.push_screen(ShowText("An error of the console", text))
+
+    def on_unmount(self) -> None:
+        self.station.run_off()
 
     def on_resize(self) -> None:
         self.call_after_refresh(self.tick)
@@ -106,6 +111,10 @@ class ArchoApp(KeyedApp):
         self._show()
 
     def _show(self) -> None:
+        goal = self.station.view.snapshot.goal
+        if not self.has_sent and goal is not None and goal.mine:
+            self.has_sent = True
+            begin(self, partial(in_daemon, recall.keep_sent), COMMANDS)
         self.view = self._view()
         if not (self.is_running and self.main.is_mounted):  # before or after the screen's life
             return
@@ -125,11 +134,12 @@ class ArchoApp(KeyedApp):
         self.main.show(self.view, footer)
         self.ring(self.view.alarms)
         for screen in self.screen_stack:
-            if isinstance(screen, AlarmList) and screen.is_mounted:
+            if isinstance(screen, (AlarmList, AnswerRequest)) and screen.is_mounted:
                 screen.show(self.view)
 
     def _view(self) -> Shown:
-        return Shown(**vars(self.station.view), keys=self._shown_keys)
+        first = not self.has_sent
+        return Shown(**vars(self.station.view), keys=self._shown_keys, is_first=first)
 
     # commands
 
@@ -142,7 +152,7 @@ class ArchoApp(KeyedApp):
         if name == "stop":
             if not counted:
                 self.stops.read()
-            self._ask_no_more()
+            self.ask_no_more()
         if command.once and (self.repeated or self._waits(name)):
             return
         given = self._sent.get(name)
@@ -159,12 +169,12 @@ class ArchoApp(KeyedApp):
         if work is not None:
             self.run_worker(self._answered(name, work), group=COMMANDS)
 
-    def _ask_no_more(self) -> None:
+    def ask_no_more(self) -> None:
         """A question that was put before a STOP is not to be answered behind it."""
         for screen in self.screen_stack:
             if isinstance(screen, Leaving) and screen.closes_at_stop:
                 screen.dismiss()
-                self.void_answers()  # what was typed for it acts nowhere else
+                self.closed_by_stop()  # what is typed for it acts nowhere else
 
     def _waits(self, name: str) -> bool:
         """True, and said, when the robot has not answered a command yet."""
@@ -181,32 +191,28 @@ class ArchoApp(KeyedApp):
                 del self._sent[name]
 
     def action_command_palette(self) -> None:
-        if not any(isinstance(screen, Palette) for screen in self.screen_stack):
-            self.push_screen(Palette())  # no id: the last one may not have gone yet
-
-    def search_themes(self) -> None:
-        self.push_screen(Palette(providers=[ThemeProvider], placeholder="Search for themes…"))
-
-    def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
-        """The palette: the registry, and what Textual brings."""
-        for command in self.registry:
-            key = self.view.key(command.id)
-            title = command.help.partition(";")[0] + (f" ({key})" if key else "")
-            yield SystemCommand(
-                title,
-                self.blocked(command) or command.help,
-                lambda name=command.id: self.action_command(name),
-            )
-        brought = ("Theme", "Screenshot")
-        yield from (c for c in super().get_system_commands(screen) if c.title in brought)
+        self.action_command("palette")
 
     # what a command may do with the console (commands/base.py)
 
     def blocked(self, command: Command) -> str:
         """Why a command cannot run now, or an empty string."""
-        if command.acts and self.station.robot.watching:
-            return WATCHING
         return command.blocked(self)
+
+    def speak(self, verb: Verb, values: Values) -> Work | None:
+        """Ask what the verb asks; returns what then waits for the robot, or nothing yet."""
+
+        async def now() -> None:
+            outcome = await verb.run(self.station, values)
+            self.look()
+            self.tell(outcome)
+
+        question = verb.asks(self.station, values)
+        if question is None:
+            return now()
+        answers: Answers = {question.go: now} if question.go else {}
+        self.confirm(question.title, question.text, question.safe, answers)
+        return None
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog; not one that a STOP would have closed."""
@@ -220,7 +226,7 @@ class ArchoApp(KeyedApp):
         if shut:
             self.void_answers()  # to what is not asked; else they act below it
             self.station.robot.note("YOU", "console", f"{title.lower()}: {NOT_SENT}")
-            self.tell(Outcome(False, NOT_SENT))
+            self.tell(Outcome(Code.CANCELLED, NOT_SENT))
         return shut
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
@@ -239,7 +245,8 @@ class ArchoApp(KeyedApp):
                 if work is not None:
                     self.run_worker(work, group=COMMANDS)
 
-        self.push_screen(Confirm(title, question, safe, *answers), answered)
+        with self._context():  # not of a dialog that has left: Textual would not tell it the answer
+            self.push_screen(Confirm(title, question, safe, *answers), answered)
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed; what it did is seen on the screen."""
@@ -253,6 +260,15 @@ class ArchoApp(KeyedApp):
     def copy(self, text: str) -> None:
         """Put a text on the clipboard of the terminal."""
         self.copy_to_clipboard(text)
+
+    @property
+    def screens(self) -> Sequence[Screen[Any]]:
+        """The main screen and the dialogs over it."""
+        return self.screen_stack
+
+    def picture(self) -> None:
+        """Save the screen as SVG, without what asked for it."""
+        self.call_after_refresh(self.deliver_screenshot)
 
     def copy_selection(self) -> bool:
         """Copy what is selected; False when nothing is."""
@@ -288,29 +304,46 @@ class ArchoApp(KeyedApp):
 
     def on_goal_panel_send(self, message: GoalPanel.Send) -> None:
         self._keep(message.typed)
-        self.station.submit(message.targets)
+        go = self.verbs["go"]
+        answer = go.run(self.station, {GOALS: message.goals})  # at once: in the order of the keys
+        begin(self, partial(self._told, answer), COMMANDS)
         self._show()
+
+    async def _told(self, answer: Awaitable[Outcome]) -> None:
+        """Say why the robot does not go there, where it was typed."""
+        outcome = await answer
+        self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)
 
     def _keep(self, typed: list[str]) -> None:
         """For the arrows, also after a restart."""
-        kind, panel = self.view.snapshot.robot.goals[0], self.main.goal
+        kind, panel = self.view.snapshot.file.goals[0], self.main.goal
         panel.recalls([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
         begin(self, partial(in_daemon, recall.add, kind.id, typed), COMMANDS)
 
     async def _recall(self) -> None:
-        goals = self.view.snapshot.robot.goals
+        goals = self.view.snapshot.file.goals
         if goals:
-            before = await in_daemon(recall.load, goals[0].id)
+            form = goals[0].id
+            self.has_sent, before = await in_daemon(lambda: (recall.has_sent(), recall.load(form)))
             since = self.main.goal.typed  # a slow disk: what was sent meanwhile comes behind
             earlier = [old for old in before if old not in since]
             self.main.goal.recalls([*earlier, *since][-recall.MOST :])
 
     # what the station asks for (its Face)
 
+    @property
+    def has_person(self) -> bool:
+        """Who looks at the screen."""
+        return self.is_running
+
     def carry_out(self, work: Callable[[], Work]) -> None:
         """As a command: the end waits for its answer."""
         begin(self, work, COMMANDS)
 
-    def goal_answered(self, target: Target, outcome: Outcome, *, queued: bool) -> None:
-        """Say why the robot does not go there, where it was typed."""
+    def beside(self, work: Callable[[], Work]) -> None:
+        """What another program asked for: the end does not wait for its answer."""
+        begin(self, work, "beside")
+
+    def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
+        """Say why the robot does not go there, where goals are typed."""
         self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)

@@ -70,15 +70,18 @@ Operate the warehouse robot ARCHO from a terminal.
 
 examples:
   archo-tui                         ARCHO, without ROS
-  archo-tui --node battery.py       a node of your own
   archo-tui --engine ros2 --attach  a robot on ROS 2
+  archo-tui go 12 --wait            a verb, from any shell
 
 commands (archo-tui COMMAND --help says more):
 """
 
 
-def parser() -> argparse.ArgumentParser:
-    """The console's options; what follows --ros-args is ROS's and is taken off before."""
+def parser(*, for_words: bool = True) -> argparse.ArgumentParser:
+    """The console's options; what follows --ros-args is ROS's and is taken off before.
+
+    Not `for_words`: a command and what is behind it is not taken.
+    """
     commands = "".join(f"  {name:<10} {what}\n" for name, (what, _, _) in SUBCOMMANDS.items())
     made = _Parser(
         "archo-tui",
@@ -88,7 +91,8 @@ def parser() -> argparse.ArgumentParser:
         "What libraries print while the screen is shown goes to stderr.log, beside the journal.",
         add_help=False,  # it stands in the last group
     )
-    made.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    if for_words:
+        made.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     nodes = made.add_argument_group("your own nodes")
     nodes.add_argument(
         "--node",
@@ -139,9 +143,27 @@ def parser() -> argparse.ArgumentParser:
         "--watch", action="store_true", help="show everything and send no command, not even STOP"
     )
     how.add_argument(
+        "--no-remote",
+        action="store_true",
+        help="no socket: no other program reaches this console (archo-tui VERB, connect())",
+    )
+    how.add_argument(
+        "--record",
+        metavar="PATH",
+        help="record everything that is heard, until the end, as a ROS bag there; every ten "
+        "minutes another one is begun, with a number behind its name",
+    )
+    how.add_argument(
+        "--recordings-limit",
+        metavar="MB",
+        type=_megabytes,
+        default=1000,
+        help="what all recordings may take; then the oldest are deleted (default: 1000)",
+    )
+    how.add_argument(
         "--quiet-alarms",
         action="store_true",
-        help="no bell and no notice of the desktop for a new alarm",
+        help="no bell and no desktop notice for new alarms",
     )
     how.add_argument(
         "--on-disconnect",
@@ -158,6 +180,13 @@ def parser() -> argparse.ArgumentParser:
         help="print the versions, the engine and TERM, for reports",
     )
     return made
+
+
+def _megabytes(text: str) -> int:
+    """Of recordings, 1 to a million."""
+    if not text.isdecimal() or not 1 <= int(text[:9]) <= 1_000_000 or len(text) > 7:
+        raise argparse.ArgumentTypeError(f"{text} is not 1 to 1000000 MB")
+    return int(text)
 
 
 def _engine_option(made: argparse._ActionsContainer) -> None:
@@ -190,11 +219,15 @@ def _check_options(made: argparse._ActionsContainer) -> None:
         "files",
         metavar="FILE",
         nargs="+",
-        help="a Python file (or package.module) of rclpy nodes; what comes of it is a line a check "
-        "(TAP), with a hint for what is wrong",
+        help="a Python file (or package.module) of rclpy nodes; it prints a line per check "
+        "(TAP), with a hint where one fails",
     )
     _engine_option(made)
     _interfaces_option(made)
+
+
+def _consoles_options(made: argparse._ActionsContainer) -> None:
+    made.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -209,7 +242,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         code = _obey(words, ros_args)
         if code == _AGAIN:
-            os.execv(sys.executable, [sys.executable, "-m", "archo_tui", *given])
+            os.execv(sys.executable, [sys.executable, *_itself(), *given])
         if sys.stdout is not None:
             sys.stdout.flush()
     except ArchoError as error:
@@ -228,18 +261,25 @@ def main(argv: Sequence[str] | None = None) -> int:
     return code
 
 
+def _itself() -> list[str]:
+    """What Python is given to run this program: a file that is a zip (.pyz), or the module."""
+    from zipfile import is_zipfile
+
+    return [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]
+
+
 def _obey(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand that is named, else the console."""
+    if words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS:
+        from archo_tui.remote import shell  # at once: it may stand in a prompt
+
+        return shell.run(words, SUBCOMMANDS)
     options = parser().parse_args(words)
     if not options.command:
         return _run(options, ros_args)
     name, *rest = options.command
     if name not in SUBCOMMANDS:
-        import difflib
-
-        near = difflib.get_close_matches(name, SUBCOMMANDS, n=1)
-        hint = f" (nearest: {near[0]})" if near else ""
-        raise ArchoError(f"no command {name!r}{hint}: one of {', '.join(SUBCOMMANDS)}")
+        return _speak(options)
     what, add_options, run = SUBCOMMANDS[name]
     made = _Parser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
     add_options(made)
@@ -247,6 +287,168 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     if ros_args:
         raise ArchoError(f"--ros-args is for the console, not for {name}")
     return run(made.parse_intermixed_args([*before, *rest]))
+
+
+def _speak(options: Namespace) -> int:
+    """A verb behind options of the console: only where it is looked for can be said so."""
+    from archo_tui.remote.shell import run
+
+    plain = parser().parse_args([])
+    given = [
+        name.replace("_", "-")
+        for name, value in vars(options).items()
+        if name not in ("command", "namespace", "engine") and value != getattr(plain, name)
+    ]
+    if given:
+        raise ArchoError(f"--{given[0]} is for the console, not for {options.command[0]}")
+    to = ["--to", options.namespace] if options.namespace != "/" else []
+    if options.engine == "embedded":
+        return run([*options.command, *to], SUBCOMMANDS)
+    from archo_tui.remote.once import attached
+    from archo_tui.session import Options, Session
+
+    there = Options(engine=options.engine, namespace=options.namespace, attach=True)
+    attach = lambda: attached(lambda: Session(there))  # noqa: E731
+    return run([*options.command, *to], SUBCOMMANDS, attach)
+
+
+def _completions_options(made: argparse._ActionsContainer) -> None:
+    made.add_argument("shell", choices=("bash", "zsh", "fish"), help="for which shell")
+
+
+def _completions(options: Namespace) -> int:
+    """What a shell needs to complete our words; of the verbs those of ARCHO."""
+    import shtab
+
+    from archo_tui.robot_file import load
+    from archo_tui.verbs import verbs
+
+    made = parser(for_words=False)
+    commands = made.add_subparsers(metavar="COMMAND", parser_class=_Parser)
+    for name, (what, add_options, _) in SUBCOMMANDS.items():
+        add_options(commands.add_parser(name, help=what, description=what))
+    for verb in verbs(load.load(load.default()), {}).values():
+        one = commands.add_parser(verb.id, help=verb.help, description=verb.help)
+        for flag in ("--json", "--wait", "--leave", "--yes")[: 4 if verb.acts else 1]:
+            one.add_argument(flag, action="store_true")
+    for action in made._actions:
+        if action.metavar in ("FILE", "DIR", "PATH"):
+            action.complete = shtab.DIRECTORY if action.metavar == "DIR" else shtab.FILE  # type: ignore[attr-defined]
+    print(shtab.complete(made, shell=options.shell))
+    return 0
+
+
+def _recordings_options(made: argparse._ActionsContainer) -> None:
+    made.add_argument("--json", action="store_true", help="print one JSON object per line")
+    made.add_argument("--delete", metavar="NAME", nargs="+", default=[], help="delete these")
+
+
+def _recordings(options: Namespace) -> int:
+    """Those of the black box."""
+    from archo_tui.recording.listing import delete, lines
+
+    if options.delete:
+        for said in delete(options.delete):
+            print(_safe(said))
+        return 0
+    for line in lines(as_json=options.json):
+        print(_safe(line))
+    return 0
+
+
+def _replay_options(made: argparse._ActionsContainer) -> None:
+    made.add_argument(
+        "recording",
+        metavar="RECORDING",
+        nargs="?",
+        default="",
+        help="its name, or the path of a ROS bag (MCAP); the newest recording when none is given",
+    )
+    made.add_argument("--text", action="store_true", help="print what happened, line by line")
+    _robot_option(made)
+    _interfaces_option(made)
+
+
+def _replay(options: Namespace) -> int:
+    """The console on a recorded robot."""
+    from pathlib import Path
+
+    from archo_tui import engine
+    from archo_tui.hosting import own_interfaces
+
+    if not options.text:
+        try:
+            _need_terminal(sys.stdin)
+        except ArchoError as error:  # what a replay has in place of --plain
+            raise ArchoError(str(error).replace("--plain", "--text")) from None
+    given = Path(options.interfaces) if options.interfaces else None
+    engine.activate("embedded", own=own_interfaces.find(given, "embedded") if given else {})
+    from archo_tui.clock import Clock
+    from archo_tui.replay.found import bag_of, robot_of
+
+    bag = bag_of(options.recording)
+    robot = robot_of(bag, options.robot)
+    if options.text:
+        from archo_tui.replay.text import lines
+
+        for line in lines(bag, robot):
+            print(_safe(line))
+        return 0
+    from archo_tui.commands import keymap, registry
+    from archo_tui.paths import config_file
+    from archo_tui.replay.player import Player
+    from archo_tui.replay.robot import RecordedStation
+    from archo_tui.replay_app import ReplayApp
+    from archo_tui.shutdown import heed_signals
+    from archo_tui.terminal import themes
+    from archo_tui.terminal.stderr import guarded_stderr, log_file
+
+    keys, _ = keymap.load(config_file("keymap.yaml"), registry(robot))
+    heed_signals()
+    clock = Clock()
+    station = RecordedStation(Player(bag, robot, clock), clock)
+    app = ReplayApp(station, keys, themes.remembered())
+    with guarded_stderr(log_file()):
+        app.run()
+    if app.failure:
+        _complain(f"the screen crashed: {app.failure.strip().splitlines()[-1]}")
+    return app.return_code or 0
+
+
+def _consoles(options: Namespace) -> int:
+    """Those that can be reached."""
+    from archo_tui.remote.shell import consoles
+
+    return consoles(["--json"] if options.json else [])
+
+
+def _mcp_options(made: argparse._ActionsContainer) -> None:
+    made.add_argument(
+        "--allow",
+        choices=("goals",),
+        help="also let it ask for goals, each of which a person at the console allows or denies; "
+        "else it can look and STOP, and nothing more",
+    )
+    made.add_argument(
+        "--to",
+        metavar="CONSOLE",
+        default="",
+        help="the process or the namespace of the console, where several run here",
+    )
+
+
+def _mcp(options: Namespace) -> int:
+    """The assistant's own process."""
+    try:
+        from archo_tui.assistant.server import serve
+    except ImportError:  # of the SDK, or of one that is too old
+        raise ArchoError("mcp needs another package: pip install 'archo-tui[mcp]'") from None
+    if sys.stdin is None or sys.stdout is None:
+        raise ArchoError("mcp needs a standard input and output, and one is closed")
+    if sys.stdin.isatty():
+        _complain("mcp is started by an assistant's program, which speaks on standard input")
+    serve(goals=options.allow == "goals", to=options.to)
+    return 0
 
 
 def _complain(said: str) -> None:
@@ -283,10 +485,11 @@ def _keys(options: Namespace) -> int:
 
     from archo_tui.commands import keymap, registry
     from archo_tui.paths import config_file
-    from archo_tui.robots import load
+    from archo_tui.robot_file import load
 
     path = config_file("keymap.yaml")
-    commands = registry(load.load(Path(options.robot) if options.robot else load.default()))
+    robot = load.load(Path(options.robot) if options.robot else load.default())
+    commands = registry(robot)
     keys, others = keymap.load(path, commands)
     print(_safe(f"# {path}"))
     for command in commands:
@@ -336,7 +539,7 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
         # what it draws
         sys.setswitchinterval(0.0002)
     gc.disable()  # all that is imported and made at the start stays; TerminalApp enables it again
-    from archo_tui.node_output import HarmlessOutput
+    from archo_tui.hosting.node_output import HarmlessOutput
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
 
@@ -360,6 +563,9 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
             attach=options.attach,
             on_disconnect=options.on_disconnect,
             quiet_alarms=options.quiet_alarms,
+            recordings_limit=options.recordings_limit * 1_000_000,
+            record=Path(options.record) if options.record is not None else None,
+            remote=not options.no_remote,
         )
     )
     stuck: list[str] = []
@@ -369,9 +575,12 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
     finally:
         ignore_signals()
         stuck = session.close()
+    if session.unrecorded:
+        _complain(session.unrecorded)
     for name in stuck:
         _complain(f"{name} did not stop: its callback does not return")
-    return code or (FAILED if stuck else 0)
+    lost = options.record is not None and session.unrecorded  # it was asked for
+    return code or (FAILED if stuck or lost else 0)
 
 
 def _journal(_options: Namespace) -> int:
@@ -386,7 +595,7 @@ def _check(options: Namespace) -> int:
     """What the chapter asks, asked."""
     from pathlib import Path
 
-    from archo_tui.check import run
+    from archo_tui.chapter.run import run
 
     signal.signal(signal.SIGINT, signal.default_int_handler)  # what it makes is to go
     out = sys.stdout
@@ -403,14 +612,14 @@ def _check(options: Namespace) -> int:
 
 
 def _plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
-    from archo_tui import plain
-    from archo_tui.node_output import NodeOutput
+    from archo_tui.hosting.node_output import NodeOutput
+    from archo_tui.plain import plain
     from archo_tui.shutdown import heed_signals
 
     if options.robot:  # its keys are not used here, and no more wrong than elsewhere
         from archo_tui.commands import keymap, registry
 
-        keymap.robots_keys(registry(session.description))
+        keymap.robots_keys(registry(session.file))
     heed_signals()
     sys.stdout.flush()  # later it would wait for a reader that stalls
     sys.stdout = NodeOutput(sys.stdout, session.robot.note)
@@ -432,7 +641,8 @@ def _console(session: Session, stdin: TextIO | None) -> int:
     from archo_tui.terminal.stderr import guarded_stderr, log_file
 
     station, clock = session.station, session.station.clock
-    keys, others = keymap.load(config_file("keymap.yaml"), registry(session.description))
+    commands = registry(session.file)
+    keys, others = keymap.load(config_file("keymap.yaml"), commands)
     heed_signals()
     session.start()
     if others:
@@ -483,5 +693,10 @@ def _device(stream: TextIO) -> int:
 SUBCOMMANDS: dict[str, tuple[str, Callable[[_Parser], None], Callable[[Namespace], int]]] = {
     "check": ("ask nodes what the textbook's chapter asks", _check_options, _check),
     "keys": ("print every key, in the form of keymap.yaml", _robot_option, _keys),
+    "completions": ("print the completions for a shell", _completions_options, _completions),
+    "consoles": ("list the consoles that run here", _consoles_options, _consoles),
+    "mcp": ("let an assistant ask at the console (MCP)", _mcp_options, _mcp),
+    "recordings": ("list the recordings", _recordings_options, _recordings),
+    "replay": ("play a recording back on the screen", _replay_options, _replay),
     "journal": ("print the path of the journal, in JSON lines", lambda _: None, _journal),
 }

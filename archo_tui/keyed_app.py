@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from typing import cast
 
 from textual import events
 from textual.binding import Binding
@@ -12,15 +13,23 @@ from textual.widgets import Input
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Command
 from archo_tui.commands.keymap import shown_keys
+from archo_tui.robot.state import Snapshot
+from archo_tui.screens.choose import Choose
 from archo_tui.screens.dialog import Leaving
 from archo_tui.screens.main import MainScreen
-from archo_tui.station import Station
+from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
 from archo_tui.terminal.typed import mark, typed_after
+from archo_tui.verbs import verbs
+from archo_tui.verbs.base import Verb
+from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.rows import Rows
 
 HELD = 0.7  # s within which the same key again means that it is held: X11 waits 0.66 s at first
+
+
+_MOVES = tuple(dict.fromkeys((*Rows.KEYS, *Board.KEYS)))
 
 
 class KeyedApp(TerminalApp):
@@ -29,16 +38,20 @@ class KeyedApp(TerminalApp):
     BINDINGS = [
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
         Binding("enter", "next_field", "The next field of the form", show=False, priority=True),
-        *(Binding(key, f"move('{key}')", show=False, priority=True) for key in Rows.KEYS),
+        Binding("enter", "take", "Take the number into the field", show=False, priority=True),
+        Binding("tab", "beside(1)", "To the board, and on", show=False, priority=True),
+        Binding("shift+tab", "beside(-1)", "Back from the board", show=False, priority=True),
+        *(Binding(key, f"move('{key}')", show=False, priority=True) for key in _MOVES),
     ]
 
     def __init__(self, station: Station, keys: Mapping[str, str], theme: str) -> None:
         """`keys` of commands by id, where they are not the registry's own."""
         super().__init__(station, theme)
         snapshot = station.robot.snapshot
-        self.registry = registry(snapshot.robot)
-        self.main = MainScreen(snapshot, self.size)
-        self._keys = {command.id: command.key for command in self.registry} | dict(keys)
+        self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
+        self.registry = self.commands(snapshot)
+        self.main = self.main_screen(snapshot)
+        self._keys = {c.id: keys.get(c.id, c.key) for c in self.registry}
         self._shown_keys = shown_keys(self._keys)
         self.stop_key = self._keys["stop"]
         self._bind_commands()
@@ -47,9 +60,21 @@ class KeyedApp(TerminalApp):
         self._last_stops: int | None = None  # read before it
         self._entered: tuple[object, ...] = ()  # where the last enter acted
         self._pressed_stop = False
+        self._shut_since: float | None = None  # when a STOP closed the dialog that keys were for
+        self._shut_said = False  # that what came at once was dropped
+        self._shut_by = ""  # what did
         self._answers_void = 0  # keys with a lower count were for a question that is not put
         self._swallows = False  # enter is held, and what that does was said
         self.repeated = False
+        self.pause = 0.0  # s between the last two keys or clicks
+
+    def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
+        """All that there are."""
+        return registry(snapshot.file, self.verbs)
+
+    def main_screen(self, snapshot: Snapshot) -> MainScreen:
+        """The one that all others are over."""
+        return MainScreen(snapshot, self.size)
 
     def _bind_commands(self) -> None:
         """All have priority, so that a key acts before the next one goes to whatever it focused.
@@ -64,7 +89,7 @@ class KeyedApp(TerminalApp):
             binding = Binding(key, action, command.help, id=command.id, priority=True)
             # another list: the class's own bindings are shared by all apps
             known = self._bindings.key_to_bindings.get(key, [])
-            ours = [b for b in known if b.action.startswith(("command(", "next_field"))]
+            ours = [b for b in known if b.action.startswith(("command(", "next_field", "take"))]
             self._bindings.key_to_bindings[key] = [*ours, binding]
 
     def action_command(self, name: str, counted: bool = False) -> None:
@@ -74,6 +99,7 @@ class KeyedApp(TerminalApp):
     def void_answers(self) -> None:
         """What was typed before the last STOP is for no question any more."""
         self._answers_void = self.stops.count
+        self._early = [one for one in self._early if self._is_free(one[0])]
 
     async def on_event(self, event: events.Event) -> None:
         if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
@@ -86,16 +112,46 @@ class KeyedApp(TerminalApp):
         if isinstance(event, events.MouseEvent) and not event.is_forwarded:
             if self._clicks_stop(event):
                 return
+            if self.mouse_captured is None and not self.screen.region.contains(event.x, event.y):
+                return  # of a terminal that was larger: beside everything it takes the focus away
             await asyncio.sleep(0)  # in a flood, too, others get their turn: STOP first of all
         stops = typed_after(event)
         if typed and stops is not None and stops < self._answers_void and not self._is_free(event):
             return
-        repeated = (typed or isinstance(event, events.MouseDown)) and self._repeats(event)
+        if typed and self._was_for_a_dialog(event):
+            return
+        clicked = isinstance(event, events.MouseDown) and not event.is_forwarded
+        repeated = (typed or clicked) and self._repeats(event)
         if typed and (self._early or not self._takes_keys):
             self._early.append((event, repeated))
             self.call_later(self._release_keys)
             return
         await self._handle(event, repeated)
+
+    def closed_by_stop(self) -> None:
+        """A dialog went, whoever pressed STOP: what comes at once may still be for it."""
+        self.void_answers()
+        self.dialog_gone("STOP closed the dialog")
+
+    def dialog_gone(self, why: str) -> None:
+        """It went by itself: what comes at once acts nowhere else."""
+        self._shut_by, self._shut_said = why, False
+        self._shut_since = self.station.clock.monotonic()
+
+    def _was_for_a_dialog(self, event: events.Event) -> bool:
+        """True, and said, for what would act below a dialog that has just been closed."""
+        if self._shut_since is None or self._is_free(event) or self.screen is not self.main:
+            return False
+        if isinstance(event, events.Key) and event.key == "escape":  # it only leads out
+            return False
+        if self.station.clock.monotonic() - self._shut_since >= HELD:
+            self._shut_since = None
+            return False
+        if not self._shut_said:
+            self._shut_said = True
+            said = f"{self._shut_by}: press the key again."
+            self.notify(said, severity="warning", markup=False)
+        return True
 
     def stop_now(self, event: events.Key) -> None:
         before, self.repeated = self.repeated, self._repeats(event)
@@ -132,6 +188,7 @@ class KeyedApp(TerminalApp):
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
+        self.pause = self._last_typed - since
         apart, self._last_stops = self._last_stops, typed_after(event)  # a STOP between them
         repeated = key != "" and key == before and self._last_typed - since < HELD
         repeated = repeated and (key == self.stop_key or apart == self._last_stops)
@@ -172,8 +229,10 @@ class KeyedApp(TerminalApp):
 
     @property
     def _takes_keys(self) -> bool:
-        """False while the screen in front is being built."""
-        return bool(self.screen_stack) and self.screen.is_mounted
+        """False while the screen in front is being built, or opens what they are for."""
+        if not self.screen_stack or not self.screen.is_mounted:
+            return False
+        return not (isinstance(self.screen, Choose) and self.screen.is_choosing)
 
     async def _release_keys(self) -> None:
         """Hand on what was typed meanwhile, in its order; what it opens is waited for as well."""
@@ -187,11 +246,20 @@ class KeyedApp(TerminalApp):
         """False leaves the key to the field or dialog that has the focus."""
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
-            return self.screen is self.main and (field is not None or self.main.is_full)
+            is_inside = field is not None or isinstance(self.focused, Board)
+            return self.screen is self.main and (is_inside or self.main.is_full)
         if action == "next_field":
             return isinstance(field, Field) and field.next_field is not None
+        if action == "take":
+            return isinstance(self.focused, Board)
+        if action == "beside":
+            step = cast("int", parameters[0])
+            return (
+                self.screen is self.main and self.main.goal.beside(self.focused, step) is not None
+            )
         if action == "move":
-            return isinstance(self.focused, Rows)
+            kind = type(self.focused)
+            return issubclass(kind, (Rows, Board)) and parameters[0] in kind.KEYS
         if action != "command":
             return super().check_action(action, parameters)
         command = self._command(str(parameters[0]))
@@ -210,9 +278,22 @@ class KeyedApp(TerminalApp):
         return next(c for c in self.registry if c.id == name)
 
     def action_move(self, key: str) -> None:
-        """Move the cursor of the list that has the focus."""
-        if isinstance(self.focused, Rows):
+        """Move the cursor of the list or the board that has the focus."""
+        if isinstance(self.focused, (Rows, Board)):
             self.focused.press(key)
+
+    def action_take(self) -> None:
+        """At once, as all of these: the keys behind it are for the field."""
+        if isinstance(self.focused, Board):
+            self.focused.take()
+
+    def action_beside(self, step: int) -> None:
+        """From the field to the board and on, or back."""
+        beside = self.main.goal.beside(self.focused, step)
+        if isinstance(beside, Field):
+            self.main.goal.type_on()
+        elif beside is not None:
+            self.main.set_focus(beside, scroll_visible=False)
 
     def action_next_field(self) -> None:
         """At once: the keys behind enter are for the next field, however fast they come."""
@@ -223,5 +304,7 @@ class KeyedApp(TerminalApp):
         """Out of a field, to where the focus was; out of the full screen."""
         if isinstance(self.focused, Input):
             self.main.focus_back()
+        elif isinstance(self.focused, Board):
+            self.main.goal.type_on()
         else:
             self.main.leave_full()

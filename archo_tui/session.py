@@ -5,33 +5,47 @@ from __future__ import annotations
 import contextlib
 import gc
 import io
+import os
 import re
 import sys
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from archo_tui import engine, own_interfaces
+from archo_tui import engine
 from archo_tui.clock import Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
-from archo_tui.journal import Journal
-from archo_tui.node_output import NodeOutput
-from archo_tui.own_interfaces import OwnInterfaces
+from archo_tui.hosting import own_interfaces
+from archo_tui.hosting.node_output import NodeOutput
+from archo_tui.hosting.own_interfaces import OwnInterfaces
+from archo_tui.hosting.watch import Watch, Watched
 from archo_tui.parameters import files
-from archo_tui.paths import journal_file
-from archo_tui.robots import load as robot_files
+from archo_tui.paths import journal_file, state_file
+from archo_tui.recording.attachments import attachments
+from archo_tui.recording.store import BUDGET
+from archo_tui.robot_file import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
-from archo_tui.station import Station
-from archo_tui.watch import Watch, Watched
+from archo_tui.station.journal import Journal
+from archo_tui.station.station import Station
 
 if TYPE_CHECKING:
-    from archo_tui.host import Host
+    from archo_tui.hosting.host import Host
+    from archo_tui.recording.box import BlackBox
+    from archo_tui.recording.witness import Witness
+    from archo_tui.remote.server import Server
     from archo_tui.robot.client import Robot
     from archo_tui.robot.state import Event
 
-_KINDS = {"YOU": "command", "GOAL": "goal", "PEER": "other console"}  # else an event
+_KINDS = {
+    "YOU": "command",
+    "SHELL": "command",
+    "AI": "command",
+    "GOAL": "goal",
+    "PEER": "other console",
+}  # else an event
 _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)  # of a repeated event that the journal notes
 
 
@@ -54,8 +68,13 @@ class Options:
     quiet_alarms: bool = False  # no bell
     robot: Path | None = None  # a robot file, instead of ARCHO's
     interfaces: Path | None = None  # interface packages of the user's own
+    recordings_limit: int = BUDGET  # bytes of all recordings
+    record: Path | None = None  # where all is recorded, until the end
+    remote: bool = False  # other programs of this user can reach it through a socket
 
 
+END = 2.5  # s that an end may take, of the 3 s of docs/ssh.md
+_LEAST = 0.2  # s of these that a recording gets, whatever hangs
 _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # as ROS has it
 
 
@@ -64,6 +83,9 @@ class Session:
 
     robot: Robot
     host: Host
+    box: BlackBox
+    _witness: Witness
+    unrecorded = ""  # once it is closed: why the last recording was not written
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
         """Activates the engine and constructs the nodes.
@@ -72,7 +94,7 @@ class Session:
         """
         _check(options)
         self.options, self._clock = options, clock or Clock()
-        self.description = robot_files.load(options.robot or robot_files.default())
+        self.file = robot_files.load(options.robot or robot_files.default())
         self._own_files = [] if options.attach else files.default_files()
         self._overrides = files.load([*self._own_files, *options.params_files])
         interfaces = self._activate()
@@ -83,14 +105,29 @@ class Session:
             self.robot,
             self.host,
             self.journal,
+            self._witness,
             self._clock,
             engine=engine.describe(options.engine, self._context),
             namespace=options.namespace,
             attached=options.attach,
             on_disconnect=options.on_disconnect,
             quiet=options.quiet_alarms,
+            unseen=engine.unseen(options.engine, self._context),
         )
         self._watch = Watch(self._watched(interfaces))
+        self._server = self._socket() if options.remote else None
+
+    def _socket(self) -> Server | None:
+        """What other programs reach; None where the system has no such sockets."""
+        if sys.platform == "win32":
+            return None
+        from archo_tui.remote.desk import Desk
+        from archo_tui.remote.server import Server
+
+        def say(text: str) -> None:
+            self.robot.note("WARN", "console", text)
+
+        return Server(Desk(self.station, self.options.domain_id), self.robot.stops, say)
 
     def _activate(self) -> dict[str, Path]:
         """The engine; returns the interface packages of the user's own."""
@@ -134,16 +171,28 @@ class Session:
             NameValidationException,
         )
 
-        from archo_tui.host import Host
-        from archo_tui.node_files import NodeFile
+        from archo_tui.hosting.host import Host
+        from archo_tui.hosting.node_files import NodeFile
+        from archo_tui.recording.box import BlackBox
+        from archo_tui.recording.witness import Witness
         from archo_tui.robot.client import Robot
 
+        self.box = BlackBox(
+            state_file("recordings"),
+            self._clock,
+            lambda *event: self.robot.note(*event),
+            lambda begin, end: attachments(self.file, journal_file(), begin, end),
+            self.options.recordings_limit,
+            self.options.record,
+        )
+        self._witness = Witness(self.box)
         try:
             self.robot = Robot(
                 self._context,
-                self.description,
+                self.file,
                 self._clock,
                 self._happened,
+                self.box.hear,
                 watching=self.options.watch,
             )
             self.host = Host(self._context, self.robot.note, self.robot.restarted)
@@ -162,7 +211,7 @@ class Session:
 
     def _watched(self, interfaces: dict[str, Path]) -> list[Watched]:
         """The user's own files: what becomes of them when they are saved."""
-        from archo_tui.host import HostedFile
+        from archo_tui.hosting.host import HostedFile
 
         kept, note = self.station.edits.kept, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
@@ -183,11 +232,14 @@ class Session:
 
     def _happened(self, event: Event) -> None:
         """An event came, or repeated, on the robot's thread."""
+        self._witness.happened(event)
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
             kind = _KINDS.get(event.level, "event")
             what = {"level": event.level, "source": event.source, "text": event.text}
             if event.command:
                 what["command"] = event.command
+            if event.act is not None:
+                what |= event.act._asdict()
             self.journal.write(event.time, kind, **what, count=event.count)
 
     def _host_nodes(self) -> None:
@@ -239,6 +291,8 @@ class Session:
         self.robot.start()
         self.host.start()
         self._watch.start()
+        if self._server is not None:
+            self._server.start()
         for line in files.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
 
@@ -249,9 +303,14 @@ class Session:
 
     def close(self) -> list[str]:
         """Stop everything; returns the names of nodes whose callbacks did not return."""
+        ends = time.monotonic() + END
+        self.box.end()
         self._watch.stop()
+        if self._server is not None:
+            self._server.close()
         self.robot.stop()
         stuck = self.host.stop()
+        self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()
         self._shutdown()
         if self.options.engine == engine.ROS2:
@@ -275,12 +334,26 @@ def _check(options: Options) -> None:
             f"--namespace {options.namespace}: only letters, digits and _ between slashes, "
             "and no digit first"
         )
+    if options.record is not None:
+        _check_record(options.record)
     if options.attach:
         _check_attach(options)
     elif options.on_disconnect == LEAVE:
         raise ArchoError(
             "--on-disconnect leave needs --attach: the nodes hosted here end with the console"
         )
+
+
+def _check_record(path: Path) -> None:
+    try:
+        is_there = path.exists()
+    except (OSError, ValueError) as error:  # too long, say
+        why = getattr(error, "strerror", None) or error
+        raise ArchoError(f"--record {path}: {why}") from None
+    if is_there:
+        raise ArchoError(f"--record {path}: it is there already: name a bag that is not")
+    if not path.parent.is_dir() or not os.access(path.parent, os.W_OK):
+        raise ArchoError(f"--record {path}: nothing can be written to {path.parent}")
 
 
 def _refuse_shutdown(**_: Any) -> NoReturn:

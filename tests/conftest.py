@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import sys
 import time
 from collections.abc import Iterator
@@ -19,7 +20,7 @@ from textual.css.stylesheet import Stylesheet
 from textual.css.tokenize import tokenize_values
 
 from archo_tui import engine
-from archo_tui.robots import load
+from archo_tui.robot_file import load
 
 if TYPE_CHECKING:
     from tests.support.ros import Ros
@@ -41,13 +42,25 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+@pytest.fixture
+def unlimited(tmp_path: Path) -> Path:
+    """ARCHO's robot file without the highest shelf: beyond it the robot itself refuses."""
+    file = tmp_path / "unlimited.yaml"
+    text = load.default().read_text(encoding="utf-8")
+    file.write_text(re.sub(r" +high: \{.*\n", "", text), encoding="utf-8")
+    return file
+
+
 # these import what Windows lacks, and are all of POSIX
 _POSIX = {
     *("test_terminal", "test_256_colours", "test_journal", "test_own_interfaces", "test_cli"),
     *("test_plain", "test_plain_input", "test_plain_output", "test_plain_stops"),
     *("test_files", "test_save_load", "test_two_processes", "test_kill"),
     *("test_stop_is_final", "test_terminal_keys", "test_plain_walk", "test_walk_with_stops"),
-    "test_own_files",
+    *("test_shell", "test_hostile", "test_on_the_screen", "test_pages", "test_python"),
+    *("test_completions", "test_stories", "test_own_files", "test_docs"),
+    *("test_without_a_console", "test_with_a_console", "test_its_connection"),
+    *("test_what_it_reads", "test_how_it_asks", "test_its_link"),
 }
 
 
@@ -99,6 +112,7 @@ def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)  # sockets are below the state folder then
 
 
 @pytest.fixture(autouse=True)
@@ -157,7 +171,7 @@ def _time(request: pytest.FixtureRequest) -> Iterator[None]:
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine a node of real ROS 2 may take seconds to construct."""
     for module in ("node_files", "host"):
-        monkeypatch.setattr(f"archo_tui.{module}.CONSTRUCTION_TIME", 30.0)
+        monkeypatch.setattr(f"archo_tui.hosting.{module}.CONSTRUCTION_TIME", 30.0)
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -34,7 +34,7 @@ _SHORT = 0.05  # s; what sleeps in a constructor, before there is anybody to mov
 @pytest.fixture(autouse=True)
 def _moved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """The clock of the test is the checker's, the nodes', and that of what sleeps in them."""
-    monkeypatch.setattr("archo_tui.host.END_TIMEOUT", 0.3)
+    monkeypatch.setattr("archo_tui.hosting.host.END_TIMEOUT", 0.3)
     monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
     for loaded in list(sys.modules.values()):
         if "ros_python_check_fields" in vars(loaded):
@@ -109,7 +109,7 @@ def test_a_learner_is_told(
     expected = Expected(name)
     if "did not return" in expected.refused:
         limit = 0.5 if chosen.ENGINE == "embedded" else 5.0
-        monkeypatch.setattr("archo_tui.node_files.CONSTRUCTION_TIME", limit)
+        monkeypatch.setattr("archo_tui.hosting.node_files.CONSTRUCTION_TIME", limit)
     monkeypatch.chdir(FOLDER)
     monkeypatch.setattr(threading, "excepthook", threading.__excepthook__)  # and not pytest's
     code = main(["check", "--engine", chosen.ENGINE, f"{name}.py"])
@@ -186,7 +186,7 @@ def test_a_crash_leaves_the_other_checks_and_a_node_of_the_same_name(
     assert code == 1
     passed = [int(line.split()[1]) for line in lines if line.startswith("ok ")]
     assert passed == [4, 5, 6, 10]
-    hint = f"# {tmp_path}/reset.py:12: TypeError: reset_callback gives nothing back: end it with"
+    hint = f"# {tmp_path}/reset.py:12: TypeError: reset_callback returns nothing: end it with"
     assert sum(line.startswith(hint) for line in lines) == 2, lines
 
 

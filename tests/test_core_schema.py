@@ -11,7 +11,7 @@ import pytest
 from archo_tui.embedded.bounded_yaml import load, texts
 from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.regular_files import MAX_BYTES
-from archo_tui.written import block, flow
+from archo_tui.robot_file.written import block, flow
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from archo_tui.history import History
+from archo_tui.station.history import History
 from archo_tui.widgets.plot import curve
 from tests.console.states import BATTERY, MOTOR, MOVING, NORMAL
 from tests.support.console import screen_text, send
@@ -56,7 +56,7 @@ def test_the_way_left_is_only_of_a_goal_that_runs() -> None:
     assert history.columns("left", 2.0, 2, 2.0) == [9.0, None]
 
 
-async def test_a_way_left_that_becomes_known_is_shown_at_once_and_no_longer_than_it_is() -> None:
+async def test_a_way_that_becomes_known_is_shown_at_once_and_while_it_is() -> None:
     app = stub_app(NORMAL._replace(goal=MOVING._replace(remaining=None)))
     robot: StubRobot = app.station.robot  # type: ignore[assignment]
     async with app.run_test(size=(120, 36)):

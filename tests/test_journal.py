@@ -9,17 +9,23 @@ import resource
 import subprocess
 import sys
 import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from archo_tui import journal
-from archo_tui.journal import MAX_BYTES, Journal
 from archo_tui.paths import journal_file
-from tests.support.console import FAST, console
+from archo_tui.robot.acts import Act
+from archo_tui.robot.outcome import Code
+from archo_tui.station import journal
+from archo_tui.station.journal import MAX_BYTES, Journal
+from tests.support.archo import SHELF
+from tests.support.console import FAST, LONG, console
 from tests.support.quiet import ended
 from tests.support.waiting import wait_until
+
+RESET = "archo_interfaces/srv/ResetEncoder"
 
 
 def entries(file: Path) -> list[dict[str, Any]]:
@@ -122,8 +128,8 @@ def test_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> None:
     assert sum(e.get("lost_before", 0) for e in entries(tmp_path / "journal.jsonl")) >= 1900
 
 
-async def test_commands_alarms_and_warnings_of_a_session_are_in_it() -> None:
-    async with console(*FAST) as op:
+async def test_commands_alarms_and_warnings_of_a_session_are_in_it(unlimited: Path) -> None:
+    async with console(*FAST, robot=unlimited) as op:
         await op.press("r")
         await op.until("Encoder reset to zero")
         await op.press("g", "9", "9", "enter")
@@ -140,6 +146,58 @@ async def test_commands_alarms_and_warnings_of_a_session_are_in_it() -> None:
     assert states == ["unacknowledged", "acknowledged"]
     commands = [e["command"] for e in found if e["kind"] == "command"]
     assert commands[0].startswith("ros2 service call /reset_encoder ")
+
+
+async def test_what_was_done_and_how_goals_ended_is_there_for_programs_too(unlimited: Path) -> None:
+    async with console(*LONG, robot=unlimited) as op:
+        robot = op.app.station.robot
+        await op.press("g", "9", "9", "enter")
+        await op.until("✗ REFUSED")
+        await op.press("escape", "c")
+        await op.until("charge: ")
+        await op.press("c")
+        await op.until("discharge: ")
+        await op.press("g", "9", "enter")
+        await op.until("m left of")
+        await op.press("escape", "ctrl+c")
+        await op.until("✗ CANCELLED")
+        await op.press("g", "7", "enter")
+        await op.until("m left of")
+        await op.press("escape", "ctrl+x")
+        await op.until("✗ ABORTED")
+        assert (await ended(robot.release_emergency_stop())).ok
+        assert not (await ended(robot.cancel_all())).ok
+        assert (await ended(robot.call("/reset_encoder", RESET, {}))).ok
+        other = replace(SHELF, title="other")  # as it is made without a robot file
+        assert not (await ended(robot.send(other, {"shelf_number": 41}))).ok
+        assert (await ended(robot.set_parameters("/motor_controller", {"max_speed": 0.5}))).ok
+        robot.note("YOU", "console", "saved", act=Act("save", {"path": "a.yaml"}, Code.DONE))
+        await op.until("saved")
+    found = [entry for entry in entries(journal_file()) if "verb" in entry]
+    commands, goals = (
+        [(e["verb"], e["arguments"], e["code"]) for e in found if e["kind"] == kind]
+        for kind in ("command", "goal")
+    )
+    max_speed = {"node": "/motor_controller", "values": {"max_speed": 0.5}}
+    assert commands == [
+        ("go", {"shelf_number": 99}, "refused"),
+        ("charge", {}, "done"),
+        ("discharge", {}, "done"),
+        ("go", {"shelf_number": 9}, "accepted"),
+        ("cancel", {}, "accepted"),
+        ("go", {"shelf_number": 7}, "accepted"),
+        ("stop", {}, "done"),
+        ("release", {}, "done"),
+        ("cancel", {"all": True}, "refused"),
+        ("call", {"service": "/reset_encoder", "values": {}}, "done"),
+        ("send_goal", {"action": "/move_to_shelf", "values": {"shelf_number": 41}}, "refused"),
+        ("set", max_speed, "done"),
+        ("save", {"path": "a.yaml"}, "done"),
+    ]
+    assert goals == [
+        ("go", {"shelf_number": 9}, "cancelled"),
+        ("go", {"shelf_number": 7}, "aborted"),
+    ]
 
 
 async def test_a_journal_that_cannot_be_written_is_said_on_the_screen() -> None:
@@ -208,7 +266,7 @@ def test_a_full_disk_leaves_no_half_line(tmp_path: Path) -> None:
 _WRITER = """
 import sys
 from pathlib import Path
-from archo_tui import journal
+from archo_tui.station import journal
 journal.MAX_BYTES = 2000
 kept = journal.Journal(Path(sys.argv[1]))
 for number in range(300):

@@ -56,7 +56,7 @@ def test_two_commands_may_swap_their_keys(tmp_path: Path) -> None:
         (f"reset: {'9' * 5000}\n", 1, f"no key '{'9' * 20}': like"),
         ("reset: tab\n", 1, "is needed in fields and dialogs"),
         ("reset: g\n", 1, "g is already the key of go"),
-        ("level: a\n", 1, "a is already the key of acknowledge"),
+        ("level: a\n", 1, "a is already the key of ack"),
         ("filter: u\n", 1, "u is already the key of undo"),
         ("- a\n- b\n", 1, "expected lines like 'stop: ctrl+x'"),
         ("stop: [a]\n", 1, "expected 'command: key'"),
@@ -94,7 +94,7 @@ def test_ids_that_this_robot_lacks_are_left_out_and_said(tmp_path: Path) -> None
 def test_the_consoles_own_keys_are_not_a_robot_files_to_take(
     tmp_path: Path, key: str, said: str
 ) -> None:
-    charge = ARCHO.commands[1]
+    charge = ARCHO.commands[0]
     beep = replace(charge, id="beep", where="mine.yaml:7", key=key)
     robot = replace(ARCHO, commands=(charge, beep))
     with pytest.raises(ArchoError) as caught:
@@ -126,8 +126,9 @@ def test_a_new_key_yields_to_a_robot_files_and_a_keymaps(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    beep = replace(ARCHO.commands[0], id="beep", where="mine.yaml:7", key=robots)
-    commands = (Replay(), *registry(replace(ARCHO, commands=(ARCHO.commands[0], beep))))
+    reset = ARCHO.commands[1]
+    beep = replace(reset, id="beep", where="mine.yaml:7", key=robots)
+    commands = (Replay(), *registry(replace(ARCHO, commands=(reset, beep))))
     file = config_file("keymap.yaml")
     file.parent.mkdir(parents=True)
     file.write_text(text)
@@ -171,5 +172,5 @@ async def test_the_screen_says_and_takes_the_chosen_keys(tmp_path: Path) -> None
         assert app.main.goal.query_one("#goal-0").value == "7"  # type: ignore[attr-defined]
         assert app.screen is not app.main
         lines = [strip.text for strip in app.main._compositor.render_strips()]
-        assert " x Go  ^c Cancel  ^x STOP  r Reset  1-7 Panels  f2 Help" in lines[-1]
+        assert " x Go  ^c Cancel  ^x STOP  r Reset  1-8 Panels  f2 Help" in lines[-1]
         assert any("Press x, type the shelf" in line for line in lines)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import threading
 
-from archo_tui.node_output import HarmlessOutput, NodeOutput
+from archo_tui.hosting.node_output import HarmlessOutput, NodeOutput
 
 
 def printed(*texts: str, name: str = "/talker") -> tuple[list[tuple[str, str, str]], str]:
@@ -30,7 +30,7 @@ def test_whole_lines_are_noted_with_their_node() -> None:
     assert other == ""
 
 
-def test_what_a_thread_of_a_nodes_own_prints_is_noted_and_what_the_console_prints_goes_on() -> None:
+def test_what_a_nodes_thread_prints_is_noted_and_what_the_console_prints_goes_on() -> None:
     notes, other = printed("own\n", name="Thread-1 (work)")
     assert (notes, other) == ([("INFO", "Thread-1 (work) stdout", "own")], "")
     stream = io.StringIO()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.alarms import CONTACT_LOST, LOW, Alarm, Ringer, State
+from archo_tui.station.alarms import CONTACT_LOST, LOW, Alarm, Ringer, State
 from archo_tui.terminal.notice import notice
 from tests.support.terminal import Terminal
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui import recall
 from archo_tui.paths import config_file, state_file
+from archo_tui.station import recall
 from archo_tui.terminal import themes
 from archo_tui.terminal.stderr import guarded_stderr
 

@@ -2,26 +2,34 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
 
-from archo_tui.plain_input import Input, Line
-from archo_tui.plain_lines import LONGEST, TOO_LONG, Lines, is_stop
+from archo_tui.clock import Clock
+from archo_tui.plain.input import Input, Line
+from archo_tui.plain.lines import LONGEST, TOO_LONG, LineCutter, is_stop
 from archo_tui.robot.stops import Stops
+from tests.support import clock
 from tests.support.quiet import until
+from tests.support.waiting import DEADLINE
 
 
 @contextmanager
 def reading(stops: Stops) -> Iterator[tuple[Input, int]]:
     """What reads one end of a pipe, and the other end."""
     read, write = os.pipe()
-    typed = Input(read, stops, lambda: None)
+    typed = Input(read, stops, lambda: None, Clock())
     typed.start()
     yield typed, write
     os.close(write)
+    while typed.is_reading:  # a descriptor of that number may soon be another's
+        time.sleep(clock.LOOK)
     os.close(read)
 
 
@@ -29,7 +37,7 @@ async def _read(text: bytes) -> tuple[int, list[Line]]:
     """How many STOPs are in it, and the other lines."""
     stops = Stops()
     read, write = os.pipe()
-    typed = Input(read, stops, lambda: None)
+    typed = Input(read, stops, lambda: None, Clock())
     typed.start()
     view = memoryview(text)
     while view:
@@ -39,6 +47,8 @@ async def _read(text: bytes) -> tuple[int, list[Line]]:
     await until(lambda: typed.has_ended)
     while line := typed.take():
         found.append(line)
+    while typed.is_reading:
+        await asyncio.sleep(clock.LOOK)
     os.close(read)
     return stops.count, found
 
@@ -46,7 +56,7 @@ async def _read(text: bytes) -> tuple[int, list[Line]]:
 def test_lines_are_cut_at_any_place_and_a_long_one_is_counted_out() -> None:
     text = b"one\n\ntwo \xc3\xbc\n" + b"x" * 100_000 + b"\nafter\n"
     for size in (1, 7, 4096, len(text)):
-        lines, found = Lines(), []
+        lines, found = LineCutter(), []
         for start in range(0, len(text), size):
             found += lines.take(text[start : start + size])
         assert found == [b"one", b"", "two ü".encode(), TOO_LONG, b"after"]
@@ -133,3 +143,28 @@ async def test_more_than_a_megabyte_of_lines_is_refused_and_stop_is_not() -> Non
         os.write(write, b"release\n")
         await until(lambda: typed.has_news)
         assert typed.take() == Line("release", 1)
+
+
+class SlowToCount(Stops):
+    """Counts a STOP when the test says so."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.reads, self.goes_on = threading.Event(), threading.Event()
+
+    def read(self) -> int:
+        self.reads.set()
+        self.goes_on.wait(DEADLINE)
+        return super().read()
+
+
+async def test_a_stop_that_was_read_and_is_not_counted_yet_is_still_to_come() -> None:
+    stops = SlowToCount()
+    with reading(stops) as (typed, write):
+        await until(lambda: typed.is_quiet)
+        os.write(write, b"stop\n")
+        await until(stops.reads.is_set)
+        assert not typed.is_quiet
+        stops.goes_on.set()
+        await until(lambda: typed.is_quiet)
+        assert stops.count == 1

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.plain_output import MOST, Output
+from archo_tui.plain.output import MOST, Output
 from tests.support.quiet import until
 from tests.support.script import Script, shell
 
@@ -45,7 +45,7 @@ def test_a_signal_ends_it_within_3_s_though_nobody_reads(script: Script, number:
 
 @pytest.mark.parametrize("number", [signal.SIGINT])
 def test_a_signal_ends_it_within_3_s_while_a_command_waits(script: Script, number: int) -> None:
-    script.type("status\nset nosuch x 1\n")
+    script.type("status\ncall /nosuch\n")
     script.until("\ngoal No goal yet")
     script.signal(number)
     assert script.ends_within(3.0) == 128 + number
@@ -66,7 +66,7 @@ def test_a_reader_that_comes_back_is_told_how_much_it_missed(script: Script) -> 
 
 def test_a_slow_reader_of_much_misses_nothing() -> None:
     done = shell("(yes help | head -n 3000; echo reset) | archo --plain | (sleep 2; cat)")
-    assert done.stdout.count(b"\nquit ") == 3000
+    assert done.stdout.count(b"\nquit: ") == 3000
     assert b"Encoder reset" in done.stdout
 
 
@@ -76,7 +76,7 @@ def test_the_end_waits_for_a_slow_reader(script: Script) -> None:
     with pytest.raises(subprocess.TimeoutExpired):
         script.ends_within(1.5)
     assert script.end() == 0
-    assert script.said.count("\nquit ") == 200
+    assert script.said.count("\nquit: ") == 200
     assert "Encoder reset" in script.said
 
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from archo_tui.clock import Clock
-from archo_tui.robot.state import Outcome
+from archo_tui.robot.outcome import Code, Outcome
 from tests.console.states import NORMAL
+from tests.robot.test_several_servers import Brake, making
 from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.plain import operated, typing
@@ -29,33 +31,33 @@ def test_a_release_typed_before_a_stop_is_not_sent() -> None:
     script = Script()
     script.type("stop\n")
     script.until("STOP: confirmed")
-    assert script.end("release\nstop\nstatus\n") == 1
+    assert script.end("release --yes\nstop\nstatus\n") == 1
     assert f"failed: release: {VOID}" in script.said
     assert "console: release stop" not in script.said
-    assert "motor ✗ STOPPED" in script.said.split("failed:")[1], script.said
+    assert "motor STOPPED" in script.said.split("failed:")[1], script.said
 
 
 def test_a_release_typed_behind_a_stop_is_sent() -> None:
     script = Script()
-    assert script.end("stop\nrelease\nstatus\n") == 0
-    assert "motor ● IDLE" in script.said.split("YOU console: release stop: ")[1]
+    assert script.end("stop\nrelease --yes\nstatus\n") == 0
+    assert "motor IDLE" in script.said.split("YOU console: release stop: ")[1]
 
 
 async def test_what_waits_when_a_stop_comes_is_not_sent_afterwards() -> None:
     async with operated() as person:
         person.type("stop\n")
         await person.until("STOP: confirmed")
-        person.type("status\nset nosuch x 1\nrelease\n")
+        person.type("status\ncall /nosuch\nrelease --yes\n")
         await person.until("\ngoal No goal yet")
         began = clock.seconds()
         await until(lambda: clock.seconds() > began + 2.0)
         person.type("stop\n")
-        await person.until(f"failed: set: {VOID}")
+        await person.until(f"failed: call: {VOID}")
         assert clock.seconds() < began + 4.0  # it would have waited for 5 s
         assert await person.end("status\n") == 1
     assert f"failed: release: {VOID}" in person.said
     assert "console: release stop" not in person.said
-    assert "motor ✗ STOPPED" in person.said.split(f"failed: release: {VOID}")[1]
+    assert "motor STOPPED" in person.said.split(f"failed: release: {VOID}")[1]
 
 
 async def test_a_goal_typed_before_a_stop_that_does_not_latch_is_not_driven() -> None:
@@ -80,9 +82,9 @@ async def test_a_goal_typed_behind_a_stop_that_does_not_latch_is_driven() -> Non
 
 async def test_a_void_goal_is_a_failure_even_when_a_later_one_arrives() -> None:
     async with operated() as person:
-        assert await person.end("go 12\nstop\nrelease\ngo 7\n") == 1
+        assert await person.end("go 12\nstop\nrelease --yes\ngo 7\n") == 1
     assert f"failed: go: {VOID}" in person.said
-    assert "✓ ARRIVED Arrived at shelf 7" in person.said
+    assert "ARRIVED, Arrived at shelf 7" in person.said
 
 
 async def test_a_stop_holds_the_queue_until_it_is_continued() -> None:
@@ -90,13 +92,13 @@ async def test_a_stop_holds_the_queue_until_it_is_continued() -> None:
         person.type("go 12 7\n")
         await person.until("MOVING to 12")
         person.type("stop\n")
-        await person.until("✗ ABORTED Emergency stop")
+        await person.until("ABORTED, Emergency stop")
         await person.until("queue held: 7 (")
-        person.type("release\n")
+        person.type("release --yes\n")
         await person.until("console: release stop: ")
         assert "shelf 7: accepted" not in person.said
         assert await person.end("continue\n") == 1  # 12 did not arrive
-    assert "✓ ARRIVED Arrived at shelf 7" in person.said
+    assert "ARRIVED, Arrived at shelf 7" in person.said
 
 
 async def test_a_continue_typed_before_a_stop_continues_nothing() -> None:
@@ -124,17 +126,17 @@ class Slow(StubRobot):
         self.answers.append(asyncio.get_running_loop().create_future())
         return await self.answers[-1]
 
-    async def cancel(self) -> Outcome:
+    async def cancel(self, **_: bool) -> Outcome:
         self.told.append("cancel")
-        return Outcome(True, "cancelling")
+        return Outcome(Code.DONE, "cancelling")
 
 
 async def test_a_cancel_typed_before_a_stop_still_goes() -> None:
     robot: Any = Slow()
     async with typing(stub_station(robot)) as person:
-        person.type("set nosuch x 1\ncancel\nstop\n")
+        person.type("call /nosuch\ncancel\nstop\n")
         await until(lambda: robot.told == ["stop", "cancel"])
-        robot.answers[0].set_result(Outcome(True, "Stopped"))
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
         assert await person.end() == 1
     assert "failed: cancel" not in person.said
 
@@ -146,9 +148,9 @@ async def test_stops_that_come_before_the_answer_are_covered_by_one_more() -> No
         await until(lambda: robot.told == ["stop"])
         person.type("stop\nSTOP!\nstop now\nstop\n")
         await until(lambda: robot.stops.count == 5)
-        robot.answers[0].set_result(Outcome(True, "Stopped"))
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
         await until(lambda: len(robot.answers) == 2)
-        robot.answers[1].set_result(Outcome(True, "Stopped"))
+        robot.answers[1].set_result(Outcome(Code.DONE, "Stopped"))
         assert await person.end() == 0
     assert robot.told == ["stop", "stop"]
 
@@ -158,11 +160,16 @@ class Quick(Slow):
 
     async def emergency_stop(self) -> Outcome:
         self.told.append("stop")
-        return Outcome(True, "Stopped")
+        self._say(stopped=True)
+        return Outcome(Code.DONE, "Stopped")
 
     async def release_emergency_stop(self) -> Outcome:
         self.told.append("release")
-        return Outcome(True, "Released")
+        self._say(stopped=False)
+        return Outcome(Code.DONE, "Released")
+
+    def _say(self, *, stopped: bool) -> None:
+        self.put(self.snapshot._replace(motion=replace(self.snapshot.motion, stopped=stopped)))
 
 
 async def in_no_time(holds: Callable[[int], object], number: int) -> None:
@@ -177,7 +184,7 @@ async def test_every_stop_behind_a_release_is_sent_at_once() -> None:
     robot: Any = Quick()
     async with typing(stub_station(robot, clock.current or Clock())) as person:
         for count in range(1, 6):
-            person.type("stop\nrelease\n")
+            person.type("stop\nrelease --yes\n")
             await in_no_time(lambda n: robot.told == ["stop", "release"] * n, count)
 
 
@@ -212,7 +219,7 @@ async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
         await until(lambda: robot.told)
         await Quiet().settle()
         assert robot.told == ["stop"]
-        robot.answers[0].set_result(Outcome(True, "Stopped"))
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
         await until(lambda: robot.told == ["stop", "cancel"])
         await person.end()
 
@@ -226,16 +233,16 @@ async def test_the_end_waits_for_the_answer_to_a_stop(typed: str) -> None:
         for _ in range(20):
             await Quiet().settle()
         assert not person.is_over
-        robot.answers[0].set_result(Outcome(False, "no answer in 2 s"))
+        robot.answers[0].set_result(Outcome(Code.TIMEOUT, "no answer in 2 s"))
         assert await person.end() == 1
     assert "failed: stop: no answer in 2 s" in person.said
 
 
 def test_a_stop_behind_a_megabyte_of_lines_is_obeyed_at_once() -> None:
     script = Script()
-    script.type("set nosuch x 1\n" + "cancel\n" * 150_000 + "stop\n")
+    script.type("call /nosuch\n" + "cancel\n" * 150_000 + "stop\n")
     script.until("STOP: confirmed")
-    script.until(f"failed: set: {VOID}")  # and not after its 5 s
+    script.until(f"failed: call: {VOID}")  # and not after its 5 s
     script.close()
 
 
@@ -247,7 +254,7 @@ async def test_lines_that_are_refused_are_said_once_and_are_a_failure() -> None:
         person.type("stop\n" + f"{line}\n" * 50)
         await person.until("failed: more than 1 MB of lines wait: further ones are refused")
         await until(lambda: robot.answers)
-        robot.answers[0].set_result(Outcome(True, "Stopped"))
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
         assert await person.end() == 1
     assert person.said.count("failed:") == 1
     assert person.said.count("battery ") == 1024 * 1024 // len(line)
@@ -257,3 +264,12 @@ async def test_lines_that_are_refused_are_said_once_and_are_a_failure() -> None:
 def test_a_stop_that_comes_last_is_sent_before_the_end(typed: str) -> None:
     done = shell(f"printf '{typed}' | archo --plain")
     assert b"STOP: confirmed" in done.stdout, done
+
+
+async def test_a_stop_that_is_refused_late_is_said() -> None:
+    async with operated(making([], Brake, "brake", "no", 2.5)) as person:
+        station = person._plain._station
+        await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
+        person.type("stop\n")
+        await person.until("failed: stop: ")
+        await person.until("STOP, answered late: REFUSED")

@@ -18,7 +18,17 @@ from tests.support.walks import Counting, length
 from tests.test_stop_is_final import ROBOTS
 
 _LINES = [
-    *("go 12", "go 12 7 3", "go 99", "go x", "cancel", "release", "continue", "skip", "reset"),
+    *(
+        "go 12",
+        "go 12 7 3",
+        "go 99",
+        "go x",
+        "cancel",
+        "release --yes",
+        "continue",
+        "skip",
+        "reset",
+    ),
     *("set motor_controller max_speed 0.5", "set nosuch x 1", "blink", "status", "", "nonsense"),
     *("charge", "go 7\r", '"open', "params", "x" * 300),
 ]
@@ -38,7 +48,7 @@ async def walk(person: Typed, seed: int, rounds: int, made: list[Any], stands: A
 
     for number in range(rounds):
         if choose.random() < 0.5:
-            person.type("release\ngo 12\n")
+            person.type("release --yes\ngo 12\n")
             await pause(1.0)
         for _ in range(choose.randrange(4)):
             lines = choose.choices(_LINES, k=choose.randrange(1, 5))

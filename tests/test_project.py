@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -28,7 +29,7 @@ def test_the_command_line_starts_light() -> None:
 
 def test_without_a_screen_textual_is_not_imported() -> None:
     code = (
-        "import sys, archo_tui.plain, archo_tui.cli, archo_tui.session;"
+        "import sys, archo_tui.plain.plain, archo_tui.cli, archo_tui.session;"
         "sys.exit('Textual was imported' if 'textual' in sys.modules else 0)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
@@ -43,13 +44,20 @@ def test_pydoc_knows_the_operators_verbs() -> None:
 
 
 def test_the_recorded_session_shows_one_screen_after_the_other_for_ever() -> None:
-    pictures = [f'<svg viewBox="0 0 9 9"><style>.terminal-{n}{{}}</style></svg>' for n in "12"]
+    styles = ".terminal-{0}-matrix {{}} .terminal-{0}-title {{}} .terminal-{0}-r1 {{ fill: red }}"
+    parts = '<text class="terminal-{0}-r1">both</text><text>{0}</text>'
+    pictures = [
+        f'<svg viewBox="0 0 9 9"><style>{styles.format(n)}</style>{parts.format(n)}</svg>'
+        for n in "12"
+    ]
     fonts = "<style>@font-face { a }\n"
     text = recording.joined([p.replace("<style>", fonts) for p in pictures], [1.0, 3.0])
     assert ElementTree.fromstring(text).get("viewBox") == "0 0 9 9"
     assert "s0 { 0% { visibility: hidden } 0.00% { visibility: visible } 25.00%" in text
     assert "s1 { 0% { visibility: hidden } 25.00% { visibility: visible } 99.99%" in text
     assert text.count("@font-face") == 1
+    assert text.count(">both<") == text.count("fill: red") == 1
+    assert text.count('<use href="#p0"/>') == 2
     recorded = (ROOT / "session.svg").read_bytes()
     assert ElementTree.fromstring(recorded).get("viewBox")
     assert len(recorded) < recording.MOST
@@ -62,6 +70,17 @@ def test_every_fault_that_can_be_planted_finds_its_line() -> None:
         if fault.line not in mutants.path_of(fault).read_text(encoding="utf-8")
     ]
     assert stale == []
+
+
+def test_the_names_of_tests_are_sentences_that_are_read_at_once() -> None:
+    names = [
+        node.name
+        for path in Path("tests").rglob("test_*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
+        and node.name.startswith("test_")
+    ]
+    assert [name for name in names if name.count("_") > 14] == []
 
 
 def test_the_stubs_are_what_the_interface_files_say() -> None:

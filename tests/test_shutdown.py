@@ -13,7 +13,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from archo_tui.clock import Clock
-from archo_tui.robot.state import Outcome, Phase, Snapshot
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Phase, Snapshot
 from archo_tui.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
 from tests.console.states import MOVING, NORMAL, STATES
 from tests.support import clock
@@ -42,7 +43,7 @@ class Robot:
         if not self._answers:
             await asyncio.Event().wait()
         self.snapshot = STATES["goal cancelled"]
-        return Outcome(True, "cancelling")
+        return Outcome(Code.DONE, "cancelling")
 
 
 def robot(**options: Any) -> Any:
@@ -174,7 +175,7 @@ async def test_a_goal_that_has_not_left_yet_when_the_console_ends_never_does() -
         await ended(let_go(it, clock.current or Clock(), CANCEL, "ended by SIGTERM"))
         await ended(going)
         assert len(made[0].goals) == made[0].cancelled
-        assert (await ended(go(it, 7))).text == "not sent: the console ends"
+        assert await ended(go(it, 7)) == (Code.CANCELLED, "not sent: the console ends")
         assert 7 not in made[0].goals
 
 

@@ -79,6 +79,30 @@ def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[T
     assert [text for text in said() if "drives" in text] == ["drives to 5"]
 
 
+@pytest.mark.parametrize(
+    ("typed", "shelf"),
+    [
+        ("3\t\r12 7\r\x18", 1),  # taken from the board, and more
+        ("g12\r\t\x18", 12),  # STOP is pressed on the board
+        ("g12\r\t\x1b[B\r\x18", 12),
+        ("g\t\x1b[C\r\t\t\r\x18", 2),  # by Go
+    ],
+)
+def test_a_goal_typed_around_the_board_before_a_stop_does_not_drive(
+    typed: str, shelf: int, terminals: list[Terminal]
+) -> None:
+    terminal = Terminal(*SLOW)
+    terminals.append(terminal)
+    terminal.until(" board   ")  # its key is bold
+    terminal.write(typed)
+    until_said("STOP: confirmed", f"go to shelf {shelf}: {NOT_SENT}")
+    terminal.until("R releases")
+    terminal.write("\x1b")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert not [text for text in said() if "accepted" in text]
+
+
 def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) -> None:
     terminal = Terminal(*CART)
     terminals.append(terminal)

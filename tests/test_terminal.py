@@ -24,11 +24,12 @@ SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=1.0")
 
 HANGING_DISK = """
 import threading
-from archo_tui import recall
+from archo_tui.station import recall
 recall._read = threading.Event().wait
 """
 INTERRUPTED = """
 import os, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # in the background it may be ignored
 class Interrupts:
     def find_spec(self, name, *_):
         if name == "rclpy.node":

@@ -28,13 +28,11 @@ MODULES = sorted(
 )
 # what is found, by file: a new use belongs here, and what is no longer found has changed its name
 KNOWN = {
-    "app.py": "_handle_exception",
+    "app.py": "_context _handle_exception",
     "commands/keymap.py": "_ansi_sequences _character_to_key",
     "keyed_app.py": "_bindings",
     "screens/base.py": "_on_resize",
     "screens/main.py": "_compositor _compositor_refresh",
-    "screens/palette.py": "_cancel_gather_commands _dispatch_message _move_page _on_click "
-    "_stop_no_matches_countdown _watch__show_busy",
     "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
     "_return_code",
     "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "

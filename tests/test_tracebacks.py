@@ -7,7 +7,7 @@ import json.decoder
 
 import pytest
 
-from archo_tui.tracebacks import own_frames
+from archo_tui.hosting.tracebacks import own_frames
 
 
 def report(text: str) -> str:

@@ -12,8 +12,8 @@ from rclpy.action import ActionClient, get_action_server_names_and_types_by_node
 from archo_tui.chapter import names
 from archo_tui.chapter.asker import ANSWER, Asker, CrashedError
 from archo_tui.chapter.tap import Result
-from archo_tui.host import HostedNode
-from archo_tui.robot import interfaces
+from archo_tui.hosting.host import HostedNode
+from archo_tui.robot import message_classes
 
 MOVE = "move_to_shelf"
 _WHOLE = "move_to_shelf gives feedback 15, 12 ... 0 and arrives"
@@ -36,7 +36,7 @@ _NAMES = {
 }
 _FROM_REQUEST = ": take it from goal_handle.request.shelf_number"
 _OVER = CancelGoal.Response.ERROR_GOAL_TERMINATED, CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID
-_TOO_FAST = "the move is over at once: 0.5 s between two feedbacks"
+_TOO_FAST = "the move ended at once: leave 0.5 s between two feedbacks"
 _NOT_ACCEPTED = "the cancel_callback did not accept it: return CancelResponse.ACCEPT"
 
 
@@ -56,7 +56,7 @@ def moves(asker: Asker) -> Iterator[Result]:
             yield names.missing(asker, title, MOVE, "serve", "action", others)
         return
     named = found[nodes[0]][f"/{MOVE}"][0]
-    made = interfaces.load(named)
+    made = message_classes.load(named)
     lacks = [field for part, field in _FIELDS.items() if field not in _fields(made, part)]
     if lacks:
         said = f"it is a {named}, without {', '.join(lacks)}: the chapter's is MoveToShelf"
@@ -78,7 +78,7 @@ def moves(asker: Asker) -> Iterator[Result]:
 
 
 def _fields(made: Any, part: str) -> set[str]:
-    return interfaces.fields(getattr(made, part)) if made is not None else set()
+    return message_classes.fields(getattr(made, part)) if made is not None else set()
 
 
 class _Move:

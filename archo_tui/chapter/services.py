@@ -11,8 +11,8 @@ from rclpy.node import Node
 from archo_tui.chapter import names
 from archo_tui.chapter.asker import ANSWER, Asker, CrashedError
 from archo_tui.chapter.tap import Result
-from archo_tui.host import HostedNode
-from archo_tui.robot import interfaces
+from archo_tui.hosting.host import HostedNode
+from archo_tui.robot import message_classes
 
 _RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
 _STOP = "emergency_stop answers True"
@@ -71,7 +71,7 @@ def _answer(asker: Asker, nodes: Sequence[HostedNode], client: Any) -> tuple[Any
 
 
 def _reset(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> str:
-    named = interfaces.name_of(client.srv_type)
+    named = message_classes.name_of(client.srv_type)
     if named.rpartition("/")[2] != "ResetEncoder":
         called = asker.place_of_text("reset_encoder")
         return f"{called}it is a {named}; the chapter's is an archo_interfaces/srv/ResetEncoder"
@@ -111,6 +111,6 @@ def _stopped(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> 
     answer, why = _answer(asker, nodes, client)
     if answer is None:
         return why
-    if interfaces.refuses(answer) and interfaces.fields(client.srv_type.Request) == set():
+    if message_classes.refuses(answer) and message_classes.fields(client.srv_type.Request) == set():
         return f"{where}answered False: set response.success = True"
     return ""

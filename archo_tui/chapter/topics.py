@@ -12,15 +12,15 @@ from rclpy.qos import QoSReliabilityPolicy
 from archo_tui.chapter import names
 from archo_tui.chapter.asker import ANSWER, Asker, CrashedError
 from archo_tui.chapter.tap import Result
-from archo_tui.host import HostedNode
-from archo_tui.robot import interfaces
+from archo_tui.hosting.host import HostedNode
+from archo_tui.robot import message_classes
 
 LEVEL = "battery_level"
 _MOTOR = "motor_controller"
 _KIND = "battery_level is a std_msgs/msg/Float32"
 _RATE = "battery_level is published about once a second"
 _FALLS = "the battery level only falls, and stays within 0 .. 100"
-_WARNS = "a level below 20 % is logged as a warning, and no other one"
+_WARNS = "a level below 20 % is logged as a warning, any other is not"
 _FLOAT = "std_msgs/msg/Float32"
 _KINDS = (_FLOAT, "archo_interfaces/msg/BatteryStatus")  # the chapter's, and the robot's own
 _OWN = ("rosout", "parameter_events")  # every node's
@@ -96,7 +96,8 @@ def _silence(
     if busy:
         return f"{said}: a callback does not return, {busy}: use create_timer(1.0, ...)"
     if publisher.qos_profile.reliability == QoSReliabilityPolicy.BEST_EFFORT:
-        return f"{said}: its QoS is best effort, and who asks for reliable hears nothing: give 10"
+        reliable = "so a subscription that asks for reliable hears nothing: pass 10"
+        return f"{said}: its QoS is best effort, {reliable}"
     where = asker.place(nodes, lambda source: source.line_of_call("create_timer"))
     return f"{where}{said}: create_timer(1.0, ...), in seconds, and publish() in its callback"
 
@@ -106,7 +107,7 @@ def _wrong_levels(levels: Sequence[float]) -> str:
     if all(level == 0.0 for level in levels):
         return f"{said}: the message's data is never set: message.data = self.level"
     if all(0.0 <= level <= 1.0 for level in levels):
-        return f"{said}: a level is in percent, 0 .. 100, and not a part of 1"
+        return f"{said}: a level is in percent, 0 .. 100, not a fraction of 1"
     if not all(0.0 <= level <= 100.0 for level in levels):
         return f"{said}: a level is in percent, 0 .. 100"
     falls = all(b <= a for a, b in pairwise(levels))
@@ -121,7 +122,7 @@ def level_of(message: Any) -> float:
 
 def _wrong_type(made: Any) -> str:
     """What is wrong with a type for battery levels; "" where it fits."""
-    name = interfaces.name_of(made)
+    name = message_classes.name_of(made)
     return "" if name in _KINDS else f"a {name}; the chapter's is a {_FLOAT}"
 
 

@@ -1,15 +1,37 @@
-"""The one registry of commands: keys, footer, `?`, palette, buttons and README come from it."""
+"""The one registry of commands: keys, footer, `?`, palette, buttons, docs/keys.md come from it."""
 
 from __future__ import annotations
 
-from archo_tui.commands import anything, console, events, history, nodes, parameters, robot
-from archo_tui.commands.base import Command
-from archo_tui.robots.model import Robot
+from collections.abc import Iterator, Mapping
+
+from archo_tui.commands import (
+    anything,
+    console,
+    events,
+    graph,
+    history,
+    nodes,
+    palette,
+    parameters,
+    recordings,
+    robot,
+)
+from archo_tui.commands.base import Command, Speak
+from archo_tui.robot_file.model import RobotFile
+from archo_tui.verbs import verbs as vocabulary
+from archo_tui.verbs.base import Verb
+from archo_tui.verbs.goals import Go
+from archo_tui.verbs.services import Give
 
 
-def registry(described: Robot) -> tuple[Command, ...]:
-    """Every command of the console for the robot that a file describes."""
-    first, *others = described.goals or (None,)
+def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> tuple[Command, ...]:
+    """Every command of the console for the robot that a file describes.
+
+    `spoken` are its verbs; without them no command can be run, and each has its key and words.
+    """
+    verbs = vocabulary(described, {}) if spoken is None else spoken
+    goals = [verb for verb in verbs.values() if isinstance(verb, Go)]
+    first = described.goals[0] if described.goals else None
     titles = (
         "Battery",
         "Motion" if described.motion is None else described.motion.title,
@@ -18,32 +40,34 @@ def registry(described: Robot) -> tuple[Command, ...]:
         "Nodes",
         "Events",
         "History",
+        "Graph",
     )
     return (
-        robot.Go(first),
-        robot.Cancel(),
-        robot.CancelAll(),
-        robot.Continue(),
-        robot.Drop(),
-        robot.StopNow(described.stop),
-        robot.GiveUpStop(),
-        robot.Release(described.stop),
-        *(robot.Give(command) for command in described.commands),
-        *(robot.SendGoal(kind) for kind in others if kind is not None),
-        anything.AnyGoal(),
-        anything.AnyService(),
+        robot.Go(goals[0] if goals else None),
+        robot.Cancel(verbs["cancel"]),
+        robot.CancelAll(verbs["cancel"]),
+        robot.Continue(verbs["continue"]),
+        robot.Skip(verbs["skip"]),
+        robot.StopNow(verbs["stop"]),
+        Speak(verbs["give_up_stop"]),
+        robot.Release(verbs["release"]),
+        *(robot.Give(on, off) for on, off in _given(verbs)),
+        *(robot.SendGoal(goal) for goal in goals[1:]),
+        anything.AnyGoal(verbs["send_goal"]),
+        anything.AnyService(verbs["call"]),
         anything.KeepRobot(),
-        console.Acknowledge(),
+        console.Acknowledge(verbs["ack"]),
         console.ShowAlarms(),
         *(console.Panel(number, title) for number, title in enumerate(titles, 1)),
         parameters.Edit(),
         parameters.Restore(),
         parameters.Switch(),
         parameters.OnlyChanged(),
+        parameters.RosOwn(),
         parameters.Filter(),
-        parameters.Undo(),
-        parameters.Save(),
-        parameters.Load(),
+        parameters.Undo(verbs["undo"]),
+        parameters.Save(verbs["save"]),
+        parameters.Load(verbs["load"]),
         nodes.StartStop(),
         nodes.Copy(),
         nodes.Details(),
@@ -56,11 +80,22 @@ def registry(described: Robot) -> tuple[Command, ...]:
         history.ShowHistory(),
         history.LookBack(-1),
         history.LookBack(1),
+        graph.Resource(),
         console.ShowHelp(),
         console.ShowHelpEverywhere(),
-        console.Palette(),
+        palette.Palette(),
+        console.Keep(verbs["keep"]),
+        recordings.ShowRecordings(),
         console.Quiet(),
         console.Suspend(),
         console.Quit(),
         console.QuitEverywhere(),
     )
+
+
+def _given(verbs: Mapping[str, Verb]) -> Iterator[tuple[Give, Give | None]]:
+    """The commands of the robot file, each with its other way where it is a toggle."""
+    for verb in verbs.values():
+        if isinstance(verb, Give) and verb.id == verb.given.id:
+            off = verbs.get(verb.given.off_word)
+            yield verb, off if isinstance(off, Give) else None

@@ -4,112 +4,110 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
-from archo_tui.commands.base import Command, Console, write_file
+from archo_tui.commands.base import Command, Console, Speak, write_file
 from archo_tui.commands.robot import SendGoal
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.robot.state import Outcome, in_namespace
-from archo_tui.robots.check import missing
-from archo_tui.robots.model import GoalKind, Input, Service
-from archo_tui.robots.save import dump
-from archo_tui.robots.words import free
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot_file.check import missing
+from archo_tui.robot_file.model import FormField, GoalKind, Service
+from archo_tui.robot_file.reserved import free
+from archo_tui.robot_file.save import dump
 from archo_tui.screens.ask_path import AskPath
-from archo_tui.screens.choose import Choose
-from archo_tui.screens.message_form import MessageForm, Send
+from archo_tui.screens.choose import Choice, Choose
+from archo_tui.screens.message_form import MessageForm
+from archo_tui.verbs.anything import type_of
+from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
 
 
-class _AnyOf(Command):
+class _AnyOf(Speak):
     """Lists what is on the graph, then makes a form of its type."""
-
-    what = ""
-    acts = True
 
     def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         """Names with their types."""
         raise NotImplementedError
 
-    def blocked(self, console: Console) -> str:
-        return "" if self.found(console) else f"no {self.what} is on the graph"
-
     def run(self, console: Console) -> None:
         found = self.found(console)
-        rows = [(name, ", ".join(found[name])) for name in sorted(found)]
-        console.open(Choose(self.help, rows, lambda name: self._form(console, name)))
+        choices = [
+            Choice(name, partial(self._form, console, name), ", ".join(found[name]))
+            for name in sorted(found)
+        ]
+        console.open(Choose(self.help, choices))
 
     async def _form(self, console: Console, name: str) -> None:
-        kinds = self.found(console).get(name, ())
-        if len(kinds) != 1:
-            console.say(f"{name} has several types: {', '.join(kinds)}")
+        try:
+            kind = type_of("one", name, self.found(console))
+        except ValueError as error:
+            console.say(str(error))
             return
         # reads files: not on this thread
-        leaves = await in_daemon(console.station.robot.form, kinds[0])
+        leaves = await in_daemon(console.station.robot.form, kind)
         if leaves is None:
-            console.say(missing(name, kinds[0]))
+            console.say(missing(name, kind))
             return
         typed = console.typed.setdefault(name, {})
-        send = self.sender(console, name, kinds[0])
-        console.open(MessageForm(f"{name}  {kinds[0]}", leaves, send, typed))
+        send = partial(self.send, console, name, kind)
+        console.open(MessageForm(f"{name}  {kind}", leaves, send, typed))
 
-    def sender(self, console: Console, name: str, kind: str) -> Send:
+    async def send(
+        self, console: Console, name: str, kind: str, values: Mapping[str, Any]
+    ) -> Outcome:
         """What is done with the values."""
         raise NotImplementedError
 
 
 class AnyGoal(_AnyOf):
-    id, key = "any_goal", "G"
-    help = "Send a goal to any action on the graph"
-    what = "action"
+    key = "G"
 
     async def _form(self, console: Console, name: str) -> None:
-        snapshot = console.view.snapshot
-        for kind in snapshot.robot.goals:  # the robot file has a form of its own
-            if in_namespace(snapshot.namespace, kind.action.lstrip("/")) == name:
-                work = SendGoal(kind).run(console)
-                if work is not None:
-                    await work
-                return
-        await super()._form(console, name)
+        kind = kind_of(console.view.snapshot, name)
+        if kind is None:
+            await super()._form(console, name)
+            return
+        go = next(v for v in console.verbs.values() if isinstance(v, Go) and v.kind == kind)
+        work = SendGoal(go).run(console)  # the robot file has a form of its own
+        if work is not None:
+            await work
 
     def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         return console.view.snapshot.actions
 
-    def sender(self, console: Console, name: str, kind: str) -> Send:
+    async def send(
+        self, console: Console, name: str, kind: str, values: Mapping[str, Any]
+    ) -> Outcome:
         short = name.rpartition("/")[2]
         goal = GoalKind(id=_id(console, name), title=short, action=name, type=kind)
-
-        async def send(values: Mapping[str, Any]) -> Outcome:
-            outcome = await console.station.robot.send(goal, values)
-            if outcome.ok:
-                known = [old for old in console.used.goals if old.action != name]
-                used = replace(goal, form={path: Input() for path in _paths(values)})
-                console.used = replace(console.used, goals=(*known, used))
-            return outcome
-
-        return send
+        outcome = await self.verb.run(console.station, {KIND: goal, GOALS: [values]})
+        console.look()  # it may wait in the queue
+        if outcome.ok:
+            known = [old for old in console.used.goals if old.action != name]
+            used = replace(goal, form={path: FormField() for path in _paths(values)})
+            console.used = replace(console.used, goals=(*known, used))
+        return outcome
 
 
 class AnyService(_AnyOf):
-    id, key = "any_service", "C"
-    help = "Call any service on the graph"
-    what = "service"
+    key = "C"
 
     def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         return console.view.snapshot.services
 
-    def sender(self, console: Console, name: str, kind: str) -> Send:
-        async def call(values: Mapping[str, Any]) -> Outcome:
-            outcome = await console.station.robot.call(name, kind, values)
-            if outcome.ok:
-                console.say(outcome.text, name)
-                short = name.rpartition("/")[2]
-                known = [old for old in console.used.commands if old.service != name]
-                if not values:  # one with fields cannot be a command of a robot file
-                    used = Service(id=_id(console, name), title=short, service=name)
-                    console.used = replace(console.used, commands=(*known, used))
-            return outcome
-
-        return call
+    async def send(
+        self, console: Console, name: str, kind: str, values: Mapping[str, Any]
+    ) -> Outcome:
+        given = {"service": name, "type": kind, "fields": values}
+        outcome = await self.verb.run(console.station, given)
+        if outcome.ok:
+            console.say(outcome.text, name)
+            short = name.rpartition("/")[2]
+            known = [old for old in console.used.commands if old.service != name]
+            if not values:  # one with fields cannot be a command of a robot file
+                used = Service(id=_id(console, name), title=short, service=name)
+                console.used = replace(console.used, commands=(*known, used))
+        return outcome
 
 
 def _id(console: Console, name: str) -> str:

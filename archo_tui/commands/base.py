@@ -8,32 +8,43 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from textual.screen import Screen
+from textual.theme import Theme
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
-from archo_tui.robot.state import Outcome
-from archo_tui.robots.model import Robot
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.main import MainScreen
-from archo_tui.station import Station
+from archo_tui.station.station import Station
+from archo_tui.verbs.base import Values, Verb
 from archo_tui.widgets.shown import Shown
 
 Work = Coroutine[Any, Any, None]  # what may wait for the robot
 Answers = Mapping[str, Callable[[], Work | None]]  # what each answer does, by its words
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
-PARAMETERS, NODES, EVENTS = 4, 5, 6
-_PANELS = {PARAMETERS: "Parameters", NODES: "Nodes", EVENTS: "Events"}  # that have own commands
+PARAMETERS, NODES, EVENTS, GRAPH, TIME = 4, 5, 6, 8, 9
+_PANELS = {  # that have own commands
+    PARAMETERS: "Parameters",
+    NODES: "Nodes",
+    EVENTS: "Events",
+    GRAPH: "Graph",
+    TIME: "the time line",
+}
 
 
 class Console(Protocol):
     """The console, as its commands see it; the app is one."""
 
     station: Station
+    verbs: Mapping[str, Verb]
     view: Shown  # what is shown now
     main: MainScreen
+    theme: str  # its name
     repeated: bool  # the key of the command is being held down
+    pause: float  # s between the last two keys or clicks
     typed: dict[str, dict[str, str]]  # what was last typed into each form, by path
-    used: Robot  # the robot's file, with what was sent and called without it
+    used: RobotFile  # the robot's file, with what was sent and called without it
 
     @property
     def registry(self) -> Sequence[Command]:
@@ -52,11 +63,17 @@ class Console(Protocol):
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog."""
 
+    def speak(self, verb: Verb, values: Values) -> Work | None:
+        """Ask what the verb asks, then do it."""
+
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
         """Put a question now; `safe` is the answer that changes nothing."""
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed."""
+
+    def dialog_gone(self, why: str) -> None:
+        """A dialog went by itself: the keys that were for it act nowhere else."""
 
     def say(self, text: str, title: str = "") -> None:
         """Say something that is not visible otherwise."""
@@ -67,8 +84,19 @@ class Console(Protocol):
     def copy_selection(self) -> bool:
         """Copy what is selected; False when nothing is."""
 
-    def action_command_palette(self) -> None:
-        """Open the palette."""
+    @property
+    def screens(self) -> Sequence[Screen[Any]]:
+        """The main screen and the dialogs over it."""
+
+    @property
+    def available_themes(self) -> Mapping[str, Theme]:
+        """Textual's and ours, by name."""
+
+    def picture(self) -> None:
+        """Save the screen as SVG."""
+
+    def action_command(self, name: str) -> None:
+        """Run a command of the registry, or say why it cannot run."""
 
     def action_suspend_process(self) -> None:
         """Suspend to the shell."""
@@ -101,17 +129,16 @@ class Command:
 
     id: str
     key: str = ""  # Textual's name of the key, when the keymap names no other; empty: none
-    help: str  # one sentence for `?`, the palette and the README
+    help: str  # one sentence for `?`, the palette and docs/keys.md
     footer: str = ""  # one word; empty: not in the footer
     footer_key: str = ""  # the key in the footer where it stands for several
     where: str = NOT_TYPING
     panel: int = 0  # the panel's number, for IN_PANEL
-    service: str = ""  # what somebody must offer
     runs_blocked: bool = False  # says why, and does its harmless part all the same
     insists: bool = False  # tried in any case: what is in the way may be over
     once: bool = False  # a held key gives it once; not again before the answer
     every: float = 0.0  # s until it is sent again while there is no answer
-    acts: bool = False  # on the robot: not while watching only
+    verbs: tuple[str, ...] = ()  # that it speaks
     yields: bool = False  # its key is newer than 0.1.0: a robot file or a keymap may take it
     from_file: str = ""  # file and line of the robot file that it comes from
 
@@ -122,11 +149,23 @@ class Command:
 
     def blocked(self, console: Console) -> str:
         """Why the command cannot run now, or an empty string."""
-        snapshot = console.view.snapshot
-        if self.service and self.service not in snapshot.offered:
-            return f"{self.service} is not offered by any node"
-        return snapshot.faults.get(self.service, "")
+        return ""
 
     def run(self, console: Console) -> Work | None:
         """Do it or ask at once, or return a coroutine that may wait for the robot."""
         raise NotImplementedError
+
+
+class Speak(Command):
+    """A verb with a key."""
+
+    def __init__(self, verb: Verb) -> None:
+        self.verb = verb
+        self.id, self.verbs = verb.id, (verb.id,)
+        self.help = verb.help
+
+    def blocked(self, console: Console) -> str:
+        return self.verb.refusal(console.station)
+
+    def run(self, console: Console) -> Work | None:
+        return console.speak(self.verb, {})

@@ -4,34 +4,54 @@ from __future__ import annotations
 
 from functools import partial
 
-from archo_tui.commands.base import EVERYWHERE, Answers, Command, Console, Work
-from archo_tui.goal_text import way
+from archo_tui.commands.base import (
+    EVERYWHERE,
+    GRAPH,
+    NOT_TYPING,
+    Answers,
+    Command,
+    Console,
+    Speak,
+    Work,
+)
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.help import Entry, Help
+from archo_tui.screens.request import AnswerRequest
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
+from archo_tui.station.alarms import is_grave
 from archo_tui.system import CAN_SUSPEND
+from archo_tui.verbs.base import Verb
+from archo_tui.words.goal import way
 
 
-class Acknowledge(Command):
-    id, key = "acknowledge", "a"
-    help = "Acknowledge the alarm in the banner"
+class Acknowledge(Speak):
+    key = "a"
 
-    def blocked(self, console: Console) -> str:
-        unseen = any(not alarm.acknowledged for alarm in console.view.alarms)
-        return "" if unseen else "no alarm to acknowledge"
-
-    def run(self, console: Console) -> None:
-        console.station.acknowledge(console.view.alarms[:1])
-        console.look()
+    def __init__(self, verb: Verb) -> None:
+        super().__init__(verb)
+        self.help = "Acknowledge the alarm in the banner"
 
 
 class ShowAlarms(Command):
-    id, key = "alarms", "A"
-    help = "List the alarms: acknowledge one or all, shelve one for a while"
+    id, key, verbs = "alarms", "A", ("alarms", "shelve")
+    help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
 
     def run(self, console: Console) -> None:
-        station = console.station
+        station, waiting = console.station, console.station.requests.waiting
+        if waiting and not is_grave(console.view.alarms):  # which are looked at first
+            pause = lambda: console.pause  # noqa: E731
+            told = partial(_answer, console), console.dialog_gone
+            console.open(AnswerRequest(waiting[0], console.view, station.clock, pause, *told))
+            return
         console.open(AlarmList(console.view, station.acknowledge, station.shelve, console.look))
+
+
+def _answer(console: Console, number: int, allowed: bool) -> None:
+    console.tell(console.station.answer(number, allowed=allowed))
+    console.look()
+
+
+_SHOWN = {1: ("status",), 4: ("params", "get"), 5: ("nodes",), 6: ("events",)}  # in the panels
 
 
 class Panel(Command):
@@ -39,8 +59,10 @@ class Panel(Command):
         self.number = number
         self.id, self.key = f"panel_{number}", str(number)
         self.help = f"Go to panel {number}, {title}"
+        self.verbs = _SHOWN.get(number, ())
         if number == 1:
-            self.footer, self.footer_key = "Panels", "1-7"
+            self.footer, self.footer_key = "Panels", "1-8"
+        self.yields = number == GRAPH
 
     def run(self, console: Console) -> None:
         console.main.focus_panel(self.number)
@@ -54,18 +76,18 @@ class ShowHelp(Command):
         if isinstance(console.screen, Help):
             console.screen.action_close()
             return
-        entries = [
-            Entry(
-                command.place[0].upper() + command.place[1:]
-                if console.view.key(command.id)
-                else "In the palette only",
-                console.view.key(command.id),
-                command.help,
-                console.blocked(command),
-            )
-            for command in console.registry
-        ]
+        entries = [_entry(console, c) for c in console.registry if not isinstance(c, Panel)]
+        panels = sum(isinstance(command, Panel) for command in console.registry)
+        entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", ""))
+        first = EVERYWHERE.capitalize()
+        entries.sort(key=lambda entry: (entry.section != first, not entry.key))
         console.open(Help(entries))
+
+
+def _entry(console: Console, command: Command) -> Entry:
+    key = console.view.key(command.id)
+    place = f"{command.place[0].upper()}{command.place[1:]}" if key else "In the palette only"
+    return Entry(place, key, command.help, console.blocked(command))
 
 
 class ShowHelpEverywhere(ShowHelp):
@@ -74,18 +96,14 @@ class ShowHelpEverywhere(ShowHelp):
     where = EVERYWHERE
 
 
-class Palette(Command):
-    id, key = "palette", "ctrl+p"
-    help = "Open the command palette: every command, and the themes"
-    where = EVERYWHERE
-
+class Keep(Speak):
     def run(self, console: Console) -> None:
-        console.action_command_palette()
+        console.say(f"{console.station.recorder.keep().text.capitalize()}.")
 
 
 class Quiet(Command):
     id = "quiet_alarms"
-    help = "Silence the bell and the desktop's notice of new alarms, or turn them on again"
+    help = "Silence the bell and the desktop notice of new alarms, or turn them on again"
 
     def run(self, console: Console) -> None:
         station = console.station

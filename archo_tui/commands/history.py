@@ -6,7 +6,7 @@ from archo_tui.commands.base import Command, Console
 
 
 class ShowHistory(Command):
-    id, key = "history", "h"
+    id, key, verbs = "history", "h", ("history",)
     help = "Show the history on the full screen, and back"
 
     def run(self, console: Console) -> None:

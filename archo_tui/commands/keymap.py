@@ -91,7 +91,7 @@ def who_has(
     return next((name for name in others if key and keys[name] == key), "")
 
 
-def shown(key: str) -> str:
+def readable(key: str) -> str:
     """A key as a person reads it: `^x`, `?`, `enter`."""
     if key in ("", "enter"):
         return key
@@ -147,4 +147,4 @@ def _meet(one: Command, other: Command) -> bool:
 
 def shown_keys(keys: Mapping[str, str]) -> dict[str, str]:
     """Every command's key as a person reads it."""
-    return {command: shown(key) for command, key in keys.items()}
+    return {command: readable(key) for command, key in keys.items()}

@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from archo_tui.commands.base import (
-    IN_PANEL,
-    PARAMETERS,
-    Answers,
-    Command,
-    Console,
-    Work,
-    write_file,
-)
-from archo_tui.daemon_threads import in_daemon
+from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Speak, Work
 from archo_tui.errors import ArchoError
-from archo_tui.parameters import save_load
+from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Parameter
-from archo_tui.robot.values import text_of
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.screens.edit_parameter import EditParameter
+from archo_tui.verbs.parameters import NOBODY
 
 _DEFAULT_FILE = "archo_params.yaml"
 
@@ -29,20 +21,37 @@ class _InParameters(Command):
     where, panel = IN_PANEL, PARAMETERS
 
     def blocked(self, console: Console) -> str:
-        return "" if console.view.snapshot.parameters else "no node has reported its parameters yet"
+        return "" if console.view.snapshot.parameters else NOBODY
 
 
-class Edit(_InParameters):
-    acts = True
+class _Sets(_InParameters):
+    """Sets the selected one."""
+
+    verbs = ("set",)
+
+    def blocked(self, console: Console) -> str:
+        return console.verbs["set"].refusal(console.station) or super().blocked(console)
+
+    async def set(self, console: Console, parameter: Parameter, value: Any) -> Outcome:
+        """To a value of its type."""
+        given = {"node": parameter.node, "name": parameter.name, "value": value}
+        return await console.verbs["set"].run(console.station, given)
+
+
+class Edit(_Sets):
     id, key = "edit", "enter"
     help = "Edit the selected parameter"
 
     def run(self, console: Console) -> None:
+        console.main.parameters.take_focus()  # from now on it is seen which one is meant
         parameter = console.main.parameters.selected
         if parameter is not None:
-            node, name, change = parameter.node, parameter.name, console.station.set_parameters
-            send = lambda value: change(node, {name: value})  # noqa: E731
-            console.open(EditParameter(parameter, send, self.offered(parameter)))
+            self.open(console, parameter)
+
+    def open(self, console: Console, parameter: Parameter) -> None:
+        """Open the dialog."""
+        send = partial(self.set, console, parameter)
+        console.open(EditParameter(parameter, send, self.offered(parameter)))
 
     def offered(self, parameter: Parameter) -> Any:
         """What stands in the field at first."""
@@ -57,25 +66,26 @@ class Restore(Edit):
         return parameter.initial
 
 
-class Switch(_InParameters):
-    acts = True
+class Switch(_Sets):
     id, key = "switch", "space"
     help = "Switch the selected boolean parameter"
     once = True
 
     def blocked(self, console: Console) -> str:
+        if not console.main.parameters.shows_cursor:
+            return "no parameter is selected: choose one with ↑ ↓ first"
         selected = console.main.parameters.selected
         if selected is None or not isinstance(selected.value, bool):
             return "the selected parameter is not a boolean"
-        return f"{selected.name} is read-only" if selected.read_only else ""
+        read_only = f"{selected.name} is read-only" if selected.read_only else ""
+        return super().blocked(console) or read_only
 
     def run(self, console: Console) -> Work | None:
         selected = console.main.parameters.selected
         assert selected is not None
-        changed = {selected.name: not selected.value}
 
         async def switch() -> None:
-            console.tell(await console.station.set_parameters(selected.node, changed))
+            console.tell(await self.set(console, selected, not selected.value))
 
         return switch()
 
@@ -88,6 +98,16 @@ class OnlyChanged(_InParameters):
         console.main.parameters.toggle_changed()
 
 
+class RosOwn(_InParameters):
+    id, key = "ros_own", "full_stop"
+    help = "Show the parameters that every ROS node has, too; or hide them again"
+    yields = True
+
+    def run(self, console: Console) -> None:
+        console.main.parameters.toggle_ros_own()
+        console.look()
+
+
 class Filter(_InParameters):
     id, key = "filter", "slash"
     help = "Show only parameters whose node, name or value contains what you type"
@@ -96,90 +116,48 @@ class Filter(_InParameters):
         console.main.parameters.search.open()
 
 
-class Undo(_InParameters):
-    acts = True
-    id, key = "undo", "u"
-    help = "Undo your last change of a parameter"
+class Undo(Speak):
+    where, panel = IN_PANEL, PARAMETERS
+    key = "u"
     once = True
 
-    def blocked(self, console: Console) -> str:
-        return console.station.edits.blocked(console.view.snapshot)
 
-    def run(self, console: Console) -> Work | None:
-        edit = console.station.edits.last
-        assert edit is not None
-
-        async def undo() -> None:
-            console.tell(await console.station.undo())
-
-        others = console.station.edits.changed_since(console.view.snapshot)
-        if not others:
-            return undo()
-        said = " ".join(
-            f"{name} has since changed to {text_of(value)}. Restore {text_of(edit.before[name])}?"
-            for name, value in others.items()
-        )
-        console.confirm("Undo", said, "Leave it", {"Restore": undo})
-        return None
-
-
-class Save(_InParameters):
-    id, key = "save", "ctrl+s"
-    help = "Save all parameters to a ROS parameter file"
+class Save(Speak):
+    where, panel = IN_PANEL, PARAMETERS
+    key = "ctrl+s"
 
     def run(self, console: Console) -> None:
-        text, left_out = save_load.dump(console.view.snapshot.parameters)
-        write = write_file(console, text, "save parameters")
+        warned: set[Path] = set()  # existing files that the operator was warned about
 
         async def save(path: Path) -> str:
-            said = await write(path)
-            for line in () if said else left_out:
-                why = f"not saved, a parameter file cannot hold it: {line}"
-                console.station.robot.note("WARN", "console", why)
-            return said
+            station = console.station
+            values = await self.verb.prepare(station, {"file": str(path)})
+            if path not in warned and self.verb.asks(station, values) is not None:
+                warned.add(path)
+                return f"{path} already exists: press enter again to overwrite"
+            outcome = await self.verb.run(station, values)
+            if outcome.ok:
+                console.say(f"Saved to {path}.")
+            return "" if outcome.ok else outcome.text
 
         console.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
 
 
-class Load(_InParameters):
-    acts = True
-    id, key = "load", "ctrl+o"
-    help = "Load a ROS parameter file; first shows what would change"
+class Load(Speak):
+    where, panel = IN_PANEL, PARAMETERS
+    key = "ctrl+o"
 
     def run(self, console: Console) -> None:
         async def load(path: Path) -> str:
             try:
-                parameters = console.view.snapshot.parameters
-                plan = await in_daemon(save_load.plan, path, parameters)
+                values = await self.verb.prepare(console.station, {"file": str(path)})
             except ArchoError as error:
                 return str(error)
             if dialog.has_left:  # nobody wants it any more
                 return ""
             dialog.dismiss()  # before the question, which would else be under it
-            self._preview(console, path, plan)
+            console.speak(self.verb, values)  # which asks: there is nothing to wait for
             return ""
 
         dialog = AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load)
         console.open(dialog)
-
-    def _preview(self, console: Console, path: Path, plan: save_load.Plan) -> None:
-        lines = [f"{path}", ""]
-        if plan.problems:
-            lines += ["Nothing was changed, because of:", *plan.problems]
-        else:
-            lines += [
-                f"{p.node.lstrip('/')} {p.name}: {text_of(p.value)} -> {text_of(value)}"
-                for p, value in plan.changes
-            ] or ["All parameters already have the values in the file."]
-            lines += [f"left out: {line}" for line in plan.left_out]
-
-        async def change() -> None:
-            by_node: dict[str, dict[str, object]] = {}
-            for parameter, value in plan.changes:
-                by_node.setdefault(parameter.node, {})[parameter.name] = value
-            for node, values in by_node.items():
-                console.tell(await console.station.set_parameters(node, values))
-
-        can = plan.changes and not plan.problems
-        answers: Answers = {f"Change {len(plan.changes)}": change} if can else {}
-        console.confirm("Load parameters", "\n".join(lines), "Cancel", answers)

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 
-from .interfaces import InterfaceFinder
+from .import_hook import InterfaceFinder
 
 HERE = Path(__file__).parent
 

@@ -119,6 +119,6 @@ def _check(text: str, loader: Any) -> None:
         elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
             depth -= 1
         elif isinstance(event, yaml.ScalarEvent) and _HALF.search(event.value):
-            raise YamlFault(line, "holds half of a character")
+            raise YamlFault(line, "contains half of a surrogate pair")
         if depth > MAX_DEPTH:
             raise YamlFault(line, f"nested more than {MAX_DEPTH} deep")

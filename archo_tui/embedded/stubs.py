@@ -13,7 +13,7 @@ from pathlib import Path
 from archo_tui.embedded import HERE
 from archo_tui.embedded.idl import Section, parse
 from archo_tui.embedded.idl_types import FLOATS, INTEGERS, TYPE_CODES, FieldType
-from archo_tui.embedded.interfaces import KINDS
+from archo_tui.embedded.import_hook import KINDS
 
 _HEADER = "# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.\n"
 

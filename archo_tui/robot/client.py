@@ -6,6 +6,7 @@ Verbs are called on the asyncio loop. Each ends: done, refused with the reason, 
 from __future__ import annotations
 
 # ruff: noqa: E402
+import contextlib
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
@@ -17,36 +18,54 @@ from rcl_interfaces.msg import Log
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.context import Context
-from rclpy.node import Node
+from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import interfaces, messages, ros2_command, services
+from archo_tui.robot import acts, message_classes, messages, ros2_command, services
+from archo_tui.robot.acts import Act
+from archo_tui.robot.asker import YOU, Asker, asking
 from archo_tui.robot.consoles import author, own_name
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.fields import filled
 from archo_tui.robot.followed import FARTHEST
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph, logger_node
+from archo_tui.robot.limits import Limits
+from archo_tui.robot.listener import Heard, Listener
 from archo_tui.robot.mailbox import Mailbox, Receiver
+from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.offers import Offers
-from archo_tui.robot.others import Others
+from archo_tui.robot.others import CLIENT, CONSOLE, Others
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameters import Parameters
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import WATCHING, Event, Leaf, Outcome, Snapshot, linked, target
+from archo_tui.robot.state import (
+    WATCHING,
+    Event,
+    Goal,
+    Leaf,
+    NodeInfo,
+    Snapshot,
+    level_word,
+    linked,
+    not_offered,
+    values_text,
+)
 from archo_tui.robot.stopping import ALL_ANSWERS, Stopping
 from archo_tui.robot.stops import HELD, NOT_SENT, Gate, Stops, Void
-from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.values import text_of
-from archo_tui.robots import check, model
+from archo_tui.robot_file import check, model
 
-FLUSH_PERIOD = 0.125  # s between two snapshots while data streams in: 8 a second
+FLUSH_PERIOD = 0.2  # s between two snapshots while data streams in: 5 a second
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
-_LEVELS = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
+_ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
+_SILENT = f"no answer in {_ASKED:g} s from the console's own node"
+_ACTS = 100  # of other consoles, kept while the thread is busy
 
 
 class Robot:
@@ -55,18 +74,20 @@ class Robot:
     def __init__(
         self,
         context: Context,
-        description: model.Robot,
+        file: model.RobotFile,
         clock: Clock,
         happened: Callable[[Event], None] = lambda _: None,
+        heard: Heard = lambda *_: None,
         *,
         watching: bool = False,
     ) -> None:
         """`happened(event)` is called on the ROS thread for each event, and when one repeats.
 
+        `heard(topic, message)` there for each message that is received.
         Watching, it calls nothing but what reads, and every verb is refused.
         """
         self.watching = watching
-        self.description = description
+        self.file = file
         self._clock, self._happened = clock, happened
         self.stops = Stops()
         self._mailbox = Mailbox()
@@ -76,36 +97,46 @@ class Robot:
         self._outlived: tuple[str, ...] = ()  # goals that still run after an answered STOP
         self._faults: dict[str, str] = {}
         self._consoles: set[str] | None = None  # the others, at the last look
-        self._others = Others(command.title for command in description.commands)
-        node = self._node = Node(own_name(), context=context, start_parameter_services=False)
+        node = self._node = Listener(
+            own_name(), heard, context=context, start_parameter_services=False
+        )
+        self._name = author(node.get_name())
+        self._acts = node.create_publisher(String, acts.TOPIC, _ACTS)
         self._services = Services(node, clock)
-        self._telemetry = Telemetry(node, description, clock, self._on_telemetry, self._warn)
-        self._goals = Goals(node, clock, self._services, self._goal_changed, self._say, watching)
+        self._telemetry = Telemetry(node, file, clock, self._on_telemetry, self._warn)
+        self._goals = Goals(
+            node, clock, self._services, self._goal_changed, self._say, self._goal_ended, watching
+        )
         self._parameters = Parameters(
             node, clock, self._services, self._mark, self._telemetry.measure_anew, self._on_change
         )
-        self._graph = Graph(node, description)
-        self._offers = Offers(node, description, self._graph)
+        self._graph = Graph(node, file)
+        self._offers = Offers(node, file, self._graph)
+        self._limits = Limits(file)
+        self._nodes = Nodes(node, self._services)
         self._services.answered = self._on_answer
+        commands = {word for one in file.commands for word in (one.id, one.off_word) if word}
+        self._others = Others(commands, self._verbs_by_service())
         self._stopping = Stopping(
             node,
-            description.stop,
+            file.stop,
             clock,
             self._services,
             self._graph,
             self._offers,
             self._look,
             self._flush,
-            self._tell,
+            self._tell_of_stop,
         )
-        subscribe(node, Log, "/rosout", self._on_log, 1000)
+        node.listen_quietly(Log, "/rosout", self._on_log, 1000)
+        node.listen_quietly(String, acts.TOPIC, self._on_act, _ACTS)
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
         self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
         self._flusher.cancel()
         node.create_timer(LOOK_PERIOD, self._look_again, clock=steady)
         self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._watcher.cancel()
-        for kind in description.goals:
+        for kind in file.goals:
             self._goals.open(kind)
         self._thread = RosThread(node, context, clock, self._on_error)
         for said in self._offers.unfit.values():
@@ -139,18 +170,18 @@ class Robot:
 
     async def emergency_stop(self) -> Outcome:
         """Stop at once; stays stopped until released."""
-        stop = self.description.stop
+        stop = self.file.stop
         if stop is None:
-            return Outcome(False, f"{self.description.name} {model.NO_STOP}")
+            return Outcome(Code.NOT_OFFERED, f"{self.file.name} {model.NO_STOP}")
 
         command = self._offers.call_command(stop.service, {})
-        return await self._do("STOP", command, lambda _: self._stopping.send())
+        return await self._do("stop", {}, "STOP", command, lambda _: self._stopping.send())
 
     async def release_emergency_stop(self) -> Outcome:
         """Allow moves again; none resumes by itself."""
-        stop = self.description.stop
+        stop = self.file.stop
         if stop is None or not stop.release:
-            return Outcome(False, f"{self.description.name} has no service to release a stop")
+            return Outcome(Code.NOT_OFFERED, f"{self.file.name} has no service to release a stop")
         name = stop.release
 
         async def call(gate: Gate) -> Outcome:
@@ -160,38 +191,46 @@ class Robot:
                 self._stopping.past(turn)
             return outcome
 
-        return await self._do("release stop", self._offers.call_command(name, {}), call)
+        ros2 = self._offers.call_command(name, {})
+        return await self._do("release", {}, "release stop", ros2, call)
 
     async def command(self, command: model.Service, on: bool = True) -> Outcome:
         """Give one of the robot file's commands; `on` is what a toggle is set to."""
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
-        return await self._service(title, command.service, dict.fromkeys(command.toggle, on))
+        verb = command.id if on else command.off_word
+        name, fields = command.service, dict.fromkeys(command.toggle, on)
+        ros2 = self._offers.call_command(name, fields)
+        return await self._do(verb, {}, title, ros2, lambda gate: self._call(name, fields, gate))
 
     async def send(
         self, kind: model.GoalKind, values: Mapping[str, Any], *, queued: bool = False
     ) -> Outcome:
         """Send a goal, with values by dotted path; ends when the robot has accepted or refused.
 
-        A queued one is not sent behind a STOP, whatever the robot would do with it.
+        A queued one is not sent behind a STOP, whatever the robot would do with it: it is held.
         """
         length = self._way(kind)
-        title = " ".join(filter(None, (kind.title.lower(), target(kind, values))))
+        title = " ".join(filter(None, (kind.title.lower(), values_text(kind, values))))
 
         async def go(gate: Gate) -> Outcome:
             turn = self._services.turn()
             if queued and (self._stopping.open is not None or self._telemetry.motion.stopped):
-                return Outcome(False, HELD)
+                return Outcome(Code.HELD, HELD)
             rivals = self._graph.rivals(kind.action)
             if rivals:  # of another one than the robot file's as well
-                return Outcome(False, check.several(kind.action, rivals))
+                return Outcome(Code.REFUSED, check.several(kind.action, rivals))
             if kind.action in self._faults:
-                return Outcome(False, self._faults[kind.action])
-            outcome = await self._goals.send(kind, values, length, gate)
+                return Outcome(Code.REFUSED, self._faults[kind.action])
+            try:
+                outcome = await self._goals.send(kind, values, length, gate)
+            except Void:
+                return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
             if outcome.ok:
                 self._stopping.past(turn)
             return outcome
 
-        return await self._do(title, self._offers.goal_command(kind, values), go)
+        ros2 = self._offers.goal_command(kind, values)
+        return await self._do(*self._as_verb(kind, values), title, ros2, go)
 
     async def send_no_more(self) -> None:
         """The console ends: goals that have not left yet never do."""
@@ -203,29 +242,29 @@ class Robot:
 
     async def call(self, service: str, type_name: str, values: Mapping[str, Any]) -> Outcome:
         """Call any service, with values by dotted path; the outcome holds what it answered."""
-        srv_type = interfaces.load(type_name)
+        srv_type = message_classes.load(type_name)
         if srv_type is None:
-            return Outcome(False, check.missing(service, type_name))
+            return Outcome(Code.REFUSED, check.missing(service, type_name))
         try:
             request = filled(srv_type.Request(), values)
         except ValueError as error:
-            return Outcome(False, str(error))
+            return Outcome(Code.MISUSE, str(error))
 
         async def work(gate: Gate) -> Outcome:
             answer = await self._services.call(srv_type, service, request, gate=gate)
             if answer is None:
-                return Outcome(False, f"no answer in {services.DEADLINE:g} s")
-            said = interfaces.outcome(answer)
-            return Outcome(
-                bool(getattr(answer, "success", True)), messages.text(answer) or said.text
-            )
+                return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s")
+            said = message_classes.outcome_of(answer)
+            code = Code.DONE if getattr(answer, "success", True) else Code.REFUSED
+            return Outcome(code, messages.text(answer) or said.text)
 
+        arguments = {"service": service, "values": values}
         command = ros2_command.service_call(service, type_name, request)
-        return await self._do(f"call {service.lstrip('/')}", command, work)
+        return await self._do("call", arguments, f"call {service.lstrip('/')}", command, work)
 
     def form(self, type_name: str) -> tuple[Leaf, ...] | None:
         """The fields of an action's goal or a service's request; None: it is not installed here."""
-        found = interfaces.load(type_name)
+        found = message_classes.load(type_name)
         if found is None:
             return None
         return tuple(messages.leaves(found.Goal() if "/action/" in type_name else found.Request()))
@@ -236,30 +275,69 @@ class Robot:
         async def call(gate: Gate) -> Outcome:
             gate()
             self._stopping.over()
-            return Outcome(True, "not asked for any more; the robot has not confirmed it")
+            return Outcome(Code.DONE, "given up; the robot has not confirmed it")
 
-        return await self._do("give up STOP", "", call)
+        return await self._do("give_up_stop", {}, "give up STOP", "", call)
 
     async def cancel(self, *, another: bool = False) -> Outcome:
         """Ask to cancel the running goal; another client's only when that is meant."""
         goal = self._goals.goal
         command = "" if goal is None else ros2_command.cancel(self._offers.full(goal.kind.action))
-        return await self._do("cancel", command, lambda _: self._goals.cancel(another=another))
+        return await self._do(
+            "cancel", {}, "cancel", command, lambda _: self._goals.cancel(another=another)
+        )
 
     async def cancel_all(self) -> Outcome:
         """Ask to cancel every goal of the robot's actions, whoever sent it."""
-        names = [self._offers.full(kind.action) for kind in self.description.goals]
+        names = [self._offers.full(kind.action) for kind in self.file.goals]
         command = "; ".join(ros2_command.cancel(name) for name in names)
-        return await self._do("cancel every goal", command, lambda _: self._goals.cancel_all())
+        return await self._do(
+            "cancel",
+            {"all": True},
+            "cancel every goal",
+            command,
+            lambda _: self._goals.cancel_all(),
+        )
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
         """Set parameters of one node, all or none, to values of the types that fit."""
         command = ros2_command.set_parameters(node, values)
         texts = ", ".join(f"{name} {text_of(value)}" for name, value in values.items())
         return await self._do(
+            "set",
+            {"node": node, "values": values},
             f"set {node.lstrip('/')} {texts}",
             command,
             lambda gate: self._parameters.set(node, values, gate),
+        )
+
+    async def describe(self, node: str) -> NodeInfo | Outcome:
+        """What a node has on the graph, or why that is not known."""
+        try:
+            found = await self._thread.run(lambda: self._nodes.describe(node), _ASKED)
+            return found or Outcome(Code.REFUSED, "not on the graph")
+        except TimeoutError:
+            return Outcome(Code.TIMEOUT, _SILENT)
+        except Exception as error:  # ROS has a dozen of them, as for names that DDS allows
+            return Outcome(Code.REFUSED, in_one_line(error))
+
+    async def log_level(self, node: str) -> Outcome:
+        """What of its lines a node logs."""
+        try:
+            return await self._thread.run(lambda: self._nodes.level(node), _ASKED)
+        except TimeoutError:
+            return Outcome(Code.TIMEOUT, _SILENT)
+        except Exception as error:
+            return Outcome(Code.REFUSED, in_one_line(error))
+
+    async def set_log_level(self, node: str, level: str) -> Outcome:
+        """Have a node log this and what is graver: one of LEVELS; UNSET: as its process does."""
+        return await self._do(
+            "log_level",
+            {"node": node, "level": level},
+            f"log level of {node.lstrip('/')} {level}",
+            set_level_command(node, level),
+            lambda gate: self._nodes.set_level(node, level, gate),
         )
 
     def restarted(self, served: Sequence[str]) -> None:
@@ -270,12 +348,40 @@ class Robot:
 
         self._thread.submit(end)
 
-    def note(self, level: str, source: str, text: str, command: str = "") -> None:
-        """Add a line to the events, from any thread."""
-        event = Event(self._clock.now(), level, source, text, command)
+    def note(
+        self, level: str, source: str, text: str, command: str = "", act: Act | None = None
+    ) -> None:
+        """Add a line to the events, from any thread; other consoles are not told of it."""
+        if (level, source) == (YOU.level, YOU.source):
+            level, source = asking().level, asking().source
+        event = Event(self._clock.now(), level, source, text, command, act=act)
         self._thread.submit(lambda: self._add_event(event))
 
+    async def catch_up(self) -> None:
+        """Return when all that was noted before is in the snapshot."""
+
+        async def there() -> None:
+            self._flush()
+
+        with contextlib.suppress(TimeoutError):  # it is busy: then without
+            await self._thread.run(there, services.DEADLINE)
+
     # on the ROS thread
+
+    def _as_verb(
+        self, kind: model.GoalKind, values: Mapping[str, Any]
+    ) -> tuple[str, Mapping[str, Any]]:
+        """The verb that sends such a goal, and its arguments."""
+        if kind not in self.file.goals:
+            return "send_goal", {"action": self._offers.full(kind.action), "values": values}
+        return "go" if kind == self.file.goals[0] else kind.id, values
+
+    def _verbs_by_service(self) -> dict[str, str]:
+        """The verbs that call a service of the robot file, by its full name."""
+        verbs = {command.service: command.id for command in self.file.commands}
+        if self.file.stop is not None:
+            verbs |= {self.file.stop.release: "release", self.file.stop.service: "stop"}
+        return {self._offers.full(name): verb for name, verb in verbs.items() if name}
 
     def _way(self, kind: model.GoalKind) -> float | None:
         """The length of the whole way to a goal, where a node of the robot has it."""
@@ -284,43 +390,42 @@ class Robot:
             return None
         return linked(self._parameters.all(), self._graph.namespace, link, 0.0, FARTHEST)
 
-    async def _service(self, title: str, name: str, fields: Mapping[str, Any]) -> Outcome:
-        return await self._do(
-            title,
-            self._offers.call_command(name, fields),
-            lambda gate: self._call(name, fields, gate),
-        )
-
     async def _call(self, name: str, fields: Mapping[str, Any], gate: Gate) -> Outcome:
         """Call a service with the type that its server has, if its request is what is meant."""
         if name not in self._graph.offered:
-            return Outcome(False, f"{self._offers.full(name)} is not offered by any node")
+            return Outcome(Code.NOT_OFFERED, not_offered(self._offers.full(name)))
         srv_type, reason = self._offers.fitting(name, fields)
         if srv_type is None:
-            return Outcome(False, reason)
+            return Outcome(Code.REFUSED, reason)
         try:
             request = filled(srv_type.Request(), fields)
         except ValueError as error:
-            return Outcome(False, str(error))
+            return Outcome(Code.MISUSE, str(error))
         answer = await self._services.call(srv_type, name, request, gate=gate)
         if answer is None:
-            return Outcome(False, f"no answer in {services.DEADLINE:g} s")
-        return interfaces.outcome(answer)
+            return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s")
+        return message_classes.outcome_of(answer)
 
     async def _do(
-        self, title: str, command: str, work: Callable[[Gate], Coroutine[Any, Any, Outcome]]
+        self,
+        verb: str,
+        arguments: Mapping[str, Any],
+        title: str,
+        command: str,
+        work: Callable[[Gate], Coroutine[Any, Any, Outcome]],
     ) -> Outcome:
         """Run a verb on the ROS thread and log how it ended; the snapshot then shows it.
 
-        A verb that a STOP voids hands its gate on to where its request leaves.
+        `title` is what people read, `command` the ros2 command line that does the same. A verb
+        that a STOP voids hands its gate on to where its request leaves.
         """
         if self.watching:
-            return Outcome(False, WATCHING)
-        gate = self.stops.gate()
+            return Outcome(Code.WATCHING, WATCHING)
+        gate, who = self.stops.gate(), asking()
 
         def log(outcome: Outcome) -> Outcome:
-            outcome = Outcome(outcome.ok, harmless(outcome.text))
-            self._tell(f"{title}: {outcome.text}", command)
+            outcome = Outcome(outcome.code, harmless(outcome.text))
+            self._tell(f"{title}: {outcome.text}", Act(verb, arguments, outcome.code), command, who)
             self._flush()
             return outcome
 
@@ -328,17 +433,20 @@ class Robot:
             try:
                 return log(await work(gate))
             except Void:
-                return log(Outcome(False, NOT_SENT))
+                return log(Outcome(Code.CANCELLED, NOT_SENT))
             except Exception as error:
-                return log(Outcome(False, in_one_line(error)))
+                return log(Outcome(Code.REFUSED, in_one_line(error)))
 
         # more than any verb takes that still can end: STOP waits for a server, and then for all
         deadline = services.DEADLINE + ALL_ANSWERS + 1.0
         try:
             return await self._thread.run(there, deadline)
         except TimeoutError:
-            outcome = Outcome(False, f"no answer in {deadline:g} s from the console's own node")
-            self.note("YOU", "console", f"{title}: {outcome.text}", command)
+            outcome = Outcome(
+                Code.TIMEOUT, f"no answer in {deadline:g} s from the console's own node"
+            )
+            act = Act(verb, arguments, outcome.code)
+            self.note("YOU", "console", f"{title}: {outcome.text}", command, act)
             return outcome
 
     def _look_again(self) -> None:
@@ -351,7 +459,7 @@ class Robot:
     def _is_heard(self) -> bool:
         """True while battery or motion is; a robot without them is as long as it is there."""
         now, told = self._clock.monotonic(), (self._telemetry.battery, self._telemetry.motion)
-        if self.description.battery is None and self.description.motion is None:
+        if self.file.battery is None and self.file.motion is None:
             return True
         return any(one.received is not None and not one.is_old(now) for one in told)
 
@@ -363,16 +471,18 @@ class Robot:
     async def _stop_behind(self) -> None:
         """Something that was sent before a STOP was answered behind it, a release perhaps."""
         outcome = await self._stopping.send()
-        self._tell(f"STOP, sent again behind an earlier command: {outcome.text}")
+        said = f"STOP, sent again behind an earlier command: {outcome.text}"
+        self._tell_of_stop(said, outcome.code)
 
     def _look(self) -> None:
         changed = self._graph.look()
+        self._others.who = CONSOLE if self._graph.mute else CLIENT
         self._tell_of_consoles()
         self._telemetry.look()
         for said in self._others.unexplained(self._clock.monotonic()):
             self._say("PEER", said)
         faults = {**self._telemetry.faults, **self._offers.misfits()}
-        for kind in self.description.goals:
+        for kind in self.file.goals:
             if kind.action in self._graph.several:
                 said = check.several(kind.action, self._graph.several[kind.action])
                 faults[kind.action] = said
@@ -380,6 +490,11 @@ class Robot:
             self._faults = faults
             self._mark()
         self._parameters.follow(self._graph.count, self._graph.services)
+        graph, now = self._graph, self._clock.monotonic()
+        for said in self._limits.unknown(
+            now, graph.offered, graph.namespace, graph.names, self._parameters.all()
+        ):
+            self._warn(said)
 
     def _watch(self) -> None:
         if not self._goals.running:
@@ -397,24 +512,28 @@ class Robot:
             if self._outlived != before:
                 self._mark()
 
-    def _goal_changed(self) -> None:
+    def _goal_changed(self, turned: bool) -> None:
         if self._watcher.is_canceled():
             self._watcher.reset()
-        self._flush()
+        if turned:
+            self._flush()
+        else:  # feedback: the motion that is reported beside it goes up with it
+            self._mark()
 
     def _on_telemetry(self, topic: str, news: bool) -> None:
         self._graph.heard_topic(topic, self._clock.monotonic())
-        motion = self.description.motion
+        motion = self.file.motion
         if motion is not None and topic == motion.topic:
             self._goals.heard()
             if topic not in self._graph.publishers:  # else the readings of several come mixed
                 self._others.motion(self._telemetry.motion, self._clock.monotonic())
-            alone = self.description.stop is None or (
-                self.description.stop.service not in self._graph.several
+            alone = self.file.stop is None or (
+                self.file.stop.service not in self._graph.several
             )  # of several robots one says nothing about the others
             if alone and self._telemetry.motion.stopped and self._stopping.open is not None:
                 if self._stopping.is_to_be_repeated:
-                    self._tell("STOP, sent again: the robot says that it is stopped")
+                    said = "STOP, sent again: the robot says that it is stopped"
+                    self._tell_of_stop(said, Code.DONE)
                 self._stopping.over()
         self._unseen = True
         if news:
@@ -433,21 +552,29 @@ class Robot:
     def _on_log(self, message: Log) -> None:
         who = author(logger_node(message.name))
         if who:
-            if who in self._graph.consoles:
-                self._others.heard(message.msg, self._clock.monotonic())
+            if who in self._graph.mute:  # of the others the same line comes with what they did
                 self._add_event(Event(self._clock.now(), "PEER", who, message.msg))
             return
-        level = _LEVELS.get(message.level if isinstance(message.level, int) else 0, "INFO")
+        level = level_word(message.level)
         node = logger_node(message.name)
         if not self._graph.is_ours(node):
             return  # another robot's
-        for kind in self.description.goals:
+        for kind in self.file.goals:
             servers = self._graph.servers.get(kind.action, ())
             if kind.refusals and node in servers and message.msg.startswith(kind.refusals):
                 self._goals.refused(message.msg.removeprefix(kind.refusals))
         self._graph.heard_log(node, self._clock.monotonic())
         # by this clock and not the stamp: the robot's may be another, and the list is in order
         self._add_event(Event(self._clock.now(), level, message.name, message.msg))
+
+    def _on_act(self, message: String) -> None:
+        """What a console says that it did; our own comes, too."""
+        told = acts.read(message.data)
+        if told is None or told.console not in self._graph.consoles:
+            return
+        self._others.told(told.act, self._clock.monotonic())
+        now = self._clock.now()
+        self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))
 
     def _on_change(self, node: str, name: str, old: Any, new: Any) -> None:
         self._others.parameter(node, name, old, new, self._clock.monotonic())
@@ -458,12 +585,24 @@ class Robot:
     def _on_error(self, error: Exception) -> None:
         self._say("ERROR", in_one_line(error))
 
-    def _tell(self, text: str, command: str = "") -> None:
-        """What this console did, for other consoles as well."""
+    def _tell(self, text: str, act: Act, command: str = "", who: Asker = YOU) -> None:
+        """What this console did, for other consoles as well, and for whoever reads the log."""
         text = harmless(text)
         self._node.get_logger().info(text)
-        self._others.heard(text, self._clock.monotonic())
-        self._add_event(Event(self._clock.now(), "YOU", "console", text, command))
+        self._acts.publish(String(data=acts.write(self._name, act, text)))
+        self._others.told(act, self._clock.monotonic())
+        now = self._clock.now()
+        self._add_event(Event(now, who.level, who.source, text, command, act=act))
+
+    def _tell_of_stop(self, text: str, code: Code) -> None:
+        """What came of a STOP later, whoever asked for it."""
+        self._tell(text, Act("stop", {"later": True}, code))
+
+    def _goal_ended(self, goal: Goal, text: str) -> None:
+        """How a goal ended; the values of another client's are not on the graph."""
+        assert goal.code is not None  # it has ended
+        act = Act(*self._as_verb(goal.kind, goal.fields), goal.code)
+        self._add_event(Event(self._clock.now(), "GOAL", "console", text, act=act))
 
     def _say(self, level: str, text: str) -> None:
         self._add_event(Event(self._clock.now(), level, "console", text))
@@ -484,7 +623,7 @@ class Robot:
         self._flusher.cancel()
         self._mailbox.put(
             Snapshot(
-                robot=self.description,
+                file=self.file,
                 battery=self._telemetry.battery,
                 motion=self._telemetry.motion,
                 gauges=self._telemetry.gauges,
@@ -503,10 +642,13 @@ class Robot:
                 publishers=self._graph.publishers,
                 twice=self._graph.twice,
                 several=self._graph.several,
+                has_clock=self._graph.has_clock,
                 elsewhere=self._graph.elsewhere,
                 consoles=self._graph.consoles,
                 forms=self._offers.forms,
                 actions=self._graph.actions,
                 services=self._graph.served,
+                resources=self._graph.resources,
+                paces=self._graph.paces(),
             )
         )

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import OrderedDict
+from collections.abc import Iterable
 from dataclasses import replace
+from operator import itemgetter
 
 from archo_tui.robot.state import OWN_LEVELS, Event
 from archo_tui.robot.text import harmless
@@ -15,6 +17,11 @@ _OWN = 200  # of them the console's own, which a flood of others does not push o
 _NUMBER = re.compile(r"\d+(\.\d+)?")
 
 
+def _common(level: str, source: str, text: str) -> object:
+    """What an event has in common with those that repeat it."""
+    return level, source, _NUMBER.sub("#", text)
+
+
 class EventLog:
     """Collects events; one that repeats another but for its numbers replaces it."""
 
@@ -23,6 +30,7 @@ class EventLog:
         # by what repeats have in common; each with its place among all of them
         self._own: OrderedDict[object, tuple[int, Event]] = OrderedDict()
         self._others: OrderedDict[object, tuple[int, Event]] = OrderedDict()
+        self._all: tuple[Event, ...] | None = ()  # None: not put in order yet
 
     def add(self, event: Event) -> Event:
         """Append an event, or count it on the one it repeats. The console's own are never merged.
@@ -30,30 +38,52 @@ class EventLog:
         Returns it as it stands in the log.
         """
         self._count += 1
+        self._all = None
+        text, source = harmless(event.text), harmless(event.source)
+        kept, limit, key = self._others, LIMIT - _OWN, _common(event.level, source, text)
+        if event.level in OWN_LEVELS:
+            kept, limit, key = self._own, _OWN, self._count
+        known = kept.pop(key)[1] if key in kept else None
         event = replace(
             event,
-            text=harmless(event.text),
-            source=harmless(event.source),
-            first=event.time,
-            number=self._count,
+            text=text,
+            source=source,
+            act=None if event.act is None else event.act.bounded(),
+            count=1 if known is None else known.count + 1,
+            first=event.time if known is None else known.first,
+            number=self._count if known is None else known.number,
         )
-        if event.level in OWN_LEVELS:
-            return self._keep(self._own, _OWN, self._count, event)
-        key = (event.level, event.source, _NUMBER.sub("#", event.text))
-        return self._keep(self._others, LIMIT - _OWN, key, event)
-
-    def _keep(
-        self, kept: OrderedDict[object, tuple[int, Event]], limit: int, key: object, event: Event
-    ) -> Event:
-        if key in kept:
-            _, known = kept.pop(key)
-            event = replace(event, count=known.count + 1, first=known.first, number=known.number)
         kept[key] = self._count, event
         if len(kept) > limit:
             kept.popitem(last=False)
         return event
 
+    @classmethod
+    def of(cls, events: Iterable[Event]) -> EventLog:
+        """One that has these, oldest first."""
+        log, events = cls(), tuple(events)
+        for log._count, event in enumerate(events, 1):
+            if event.level in OWN_LEVELS:
+                log._own[log._count] = log._count, event
+            else:
+                key = _common(event.level, event.source, event.text)
+                log._others[key] = log._count, event
+        log._count = max(
+            log._count, *(event.number for event in events), 0
+        )  # further on from there
+        log._all = None
+        return log
+
+    def copy(self) -> EventLog:
+        """Another one with the same events."""
+        log = EventLog()
+        log._count, log._own, log._others = self._count, self._own.copy(), self._others.copy()
+        log._all = self._all
+        return log
+
     def all(self) -> tuple[Event, ...]:
-        """Oldest first."""
-        places = (*self._own.values(), *self._others.values())
-        return tuple(event for _, event in sorted(places, key=lambda kept: kept[0]))
+        """Oldest first; the same object until one is added."""
+        if self._all is None:
+            places = (*self._own.values(), *self._others.values())
+            self._all = tuple(event for _, event in sorted(places, key=itemgetter(0)))
+        return self._all

@@ -14,9 +14,9 @@ from typing import Any
 
 import yaml
 
-from archo_tui.robot.interfaces import EMPTY, load
+from archo_tui.robot.message_classes import EMPTY, load
 from archo_tui.robot.text import harmless
-from archo_tui.written import flow
+from archo_tui.robot_file.written import flow
 
 NESTED = re.compile(r"(\w+)/(\w+)")
 # of a bound or length the digits: sequence<string<8>, 3> holds three texts of eight characters
@@ -116,7 +116,7 @@ def _single(kind: str, value: Any) -> Any:
     text = _STRING.fullmatch(kind)
     if text is not None:
         if kind[0] == "w" and isinstance(value, str) and value.startswith(_MARKS):
-            raise ValueError("begins with a mark of the byte order, which ROS takes away")
+            raise ValueError("begins with a byte order mark, which ROS removes")
         return _text(value, None if text[1] is None else int(text[1]))
     if kind in INTEGERS:
         if kind == "octet" and isinstance(value, bytes) and len(value) == 1:
@@ -160,9 +160,9 @@ def _text(value: Any, most: int | None) -> str:
     if most is not None and len(value) > most:
         raise ValueError(f"has {len(value)} characters, at most {most}")
     if "\0" in value:  # a text of DDS ends there
-        raise ValueError("holds a character of code 0")
+        raise ValueError("contains a null character")
     if any("\ud800" <= character <= "\udfff" for character in value):
-        raise ValueError("holds half of a character")
+        raise ValueError("contains half of a surrogate pair")
     return value
 
 

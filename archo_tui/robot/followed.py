@@ -21,10 +21,10 @@ from archo_tui.robot.state import Goal, Motion, Phase
 from archo_tui.robot.stops import Gate
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
-from archo_tui.robots.model import Field
+from archo_tui.robot_file.model import MessageField
 
 FARTHEST = 1e6  # a remainder beyond that is not a reading
-FIRST_FEEDBACK = 15.0  # s without a word, before its pace is known, until it counts as lost
+FIRST_FEEDBACK = 15.0  # s without a word, where none is due, until a served goal counts as lost
 ASK_AGAIN = 5.0  # s without a word of a goal itself, until its server is asked whether it knows it
 SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 
@@ -124,6 +124,9 @@ class Followed:
         if moving and self.action.is_served and self._pace.seconds is None:
             # an action may give no feedback at all; one that does may begin late
             return self.goal.kind.remaining is not None and now - heard > FIRST_FEEDBACK
+        if self.goal.phase == Phase.CANCELLING and self.action.is_served:
+            # since Lyrical a server sends no feedback of a goal that it is cancelling
+            return now - max(heard, self.goal.cancel_asked or 0.0) > FIRST_FEEDBACK
         return now - heard > max(SILENCE, 3 * (self._pace.seconds or 0.0))
 
     def on_status(self, status: int) -> None:
@@ -142,22 +145,8 @@ class Followed:
             phase=Phase.MOVING if doubtful else goal.phase,
             heard=now,
             started=goal.sent if goal.started is None else goal.started,
-            **self._remainder(feedback),
+            **said_by(goal, feedback),
         )
-
-    def _remainder(self, feedback: Any) -> dict[str, Any]:
-        """What a feedback says: how much is left where the robot file knows, else every field."""
-        remaining = self.goal.kind.remaining
-        if remaining is None:
-            return {"feedback": messages.text(feedback)}
-        said = read(Field(remaining.field), feedback)
-        left = number(said, 0.0, FARTHEST)
-        if left is None:
-            return {"unreadable": as_received(said)}
-        changes = {"remaining": left, "unreadable": ""}
-        if remaining.length is None:  # the longest that was left is the way
-            changes["length"] = max(left, self.goal.length or 0.0)
-        return changes
 
     def _on_result(self, answer: Any) -> None:
         if answer.status == GoalStatus.STATUS_UNKNOWN:
@@ -178,7 +167,7 @@ class Followed:
     def _said(self, result: Any) -> str:
         """The robot's own words in a result; without a field for them, all its fields."""
         if self.goal.kind.message:
-            said = read(Field(self.goal.kind.message), result)
+            said = read(MessageField(self.goal.kind.message), result)
             return ("" if said is None else text_of(said)) or _NO_REASON
         return messages.text(result)
 
@@ -199,3 +188,18 @@ class Followed:
             changes["time"] = self._clock.now()
         self.goal = before._replace(**changes)
         self._changed(self, before)
+
+
+def said_by(goal: Goal, feedback: Any) -> dict[str, Any]:
+    """What a feedback changes: how much is left where the robot file knows, else every field."""
+    remaining = goal.kind.remaining
+    if remaining is None:
+        return {"feedback": messages.text(feedback)}
+    said = read(MessageField(remaining.field), feedback)
+    left = number(said, 0.0, FARTHEST)
+    if left is None:
+        return {"unreadable": as_received(said)}
+    changes = {"remaining": left, "unreadable": ""}
+    if remaining.length is None:  # the longest that was left is the way
+        changes["length"] = max(left, goal.length or 0.0)
+    return changes

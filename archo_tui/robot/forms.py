@@ -16,8 +16,8 @@ from archo_tui.robot.values import (
     parse_integer,
     text_of,
 )
-from archo_tui.robots.model import Input
-from archo_tui.written import flow
+from archo_tui.robot_file.model import FormField, Limit, Link
+from archo_tui.robot_file.written import flow
 
 _SHOWN = 20  # characters of a wrong text that are shown
 _LONGEST = 10_000  # characters of a typed value
@@ -39,7 +39,7 @@ def is_list(leaf: Leaf) -> bool:
     return element_of(leaf.type) is not None
 
 
-def parse(leaf: Leaf, given: Input, text: str) -> Any:
+def parse(leaf: Leaf, given: FormField, text: str) -> Any:
     """The value that was typed for a field. Raises ValueError with one line that says why not."""
     label = given.label or leaf.path
     shown = text.strip() if len(text) <= _SHOWN else f"{text.strip()[:_SHOWN]} ..."
@@ -56,14 +56,16 @@ def parse(leaf: Leaf, given: Input, text: str) -> Any:
         kinds = "a whole number" if is_integer(leaf) else "a list" if is_list(leaf) else kinds
         raise ValueError(f"{label}: not {kinds}: {shown}") from None
     if is_number(leaf):  # a range of another one is said where the file is checked
-        _check_range(leaf, given, value, label, shown)
+        check_range(leaf, given, value, shown)
     checked(leaf.type, value, label)
     return value
 
 
-def _check_range(leaf: Leaf, given: Input, value: Any, label: str, shown: str) -> None:
+def check_range(leaf: Leaf, given: FormField, value: Any, shown: str) -> None:
+    """Raises ValueError for a number that is not within the limits of a field, as far as known."""
+    label = given.label or leaf.path
     low, high = INTEGERS.get(leaf.type, (None, None))
-    low, high = _or(given.low, low), _or(given.high, high)
+    low, high = _known(given.low, low), _known(given.high, high)
     # written so that nan, which is not less than anything, is not in a range either
     if low is not None and not value >= low:
         raise ValueError(f"{label}: at least {low:.15g}, not {shown}")
@@ -73,28 +75,33 @@ def _check_range(leaf: Leaf, given: Input, value: Any, label: str, shown: str) -
         raise ValueError(f"{label}: not a finite number: {shown}")
 
 
-def _or(given: float | None, otherwise: float | None) -> float | None:
-    return otherwise if given is None else given
+def _known(given: Limit, otherwise: float | None) -> float | None:
+    """A limit of the robot file; a link to a number that nobody reports limits nothing."""
+    return otherwise if given is None or isinstance(given, Link) else given
 
 
 def parse_all(
-    leaves: Iterable[Leaf], form: Mapping[str, Input], texts: Mapping[str, str]
+    leaves: Iterable[Leaf], form: Mapping[str, FormField], texts: Mapping[str, str]
 ) -> dict[str, Any]:
     """All values by dotted path; raises ValueError for the first that is wrong."""
     return {
-        leaf.path: parse(leaf, form.get(leaf.path, Input()), texts[leaf.path]) for leaf in leaves
+        leaf.path: parse(leaf, form.get(leaf.path, FormField()), texts[leaf.path])
+        for leaf in leaves
     }
 
 
-def named(leaves: Iterable[Leaf], form: Mapping[str, Input], words: list[str]) -> dict[str, str]:
+def named(
+    leaves: Iterable[Leaf], form: Mapping[str, FormField], words: list[str]
+) -> dict[str, str]:
     """The texts of `x=1.5 y=2`, or of a form with one field of `12`, by dotted path.
 
     Raises ValueError with one line that says what was expected.
     """
-    labels = {(form.get(leaf.path, Input()).label or leaf.path): leaf.path for leaf in leaves}
+    labels = {(form.get(leaf.path, FormField()).label or leaf.path): leaf.path for leaf in leaves}
     if len(labels) == 1 and not any("=" in word for word in words):
         return {path: " ".join(words) for path in labels.values()}
-    lower = {label.lower(): path for label, path in labels.items()}
+    lower = {path.lower(): path for path in labels.values()}
+    lower |= {label.lower(): path for label, path in labels.items()}
     found = {}
     if words and not labels:
         raise ValueError("takes no values")
@@ -104,7 +111,7 @@ def named(leaves: Iterable[Leaf], form: Mapping[str, Input], words: list[str]) -
         if not equals or path is None or path in found:
             raise ValueError(f"expected {_expected(labels)}, not {word[:_SHOWN]}")
         found[path] = text
-    if set(found) != set(lower.values()):
+    if set(found) != set(labels.values()):
         raise ValueError(f"expected {_expected(labels)}" if labels else "takes no values")
     return found
 

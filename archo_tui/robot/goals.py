@@ -14,20 +14,21 @@ from typing import Any
 from action_msgs.msg import GoalStatus
 from action_msgs.srv import CancelGoal
 from rclpy.action import ActionClient
-from rclpy.node import Node
 from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import interfaces, messages, services
+from archo_tui.robot import message_classes, messages, services
 from archo_tui.robot.followed import ENDS, Followed
+from archo_tui.robot.listener import Listener
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Goal, Motion, Outcome, Phase
+from archo_tui.robot.state import Goal, Motion, Phase, not_offered
 from archo_tui.robot.stops import Gate
-from archo_tui.robots import check
-from archo_tui.robots.model import GoalKind
+from archo_tui.robot_file import check
+from archo_tui.robot_file.model import GoalKind
 
 HISTORY = 20  # ended goals that are kept
 _OVER = 100  # ids that are kept: more than the goals that end between two looks at a status
@@ -53,7 +54,7 @@ class _Action:
 
     def __init__(
         self,
-        node: Node,
+        node: Listener,
         kind: GoalKind,
         on_feedback: Callable[[Any], None],
         on_status: Callable[[_Action, Any], None],
@@ -66,15 +67,15 @@ class _Action:
         """
         self._node, self.kind, self.since = node, kind, since
         self.told: set[bytes] | None = None  # the goals in its last status
-        self.type = interfaces.load(kind.type)  # None: not installed here, all else works
+        self.type = message_classes.load(kind.type)  # None: not installed here, all else works
         if self.type is None:
             return
         topics, impl = f"{kind.action}/_action", self.type.Impl
         self.client: Any = None if watching else ActionClient(node, self.type, kind.action)
         self._results = node.create_client(impl.GetResultService, f"{topics}/get_result")
         # not by the client: it forgets a goal's feedback when the result is asked for anew
-        node.create_subscription(impl.FeedbackMessage, f"{topics}/feedback", on_feedback, 10)
-        node.create_subscription(
+        node.listen(impl.FeedbackMessage, f"{topics}/feedback", on_feedback, 10)
+        node.listen(
             impl.GoalStatusMessage,
             f"{topics}/status",
             lambda message: on_status(self, message),
@@ -110,18 +111,23 @@ class Goals:
 
     def __init__(
         self,
-        node: Node,
+        node: Listener,
         clock: Clock,
         pending: Services,
-        changed: Callable[[], None],
+        changed: Callable[[bool], None],
         say: Callable[[str, str], None],
+        ended: Callable[[Goal, str], None],
         watching: bool = False,
     ) -> None:
-        """`say(level, text)` is called with what happens after the verb it belongs to has ended."""
+        """`say(level, text)` is called with what happens after the verb it belongs to has ended.
+
+        `ended(goal, text)` with how a goal that was sent has ended; `changed(turned)` with each
+        change: True when a goal came or went on to another phase, False when it only goes on.
+        """
         self._node, self._clock = node, clock
         self._services = pending
         self._changed = changed
-        self._say = say
+        self._say, self._ended = say, ended
         self._watching = watching
         self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
         self._numbers = itertools.count(1)
@@ -177,23 +183,23 @@ class Goals:
         known = (kind.action, kind.type) in self._actions
         action = self.open(kind)
         if action.type is None:
-            return Outcome(False, check.missing(kind.action, kind.type))
+            return Outcome(Code.REFUSED, check.missing(kind.action, kind.type))
         if not known:
             await self._found(action)
         if self._ours is not None and self._ours.goal.phase in (Phase.UNKNOWN, Phase.LOST):
             doubt = f"nothing is heard of the goal to {self._ours.goal.name}"
-            return Outcome(False, f"{doubt}: cancel it, or wait until the robot is heard")
+            return Outcome(Code.REFUSED, f"{doubt}: cancel it, or wait until the robot is heard")
         if self._ours is not None:
-            return Outcome(False, "a goal is already running: cancel it first")
+            return Outcome(Code.REFUSED, "a goal is already running: cancel it first")
         if not action.is_served:
-            return Outcome(False, f"{kind.action} is not offered by any node")
+            return Outcome(Code.NOT_OFFERED, not_offered(kind.action))
         try:
-            request = messages.goal(action.type, kind, values)
+            request = messages.goal_request(action.type, kind, values)
         except ValueError as error:
-            return Outcome(False, str(error))
+            return Outcome(Code.MISUSE, str(error))
         gate()
         if self.are_over:
-            return Outcome(False, "not sent: the console ends")
+            return Outcome(Code.CANCELLED, "not sent: the console ends")
         now, time = self._clock.monotonic(), self._clock.now()
         goal = Goal(kind, values, Phase.SENT, now, time, length=length, number=next(self._numbers))
         self._refusals.clear()
@@ -216,22 +222,24 @@ class Goals:
         except Exception as error:  # it never left
             reason = f"not sent: {in_one_line(error)}"
             one.end(Phase.REFUSED, reason)
-            return Outcome(False, reason)
+            return Outcome(Code.REFUSED, reason)
         future.add_done_callback(on_answer)
         self._services.watch(answered)
         if await answered is None:
             one.assume()
             one.update(phase=Phase.UNKNOWN)
-            return Outcome(False, f"no answer in {services.DEADLINE:g} s: the goal may be running")
+            return Outcome(
+                Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s: the goal may be running"
+            )
         if one.goal.phase == Phase.SENT:
             reason = await self._reason()
             one.end(Phase.REFUSED, reason)
-            return Outcome(False, reason)
+            return Outcome(Code.REFUSED, reason)
         if one.is_void:
             if one.goal.phase == Phase.MOVING:  # the STOP was read in between
                 self._task(self._cancel, one)
-            return Outcome(False, "accepted after a STOP: cancelling it")
-        return Outcome(True, "accepted")
+            return Outcome(Code.CANCELLED, "accepted after a STOP: cancelling it")
+        return Outcome(Code.ACCEPTED, "accepted")
 
     def _answered(self, one: Followed, handle: Any) -> None:
         """The server accepted or refused, in time or later."""
@@ -253,34 +261,38 @@ class Goals:
         """Ask to cancel our goal, or another client's; how it ends is the robot's to say."""
         one = self._shown if another else self._ours
         if one is None or one.goal.mine == another:
-            return Outcome(False, "no goal is running" if one is None else "another goal runs now")
+            return Outcome(
+                Code.REFUSED, "no goal is running" if one is None else "another goal runs now"
+            )
         if one.handle is None:
-            return Outcome(False, "the goal has not been accepted yet")
+            return Outcome(Code.REFUSED, "the goal has not been accepted yet")
         return await self._cancel(one)
 
     async def _cancel(self, one: Followed) -> Outcome:
         if one.handle is None:
-            return Outcome(False, "the goal has ended")
+            return Outcome(Code.REFUSED, "the goal has ended")
         before = one.goal.phase
         one.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
         future = one.handle.cancel_goal_async()
         services.hold_open(future, one.action.servers, lambda a: len(a.goals_canceling) > 0)
         answer = await self._in_time(future)
         if answer is not None and len(answer.goals_canceling):
-            return Outcome(True, "accepted")
+            return Outcome(Code.ACCEPTED, "accepted")
         if one.goal.phase == Phase.CANCELLING:
             one.update(phase=before, cancel_asked=None)
         if answer is None:
-            return Outcome(False, f"no answer to the cancel in {services.DEADLINE:g} s")
+            return Outcome(Code.TIMEOUT, f"no answer to the cancel in {services.DEADLINE:g} s")
         if one.goal.is_running:  # its server may have been restarted, and know nothing of it
             one.ask_result()
-        return Outcome(False, "the robot rejected the cancel: the goal continues or has ended")
+        return Outcome(
+            Code.REFUSED, "the robot rejected the cancel: the goal continues or has ended"
+        )
 
     async def cancel_all(self) -> Outcome:
         """Ask every action that is known to cancel whatever it runs, whoever sent it."""
         served = [action for action in self._actions.values() if action.is_served]
         if not served:
-            return Outcome(False, "no action is offered by any node")
+            return Outcome(Code.NOT_OFFERED, "no action is offered by any node")
         taken, silent = 0, []
         for action in served:
             name = f"{action.kind.action}/_action/cancel_goal"
@@ -293,9 +305,12 @@ class Goals:
             taken += sum(len(answer.goals_canceling) for answer in answers)
         if silent:
             waited = f"{services.DEADLINE:g} s"
-            return Outcome(False, f"no answer to the cancel in {waited}: {', '.join(silent)}")
-        goals = "goal" if taken == 1 else "goals"
-        return Outcome(taken > 0, f"cancelling {taken} {goals}" if taken else "none was cancelled")
+            return Outcome(
+                Code.TIMEOUT, f"no answer to the cancel in {waited}: {', '.join(silent)}"
+            )
+        if not taken:
+            return Outcome(Code.REFUSED, "none was cancelled")
+        return Outcome(Code.ACCEPTED, f"cancelling {taken} {'goal' if taken == 1 else 'goals'}")
 
     async def _in_time(self, future: Any) -> Any:
         """The answer to a cancel, None after the deadline; a rejection that comes later is said."""
@@ -413,7 +428,7 @@ class Goals:
     def _follow(self, goal: Goal, goal_id: bytes, action: _Action) -> Followed:
         one = Followed(goal, goal_id, action, self._clock, self._goal_changed)
         self._running[goal_id] = one
-        self._changed()
+        self._changed(True)
         return one
 
     def _goal_changed(self, one: Followed, before: Goal) -> None:
@@ -424,8 +439,8 @@ class Goals:
             self._last = goal
             self.history.appendleft(goal)
             if goal.phase != Phase.REFUSED or before.phase != Phase.SENT:  # else the verb says it
-                self._say("GOAL", _end_of(goal))
-        self._changed()
+                self._ended(goal, _end_of(goal))
+        self._changed(goal.phase != before.phase)
 
     def _task(self, function: Callable[..., Any], *arguments: Any) -> None:
         self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]

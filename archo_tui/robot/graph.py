@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import contextlib
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # rclpy has no public name for it
 from rclpy.node import Node
 
+from archo_tui.robot.acts import TOPIC
 from archo_tui.robot.consoles import author
-from archo_tui.robot.state import NodeState, in_namespace
-from archo_tui.robots.model import Robot
+from archo_tui.robot.period import Pace
+from archo_tui.robot.resources import SEND, Resources, Types
+from archo_tui.robot.state import NodeState, Resource, in_namespace
+from archo_tui.robot_file.model import RobotFile
 
-_SEND = "/_action/send_goal"
 _OF_NODES = ("rcl_interfaces", "type_description_interfaces")  # services that every node has
-_SMOOTHING = 0.2  # weight of the newest interval in a rate
 
 
 class Graph:
     """Looks at the graph when asked to, and keeps when each node last gave a sign of life."""
 
-    def __init__(self, node: Node, robot: Robot) -> None:
+    def __init__(self, node: Node, robot: RobotFile) -> None:
         """Looks for the names of the robot's file."""
         self._node = node
         self._topics = robot.topics
@@ -35,32 +37,40 @@ class Graph:
         self.twice: tuple[str, ...] = ()  # names that several nodes have
         # the nodes of STOP's service and of the robot's actions, where one request reaches several
         self.several: dict[str, tuple[str, ...]] = {}
+        self.has_clock = False  # somebody publishes simulated time
         self.elsewhere: tuple[str, ...] = ()  # other namespaces with nodes
         self.consoles: tuple[str, ...] = ()  # other consoles of this namespace
+        self.mute: frozenset[str] = frozenset()  # those that do not publish what they do
         self.servers: dict[str, frozenset[str]] = {}  # the nodes that serve each action
         self.action_types: dict[str, tuple[str, ...]] = {}
         self._seen: object = None  # at the last look, of what a snapshot shows
-        self._heard: dict[str, float] = {}
-        self._interval: dict[str, float] = {}
-        self._last: dict[str, float] = {}
+        self._resources = Resources(node, self.is_ours)
+        self._heard: dict[str, float] = {}  # by node, as all below
+        self._paces: dict[str, Pace] = {}
+        self._paces_of_topics: dict[str, Pace] = {}
         self._publisher: dict[str, str] = {}
         self.names: list[str] = []
         self.count: dict[str, int] = {}  # how many nodes have each of the names
         self.services: dict[str, list[str]] = {}  # types by name, of clients too
         self.offered: frozenset[str] = frozenset()
-        self.actions: dict[str, tuple[str, ...]] = {}  # types, of every action that is served
-        self.served: dict[str, tuple[str, ...]] = {}  # types, of every service but ROS's own
+        self._named_services: dict[str, tuple[str, ...]] = {}  # types, of clients too
+        self._named_actions: dict[str, tuple[str, ...]] = {}
 
     def look(self) -> bool:
         """Ask what is on the graph now; True when something came or went."""
-        found = Counter(_full(*pair) for pair in self._node.get_node_names_and_namespaces())
+        pairs = self._node.get_node_names_and_namespaces()
+        found = Counter(_full(*pair) for pair in pairs)
         names = sorted(name for name in found if self.is_ours(name))
-        others = {name.rpartition("/")[0] or "/" for name in found if not _is_hidden(name)}
+        others = {name.rpartition("/")[0] or "/" for name in found if not is_hidden(name)}
         self.elsewhere = tuple(sorted(others - {self.namespace}))
         own = self._node.get_fully_qualified_name()
         here = [name for name in found if name.rpartition("/")[0] == self._below[:-1]]
         self.consoles = tuple(sorted(filter(None, (author(n) for n in here if n != own))))
+        self.mute = frozenset(self.consoles)
+        if self.consoles:
+            self.mute -= self._publishers_of_acts()
         self.count = {name: found[name] for name in names}
+        self.has_clock = self._node.count_publishers("/clock") > 0
         self.twice = tuple(name for name in names if found[name] > 1)
         services = dict(self._node.get_service_names_and_types())
         # a name alone may be that of a client, our own for one: servers are counted
@@ -80,17 +90,29 @@ class Graph:
             self._look_at_action(action)
         if services != self.services:
             self._look_at_services(services)
+        self._resources.look(frozenset(pairs), self._named_services, self._named_actions)
         rivals = {name: self.rivals(name) for name in self._alone}
         self.several = {name: nodes for name, nodes in rivals.items() if nodes}
-        for name in set(self._last) - set(names):  # its rate starts over when it comes back
-            del self._last[name]
-            self._interval.pop(name, None)
-        there = names, offered, self.actions, self.served, self.consoles
+        for name in set(self._paces) - set(names):  # its rate starts over when it comes back
+            del self._paces[name]
+        there = (
+            names,
+            offered,
+            self.actions,
+            self.served,
+            self.consoles,
+            self.resources,
+            self.has_clock,
+        )
         seen = there, self.publishers, self.twice, self.elsewhere, self.several
         changed = seen != self._seen
         self._seen = seen
         self.names, self.services, self.offered = names, services, frozenset(offered)
         return changed
+
+    def _publishers_of_acts(self) -> set[str]:
+        infos = self._node.get_publishers_info_by_topic(TOPIC)
+        return {author(_full(*_of(info))) for info in infos}
 
     def _look_at_action(self, action: str) -> None:
         infos = self._node.get_publishers_info_by_topic(f"{action}/_action/feedback")
@@ -98,26 +120,26 @@ class Graph:
         self.action_types[action] = _action_types(infos)
 
     def _look_at_services(self, services: dict[str, list[str]]) -> None:
-        """Which services and actions of any kind are served; those of every node are left out."""
-        count, self.actions, self.served = self._node.count_services, {}, {}
+        """Which services and actions of any kind there may be; those of every node are left out."""
+        self._named_services, self._named_actions = {}, {}
         for name, kinds in services.items():
-            if not name.startswith(self._below) or _is_hidden(name.removesuffix(_SEND)):
+            action = name.removesuffix(SEND)
+            if not self.is_ours(action):
                 continue
-            action = name.removesuffix(_SEND)
-            if action != name and count(name):
+            if action != name:
                 types = sorted(kind.removesuffix("_SendGoal") for kind in kinds)
-                self.actions[action] = tuple(types)
-            elif action == name and kinds[0].partition("/")[0] not in _OF_NODES and count(name):
-                self.served[name] = tuple(kinds)
+                self._named_actions[action] = tuple(types)
+            elif not is_of_every_node(kinds):
+                self._named_services[name] = tuple(kinds)
 
     def is_ours(self, name: str) -> bool:
         """True for a node of the robot's namespace, or below it, that is not hidden."""
-        return name.startswith(self._below) and not _is_hidden(name)
+        return name.startswith(self._below) and not is_hidden(name)
 
     def rivals(self, name: str) -> tuple[str, ...]:
         """The nodes that serve a service or an action, where there are several of them."""
         found = []
-        for service in (name, f"{name}{_SEND}"):
+        for service in (name, f"{name}{SEND}"):
             count = self._node.count_services(service)
             if count > 1:
                 nodes = [node for node, _ in self._servers(service)]
@@ -141,15 +163,11 @@ class Graph:
 
     def heard_topic(self, topic: str, now: float) -> None:
         """A message came on one of the console's topics at `now` (s)."""
+        _heard(self._paces_of_topics, topic, now)
         name = self._publisher.get(topic)
-        if name is None:
-            return
-        last = self._last.get(name)
-        if last is not None and now > last:
-            before = self._interval.get(name, now - last)
-            self._interval[name] = before + _SMOOTHING * (now - last - before)
-        self._last[name] = now
-        self._heard[name] = now
+        if name is not None:
+            _heard(self._paces, name, now)
+            self._heard[name] = now
 
     def heard_log(self, name: str, now: float) -> None:
         """A log line of that node came at `now` (s)."""
@@ -162,10 +180,36 @@ class Graph:
             NodeState(
                 name,
                 self._heard.get(name),
-                1 / self._interval[name] if self._interval.get(name) else None,
+                self._paces[name].rate if name in self._paces else None,
             )
             for name in self.names
         )
+
+    @property
+    def actions(self) -> Types:
+        """Of every action that is served."""
+        return self._resources.actions
+
+    @property
+    def served(self) -> Types:
+        """Of every service that is served, but ROS's own."""
+        return self._resources.services
+
+    @property
+    def resources(self) -> tuple[Resource, ...]:
+        """Topics, services and actions; the same object until something changes."""
+        return self._resources.all
+
+    def paces(self) -> dict[str, Pace]:
+        """Of the topics that are heard, by their full names."""
+        return {
+            topic if topic.startswith("/") else f"{self._below}{topic}": pace
+            for topic, pace in self._paces_of_topics.items()
+        }
+
+
+def _heard(paces: dict[str, Pace], name: str, now: float) -> None:
+    paces[name] = paces[name].again(now) if name in paces else Pace(now)
 
 
 def logger_node(logger: str) -> str:
@@ -173,7 +217,12 @@ def logger_node(logger: str) -> str:
     return "/" + logger.replace(".", "/")
 
 
-def _is_hidden(name: str) -> bool:
+def is_of_every_node(types: Sequence[str]) -> bool:
+    """True for a service that each node has, for its parameters, log and types."""
+    return types[0].partition("/")[0] in _OF_NODES
+
+
+def is_hidden(name: str) -> bool:
     """True when a part of it begins with `_`: tools of ROS that come and go."""
     return "/_" in name
 

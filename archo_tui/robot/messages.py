@@ -9,12 +9,12 @@ from functools import cache
 from typing import Any
 
 from archo_tui.robot.fields import NESTED, checked, put
-from archo_tui.robot.interfaces import EMPTY
+from archo_tui.robot.message_classes import EMPTY
 from archo_tui.robot.state import Leaf
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
-from archo_tui.robots.model import GoalKind
-from archo_tui.written import flow
+from archo_tui.robot_file.model import GoalKind
+from archo_tui.robot_file.written import flow
 
 _SHOWN = 20  # elements of an array that are shown
 
@@ -54,7 +54,7 @@ def paths(message_class: Any) -> frozenset[str]:
     return frozenset(types(message_class()))
 
 
-def goal(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) -> Any:
+def goal_request(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) -> Any:
     """The goal that a robot file and what was typed make. Raises ValueError as `put` does."""
     made = action_type.Goal()
     for path, value in itertools.chain(kind.fixed.items(), values.items()):

@@ -10,19 +10,20 @@ from typing import Any
 
 from rclpy.node import Node
 
-from archo_tui.robot import forms, interfaces, messages, ros2_command
+from archo_tui.robot import forms, message_classes, messages, ros2_command
 from archo_tui.robot.fields import filled
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.state import Leaf
-from archo_tui.robots import check, model
+from archo_tui.robot_file import check, model
 
 
 class Offers:
     """Services and actions of the robot: their classes, and why one is not used."""
 
-    def __init__(self, node: Node, robot: model.Robot, graph: Graph) -> None:
+    def __init__(self, node: Node, robot: model.RobotFile, graph: Graph) -> None:
         self._node, self._robot, self._graph = node, robot, graph
-        self.forms = {kind.id: _form(kind) for kind in robot.goals}
+        made = {kind.id: _form(kind) for kind in robot.goals}
+        self.forms = {name: form for name, form in made.items() if form is not None}
         self.unfit: dict[str, str] = {}  # why a goal cannot be made as the file says, by action
         for kind in robot.goals:
             if fault := _goal_fault(kind):
@@ -45,11 +46,11 @@ class Offers:
         full, kind = self.full(name), self._type(name)
         if not kind:
             return None, f"{full} has servers of different types: not called"
-        srv_type = interfaces.load(kind)
+        srv_type = message_classes.load(kind)
         if srv_type is None:
             return None, check.missing(full, kind)
-        if interfaces.fields(srv_type.Request) != set(fields):
-            return None, f"{full} is {kind}, whose request is another: not called"
+        if message_classes.fields(srv_type.Request) != set(fields):
+            return None, f"{full} is {kind}, whose request differs: not called"
         kinds = srv_type.Request.get_fields_and_field_types()
         for field in fields:
             if kinds[field] != "boolean":
@@ -66,7 +67,7 @@ class Offers:
         for kind in self._robot.goals:
             types = self._graph.action_types.get(kind.action, ())
             fault = check.types_fault(kind.action, types, (kind.type,))
-            if types == (kind.type,) and interfaces.load(kind.type) is None:
+            if types == (kind.type,) and message_classes.load(kind.type) is None:
                 fault = check.missing(kind.action, kind.type)
             found[kind.action] = fault or self.unfit.get(kind.action, "")
         return {name: reason for name, reason in found.items() if reason}
@@ -75,8 +76,8 @@ class Offers:
         """The `ros2` command line for a call, empty when its type is not known, or another one."""
         full = self.full(name)
         types = self._graph.services.get(full, [])
-        srv_type = interfaces.load(types[0]) if len(types) == 1 else None
-        if srv_type is None or interfaces.fields(srv_type.Request) != set(fields):
+        srv_type = message_classes.load(types[0]) if len(types) == 1 else None
+        if srv_type is None or message_classes.fields(srv_type.Request) != set(fields):
             return ""
         try:
             request = filled(srv_type.Request(), fields)
@@ -86,9 +87,9 @@ class Offers:
 
     def goal_command(self, kind: model.GoalKind, values: Mapping[str, Any]) -> str:
         """The `ros2` command line that sends a goal, empty when none can be made."""
-        action = interfaces.load(kind.type)
+        action = message_classes.load(kind.type)
         try:
-            goal = None if action is None else messages.goal(action, kind, values)
+            goal = None if action is None else messages.goal_request(action, kind, values)
         except ValueError:  # sending it says why
             goal = None
         if goal is None:
@@ -98,7 +99,7 @@ class Offers:
 
 def _goal_fault(kind: model.GoalKind) -> str:
     """What the action's type does not have of what the robot file names, or does not take."""
-    action = interfaces.load(kind.type)
+    action = message_classes.load(kind.type)
     if action is None:  # said when it is on the graph
         return ""
     form = [(given.where or kind.where, path) for path, given in kind.form.items()]
@@ -138,11 +139,11 @@ def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
     return ""
 
 
-def _form(kind: model.GoalKind) -> tuple[Leaf, ...]:
-    """What each field of a goal's form takes."""
-    goal_type = interfaces.load(kind.type)
+def _form(kind: model.GoalKind) -> tuple[Leaf, ...] | None:
+    """What each field of a goal's form takes; None: its type is not installed here."""
+    goal_type = message_classes.load(kind.type)
     if goal_type is None:
-        return ()
+        return None
     types = {leaf.path: leaf for leaf in messages.leaves(goal_type.Goal())}
     turned = {path for path, given in kind.form.items() if given.convert}
     number = Leaf("", "double", 0.0)

@@ -2,39 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import deque
+from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
+from archo_tui.robot.acts import Act
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion
 from archo_tui.robot.values import text_of
 
+CLIENT, CONSOLE = "another client", "another console"
 # s for a console to say that it was its doing, before and after: STOP waits 3 s for its servers
 _PATIENCE = 4.0
-_UNANSWERED = "no answer in "  # of what was not answered in time, and may be done later:
-_LATE = 20.0  # s later
+_LATE = 20.0  # s after which what was not answered in time may still be done
 _GAP = 2.0  # s without a word, after which the robot's node may have been restarted
+_MOST = 200  # acts that are kept
+# nothing has left; what the robot refuses it may have done in part: one of two servers stops
+_NOT_DONE = (Code.CANCELLED, Code.HELD, Code.NOT_OFFERED, Code.WATCHING, Code.MISUSE)
 
 
 class _Seen(NamedTuple):
-    words: tuple[str, ...]  # one of them is in a console's line about it
+    verbs: Collection[str]  # those that may have done it
     said: str
     at: float  # monotonic s
+    node: str = ""
+    parameter: str = ""
+
+    def is_done_by(self, verb: str, arguments: Mapping[str, Any]) -> bool:
+        if verb not in self.verbs:
+            return False
+        values = arguments.get("values")
+        named = isinstance(values, Mapping) and self.parameter in values
+        return not self.node or (arguments.get("node") == self.node and named)
 
 
 class Others:
-    """Holds what changed against what consoles, this one too, said they did."""
+    """Holds what changed against what consoles, this one too, say they did."""
 
-    def __init__(self, commands: Iterable[str]) -> None:
-        """`commands` are the titles of the robot file's own: one of them may zero the count."""
-        self._commands = tuple(title.lower() for title in commands)
-        self._told: list[tuple[str, float]] = []
+    def __init__(self, commands: Collection[str], services: Mapping[str, str]) -> None:
+        """`commands` are the verbs of the robot file's own: one of them may zero the count.
+
+        `services` are the verbs by the services that they call: these can be called by name, too.
+        """
+        self._commands, self._services = commands, services
+        self._told: deque[tuple[Act, float]] = deque(maxlen=_MOST)
         self._seen: list[_Seen] = []
         self._motion = Motion()
+        self.who = CLIENT  # did what no console tells of
 
-    def heard(self, text: str, now: float) -> None:
-        """A console's line about a command of its own."""
-        self._told = [told for told in self._told if now - told[1] < _LATE + 2 * _PATIENCE]
-        self._told.append((text.lower(), now))
+    def told(self, act: Act, now: float) -> None:
+        """What a console says that it did."""
+        if act.code not in _NOT_DONE:
+            self._told.append((act, now))
 
     def motion(self, motion: Motion, now: float) -> None:
         """How the robot moves now."""
@@ -42,21 +61,18 @@ class Others:
         if now - (before.received or 0.0) > _GAP:
             return  # it may be another node by now
         if before.stopped is False and motion.stopped:
-            self._see(("stop",), "stopped by another client", now)
+            self._seen.append(_Seen(("stop",), f"stopped by {self.who}", now))
         if before.stopped and motion.stopped is False:
-            self._see(("release",), "stop released by another client", now)
+            self._seen.append(_Seen(("release",), f"stop released by {self.who}", now))
         if before.count and motion.count == 0:
-            change = f"{before.count} -> 0"
-            self._see(self._commands, f"encoder reset by another client ({change})", now)
+            said = f"encoder reset by {self.who} ({before.count} -> 0)"
+            self._seen.append(_Seen(self._commands, said, now))
 
     def parameter(self, node: str, name: str, old: Any, new: Any, now: float) -> None:
         """A node says that a parameter has changed."""
         change = f"{text_of(old)} -> {text_of(new)}"
-        said = f"{node.lstrip('/')} {name} changed by another client ({change})"
-        self._see((f"{name.lower()} ",), said, now)
-
-    def _see(self, words: tuple[str, ...], said: str, now: float) -> None:
-        self._seen.append(_Seen(words, said, now))
+        said = f"{node.lstrip('/')} {name} changed by {self.who} ({change})"
+        self._seen.append(_Seen(("set",), said, now, node, name))
 
     def unexplained(self, now: float) -> list[str]:
         """What was seen a while ago, and is nobody's by now."""
@@ -66,7 +82,14 @@ class Others:
 
     def _is_told(self, seen: _Seen) -> bool:
         return any(
-            -_PATIENCE <= seen.at - at <= (_LATE if _UNANSWERED in text else _PATIENCE)
-            and any(word in text for word in seen.words)
-            for text, at in self._told
+            -_PATIENCE <= seen.at - at <= (_LATE if act.code == Code.TIMEOUT else _PATIENCE)
+            and seen.is_done_by(self._verb(act), act.arguments)
+            for act, at in self._told
         )
+
+    def _verb(self, act: Act) -> str:
+        """Its verb; of a service that is called by its name the one that calls it."""
+        service = act.arguments.get("service")
+        if act.verb != "call" or not isinstance(service, str):
+            return act.verb
+        return self._services.get(service, act.verb)

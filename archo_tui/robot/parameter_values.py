@@ -9,7 +9,7 @@ from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.fields import checked
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import parse_bool, parse_integer, parse_number, same, text_of
-from archo_tui.written import flow
+from archo_tui.robot_file.written import flow
 
 # rcl_interfaces/ParameterType's numbers, in words
 TYPES = {

@@ -7,23 +7,24 @@ from what was asked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Mapping
+from operator import is_
 from typing import Any
 
 from rcl_interfaces import srv
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterEvent, ParameterType, ParameterValue
-from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
 from archo_tui.clock import Clock
 from archo_tui.robot import services
 from archo_tui.robot.fields import checked
+from archo_tui.robot.listener import Listener
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import TYPES, as_python, value_field
 from archo_tui.robot.rounds import Rounds
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Outcome, Parameter
+from archo_tui.robot.state import Parameter
 from archo_tui.robot.stops import Gate
-from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import same, text_of
 
@@ -36,7 +37,7 @@ class Parameters:
 
     def __init__(
         self,
-        node: Node,
+        node: Listener,
         clock: Clock,
         pending: Services,
         changed: Callable[[], None],
@@ -55,13 +56,20 @@ class Parameters:
         self._services = pending
         self._changed = changed
         self._by_node: dict[str, dict[str, Parameter]] = {}
+        self._all: tuple[Parameter, ...] = ()  # as they were last asked for
         self._loading: set[str] = set()
         self._rounds = Rounds()
-        subscribe(node, ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
+        node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
-        """By node, then in the order in which the node declared them."""
-        return tuple(p for node in sorted(self._by_node) for p in self._by_node[node].values())
+        """By node, then in the order in which the node declared them.
+
+        The same object until something changes.
+        """
+        found = [p for node in sorted(self._by_node) for p in self._by_node[node].values()]
+        if len(found) != len(self._all) or not all(map(is_, found, self._all)):
+            self._all = tuple(found)
+        return self._all
 
     def follow(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
         """Load nodes that are new on the graph and offer parameters, forget those that left.
@@ -162,7 +170,7 @@ class Parameters:
         try:
             parameters = [self._message(node, name, value) for name, value in values.items()]
         except ValueError as error:
-            return Outcome(False, str(error))
+            return Outcome(Code.MISUSE, str(error))
         request = srv.SetParametersAtomically.Request(parameters=parameters)
         answer = await self._services.call(
             srv.SetParametersAtomically,
@@ -171,9 +179,9 @@ class Parameters:
             gate=gate,
         )
         if answer is None:
-            return Outcome(False, f"no answer in {services.DEADLINE:g} s from {node}")
+            return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {node}")
         if not answer.result.successful:
-            return Outcome(False, answer.result.reason or "refused, no reason given")
+            return Outcome(Code.REFUSED, answer.result.reason or "refused, no reason given")
         names = list(values)
         got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
@@ -183,7 +191,7 @@ class Parameters:
         said = ", ".join(
             f"{name} is {text_of(self._value(node, name))}, was {before[name]}" for name in names
         )
-        return Outcome(True, said)
+        return Outcome(Code.DONE, said)
 
     def _message(self, node: str, name: str, value: Any) -> Any:
         """A parameter with a value of the type that it has here. Raises ValueError."""

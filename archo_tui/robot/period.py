@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 _MEASURED = 5  # intervals, of which the median is the period
 LEAST_SILENCE = 2.5  # s
+_SMOOTHING = 0.2  # weight of the newest interval in a pace
 
 
 class Period(NamedTuple):
@@ -29,6 +30,32 @@ class Period(NamedTuple):
         if not self.intervals:
             return None
         return sorted(self.intervals)[len(self.intervals) // 2]
+
+
+class Pace(NamedTuple):
+    """How often something is heard now; starts over after a silence."""
+
+    heard: float  # the last time, monotonic s
+    interval: float | None = None  # s, smoothed; None before two messages
+
+    def again(self, now: float) -> Pace:
+        """With one more message."""
+        if self.is_silent(now):
+            return Pace(now)
+        since = now - self.heard
+        if since <= 0:
+            return self
+        before = since if self.interval is None else self.interval
+        return Pace(now, before + _SMOOTHING * (since - before))
+
+    @property
+    def rate(self) -> float | None:
+        """In Hz."""
+        return 1 / self.interval if self.interval else None
+
+    def is_silent(self, now: float) -> bool:
+        """True when nothing was heard for three intervals, at least 2.5 s."""
+        return is_silent(self.heard, self.interval, now)
 
 
 def is_silent(received: float | None, period: float | None, now: float) -> bool:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from archo_tui.robots.model import Field
+from archo_tui.robot_file.model import MessageField
 
 _INT64 = 2**63
 
 
-def read(field: Field | None, message: Any) -> Any:
+def read(field: MessageField | None, message: Any) -> Any:
     """What the field of a robot file says about a message; None when there is no such field."""
     if field is None:
         return None

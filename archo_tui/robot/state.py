@@ -10,16 +10,19 @@ Event cannot be, because a tuple has a `count` of its own.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from archo_tui.robot.period import is_silent
+from archo_tui.robot.acts import Act
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.period import Pace, is_silent
 from archo_tui.robot.readings import number
 from archo_tui.robot.values import same, text_of
-from archo_tui.robots.model import Gauge, GoalKind, Link, Robot
+from archo_tui.robot_file.model import FormField, Gauge, GoalKind, Limit, Link, RobotFile
 
+_FARTHEST = 1e15  # of a number that a parameter holds: so many digits a double has
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
 
 
@@ -94,10 +97,17 @@ class Phase(Enum):
     DISPUTED = "ENDED"  # the action and its result disagree
 
 
+_CODES = {  # of those that ended
+    Phase.ARRIVED: Code.ARRIVED,
+    Phase.CANCELLED: Code.CANCELLED,
+    Phase.ABORTED: Code.ABORTED,
+    Phase.REFUSED: Code.REFUSED,
+    Phase.DISPUTED: Code.NOT_CONFIRMED,
+}
 RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST)
 
 
-def target(kind: GoalKind, values: Mapping[str, Any]) -> str:
+def values_text(kind: GoalKind, values: Mapping[str, Any]) -> str:
     """The values of a goal as they are called: `12`, or `x 1.5, y 2`."""
     if len(values) == 1:
         return text_of(*values.values())
@@ -128,7 +138,7 @@ class Goal(NamedTuple):
     @property
     def target(self) -> str:
         """What was typed: `12`, or `x 1.5, y 2`."""
-        return target(self.kind, self.fields)
+        return values_text(self.kind, self.fields)
 
     @property
     def name(self) -> str:
@@ -142,6 +152,11 @@ class Goal(NamedTuple):
         """Its phase; one that leads nowhere runs and succeeds."""
         words = {} if self.kind.noun else {Phase.MOVING: "RUNNING", Phase.ARRIVED: "SUCCEEDED"}
         return words.get(self.phase, str(self.phase.value))
+
+    @property
+    def code(self) -> Code | None:
+        """How it ended; None while it runs."""
+        return _CODES.get(self.phase)
 
     @property
     def is_running(self) -> bool:
@@ -211,8 +226,58 @@ class NodeState(NamedTuple):
         return now - self.heard > max(3 / self.rate, 2.5)
 
 
+LEVELS = {"UNSET": 0, "DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
+_WORDS = {number: word for word, number in LEVELS.items() if number}
+
+
+def level_word(number: Any) -> str:
+    """The word of a log message's level; INFO for any other number."""
+    return _WORDS.get(number, "INFO") if isinstance(number, int) else "INFO"
+
+
+Names = tuple[tuple[str, str], ...]  # each with its type
+
+
+class LogLevel(NamedTuple):
+    """What of its lines a node logs, as words of LEVELS."""
+
+    own: str  # UNSET: it has none of its own
+    in_force: str
+
+    @property
+    def text(self) -> str:
+        """`DEBUG and above`, or `INFO and above, as its process`."""
+        process = ", as its process" if self.own == "UNSET" else ""
+        return f"{self.in_force} and above{process}"
+
+
+class NodeInfo(NamedTuple):
+    """What one node has on the graph, without what every node has."""
+
+    publishes: Names = ()
+    subscribes: Names = ()
+    serves: Names = ()
+    calls: Names = ()
+    actions: Names = ()
+    sends: Names = ()  # goals
+    level: LogLevel | None = None  # None: it does not say
+    no_level: str = ""  # why not
+
+
+TOPIC, SERVICE, ACTION = "topic", "service", "action"
+
+
+class Resource(NamedTuple):
+    """What nodes have in common on the graph."""
+
+    kind: str  # TOPIC, SERVICE or ACTION
+    name: str  # fully qualified
+    types: tuple[str, ...]
+    nodes: tuple[str, ...]  # that publish or serve it, fully qualified
+
+
 # of the console's own events: what its operator did, how goals ended, what other consoles did
-OWN_LEVELS = ("YOU", "GOAL", "PEER")
+OWN_LEVELS = ("YOU", "SHELL", "AI", "GOAL", "PEER")
 
 
 WATCHING = "watching only: start archo-tui without --watch to operate the robot"
@@ -251,13 +316,7 @@ class Event:
     count: int = 1  # how many alike it stands for
     first: float = 0.0  # when the first of them was
     number: int = 0  # of the first of them: tells events apart
-
-
-class Outcome(NamedTuple):
-    """How a command ended: done, or not and why."""
-
-    ok: bool
-    text: str
+    act: Act | None = None  # what was done, where somebody did something
 
 
 class StopAnswer(Enum):
@@ -281,7 +340,7 @@ class OpenStop(NamedTuple):
 class Snapshot(NamedTuple):
     """Everything a screen can show, at one moment."""
 
-    robot: Robot = Robot()  # its file
+    file: RobotFile = RobotFile()  # of the robot
     battery: Battery = Battery()
     motion: Motion = Motion()
     gauges: tuple[Reading, ...] = ()
@@ -300,16 +359,23 @@ class Snapshot(NamedTuple):
     publishers: Mapping[str, tuple[str, ...]] = _NOTHING  # nodes, by topic
     twice: tuple[str, ...] = ()  # names that several nodes have
     several: Mapping[str, tuple[str, ...]] = _NOTHING  # nodes of a service or action with several
+    has_clock: bool = False  # somebody publishes /clock
     elsewhere: tuple[str, ...] = ()  # namespaces with nodes, beside this one
     consoles: tuple[str, ...] = ()  # the others of this namespace: user_host_pid
     forms: Mapping[str, tuple[Leaf, ...]] = _NOTHING  # by id of the goal
     actions: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
     services: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
+    resources: tuple[Resource, ...] = ()  # all but ROS's own
+    paces: Mapping[str, Pace] = _NOTHING  # of the topics that the console hears
 
     @property
     def running_goal(self) -> Goal | None:
         """The goal, while it runs."""
         return self.goal if self.goal is not None and self.goal.is_running else None
+
+    def unavailable(self, name: str) -> str:
+        """Why a service or action of the robot file cannot be used, or an empty string."""
+        return self.faults.get(name, "") if name in self.offered else not_offered(name)
 
     def parameter(self, name: str) -> Parameter | None:
         """The first parameter of that name on any node."""
@@ -318,8 +384,26 @@ class Snapshot(NamedTuple):
     @property
     def threshold(self) -> float | None:
         """The charge (%) below which it is low, as the robot has it; None: it says nothing."""
-        low = None if self.robot.battery is None else self.robot.battery.low
+        low = None if self.file.battery is None else self.file.battery.low
         return None if low is None else linked(self.parameters, self.namespace, low, 0.0, 100.0)
+
+    def limit(self, given: Limit) -> float | None:
+        """A limit of what may be typed, as the robot has it now; None: there is none known."""
+        if isinstance(given, Link):
+            return linked(self.parameters, self.namespace, given)
+        return given
+
+    def form(self, kind: GoalKind) -> Mapping[str, FormField]:
+        """The form of a goal with the limits that hold now."""
+        return {
+            path: replace(given, low=self.limit(given.low), high=self.limit(given.high))
+            for path, given in kind.form.items()
+        }
+
+
+def not_offered(name: str) -> str:
+    """Of a service or an action."""
+    return f"{name} is not offered by any node"
 
 
 def in_namespace(namespace: str, node: str) -> str:
@@ -328,7 +412,11 @@ def in_namespace(namespace: str, node: str) -> str:
 
 
 def linked(
-    parameters: Iterable[Parameter], namespace: str, link: Link, low: float, high: float
+    parameters: Iterable[Parameter],
+    namespace: str,
+    link: Link,
+    low: float = -_FARTHEST,
+    high: float = _FARTHEST,
 ) -> float | None:
     """The number that a link of the robot file leads to, when it is one within low .. high."""
     wanted = (in_namespace(namespace, link.node.lstrip("/")), link.parameter)

@@ -13,12 +13,13 @@ from rclpy.node import Node
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import interfaces, services
+from archo_tui.robot import message_classes, services
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.offers import Offers
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import OpenStop, Outcome, StopAnswer
-from archo_tui.robots import model
+from archo_tui.robot.state import OpenStop, StopAnswer, not_offered
+from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # s that the answers of several servers are waited for
 OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
@@ -47,11 +48,11 @@ class Stopping:
         offers: Offers,
         look: Callable[[], None],
         changed: Callable[[], None],
-        tell: Callable[[str], None],
+        tell: Callable[[str, Code], None],
     ) -> None:
         """`look()` looks at the graph, `changed()` is called with each new state.
 
-        `tell(text)` is called with what came of a STOP that nobody waits for.
+        `tell(text, code)` is called with what came of a STOP that nobody waits for.
         """
         self._node, self._stop, self._clock = node, stop, clock
         self._services, self._graph, self._offers = pending, graph, offers
@@ -65,7 +66,9 @@ class Stopping:
     async def send(self) -> Outcome:
         """Stop the robot; ends when all servers answered, or did not in time."""
         outcome, _ = await self._send()
-        return outcome if outcome.ok else Outcome(False, f"{outcome.text}: use the hardware stop")
+        if outcome.ok:
+            return outcome
+        return outcome._replace(text=f"{outcome.text}: use the hardware stop")
 
     async def send_again(self) -> None:
         """A STOP that was not answered, while the robot is heard: it may drive on.
@@ -76,7 +79,7 @@ class Stopping:
             return
         outcome, is_news = await self._send()
         if is_news:
-            self._tell(f"STOP, sent again: {outcome.text}")
+            self._tell(f"STOP, sent again: {outcome.text}", outcome.code)
 
     async def _send(self) -> tuple[Outcome, bool]:
         """How one call ended, and whether that was news."""
@@ -88,13 +91,13 @@ class Stopping:
 
         def late(said: _Said) -> None:
             if self._take(said, number, sent):
-                self._tell(f"STOP, answered late: {said.outcome.text}")
+                self._tell(f"STOP, answered late: {said.outcome.text}", said.outcome.code)
 
         try:
             await self._found(self._stop.service)
             said = await self._call(self._stop.service, late)
         except Exception as error:  # whatever it is, nobody was stopped
-            said = _not_sent(in_one_line(error))
+            said = _not_sent(Code.REFUSED, in_one_line(error))
         return said.outcome, self._take(said, number, sent)
 
     def _take(self, said: _Said, number: int, sent: float) -> bool:
@@ -157,11 +160,12 @@ class Stopping:
 
     async def _call(self, name: str, late: Callable[[_Said], None]) -> _Said:
         """One call: what its servers said of it, in time; or `late`."""
-        srv_type, reason = None, f"{self._offers.full(name)} is not offered by any node"
-        if name in self._graph.offered:
-            srv_type, reason = self._offers.fitting(name, ())
+        if name not in self._graph.offered:
+            reason = not_offered(self._offers.full(name))
+            return _not_sent(Code.NOT_OFFERED, reason)
+        srv_type, reason = self._offers.fitting(name, ())
         if srv_type is None:
-            return _not_sent(reason)
+            return _not_sent(Code.REFUSED, reason)
         servers = max(self._node.count_services(name), 1)
         wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
         self._left = self._services.turn()
@@ -172,28 +176,28 @@ class Stopping:
         return _said(answers, servers, wait)
 
 
-def _not_sent(reason: str) -> _Said:
-    return _Said(Outcome(False, reason), StopAnswer.NOT_SENT, f"({reason})")
+def _not_sent(code: Code, reason: str) -> _Said:
+    return _Said(Outcome(code, reason), StopAnswer.NOT_SENT, f"({reason})")
 
 
 def _said(answers: list[Any], servers: int, wait: float) -> _Said:
     """What the answers of so many servers come to."""
-    said = [(answer, interfaces.outcome(answer)) for answer in answers]
-    refused = [outcome.text for answer, outcome in said if interfaces.refuses(answer)]
+    said = [(answer, message_classes.outcome_of(answer)) for answer in answers]
+    refused = [outcome.text for answer, outcome in said if message_classes.refuses(answer)]
     of = f" by {len(refused)} of {servers}" if servers > 1 else ""
     if refused:
-        outcome = Outcome(False, f"REFUSED{of}: {refused[0]}")
+        outcome = Outcome(Code.REFUSED, f"REFUSED{of}: {refused[0]}")
         return _Said(outcome, StopAnswer.REFUSED, f"{of} ({refused[0]})".lstrip())
     if len(answers) < servers:
         if servers == 1:
-            return _Said(Outcome(False, f"no answer in {wait:g} s"), StopAnswer.NONE)
+            return _Said(Outcome(Code.TIMEOUT, f"no answer in {wait:g} s"), StopAnswer.NONE)
         counted = f"{len(answers)} of {servers} answered"
-        outcome = Outcome(False, f"{counted} in {wait:g} s")
+        outcome = Outcome(Code.TIMEOUT, f"{counted} in {wait:g} s")
         return _Said(outcome, StopAnswer.NONE, f"from all ({counted})")
     doubtful = next((outcome for _, outcome in said if not outcome.ok), None)
     if doubtful is not None:
         return _Said(doubtful, StopAnswer.UNCONFIRMED)
-    return _Said(Outcome(True, _confirmed(said[0][1].text)))
+    return _Said(Outcome(Code.DONE, _confirmed(said[0][1].text)))
 
 
 def _confirmed(text: str) -> str:

@@ -7,18 +7,17 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from archo_tui.clock import Clock
-from archo_tui.robot import interfaces, messages
+from archo_tui.robot import message_classes, messages
+from archo_tui.robot.listener import Listener
 from archo_tui.robot.period import Period
 from archo_tui.robot.readings import as_received, flag, integer, number, read
 from archo_tui.robot.state import Battery, Motion, Reading
-from archo_tui.robot.subscribe import subscribe
 from archo_tui.robot.text import harmless
-from archo_tui.robots import check
-from archo_tui.robots.model import Field, Gauge, Robot
+from archo_tui.robot_file import check
+from archo_tui.robot_file.model import Gauge, MessageField, RobotFile
 
 _DEPTH = 10
 _SAMPLE_PERIOD = 1.0  # s between two samples of the charge that are kept
@@ -28,13 +27,22 @@ _MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V, m/s; beyond that it is not a reading
 _MOST = 1e15  # of a gauge without a range: so many digits a double has
 
 
+Kept = tuple[
+    Battery,
+    Motion,
+    tuple[Reading, ...],
+    tuple[tuple[float, float], ...],
+    Mapping[object, Period],
+]
+
+
 class Telemetry:
     """The last readings of battery, motion and gauges, as the robot's file says."""
 
     def __init__(
         self,
-        node: Node,
-        robot: Robot,
+        node: Listener,
+        robot: RobotFile,
         clock: Clock,
         heard: Callable[[str, bool], None],
         warn: Callable[[str], None],
@@ -84,19 +92,28 @@ class Telemetry:
         self.motion = replace(self.motion, period=self._fixed(self._robot.motion))
         self.gauges = tuple(reading._replace(period=None) for reading in self.gauges)
 
+    def kept(self) -> Kept:
+        """The readings, to be put back."""
+        return self.battery, self.motion, self.gauges, self.charge, dict(self._periods)
+
+    def put_back(self, kept: Kept) -> None:
+        """As it was when they were kept."""
+        self.battery, self.motion, self.gauges, self.charge, periods = kept
+        self._periods = dict(periods)
+
     def _follow(
         self,
         key: object,
         topic: str,
-        types: Mapping[str, Mapping[str, Field]],
-        callback: Callable[[Any, Mapping[str, Field]], None],
+        types: Mapping[str, Mapping[str, MessageField]],
+        callback: Callable[[Any, Mapping[str, MessageField]], None],
         faults: dict[str, str],
     ) -> None:
         publishers = self._node.get_publishers_info_by_topic(topic)
         if not publishers:
             return  # keep listening: the publisher may come back
         kinds = sorted({info.topic_type for info in publishers})
-        known = {kind: interfaces.load(kind) for kind in kinds if kind in types}
+        known = {kind: message_classes.load(kind) for kind in kinds if kind in types}
         lacking = {kind: _lacking(topic, kind, known[kind], types[kind]) for kind in known}
         usable = [kind for kind in known if not lacking[kind]]
         said = next(filter(None, lacking.values()), "") or check.types_fault(topic, kinds, types)
@@ -126,12 +143,12 @@ class Telemetry:
             durability=(DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE),
         )
         fields = types[kind]
-        subscription = subscribe(
-            self._node, known[kind], topic, lambda message: callback(message, fields), qos
+        subscription = self._node.listen_quietly(
+            known[kind], topic, lambda message: callback(message, fields), qos
         )
         self._subscriptions[key] = (wanted, subscription)
 
-    def _on_battery(self, message: Any, fields: Mapping[str, Field]) -> None:
+    def _on_battery(self, message: Any, fields: Mapping[str, MessageField]) -> None:
         assert self._robot.battery is not None
         topic = self._robot.battery.topic
         found = {name: read(field, message) for name, field in fields.items()}
@@ -154,7 +171,7 @@ class Telemetry:
         self._sample(now, turned=charging != self.battery.charging)
         self._heard(topic, self.battery != last._replace(received=now))
 
-    def _on_motion(self, message: Any, fields: Mapping[str, Field]) -> None:
+    def _on_motion(self, message: Any, fields: Mapping[str, MessageField]) -> None:
         assert self._robot.motion is not None
         found = {name: read(field, message) for name, field in fields.items()}
         now, last = self._clock.monotonic(), self.motion
@@ -168,7 +185,7 @@ class Telemetry:
         )
         self._heard(self._robot.motion.topic, self.motion != replace(last, received=now))
 
-    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, Field]) -> None:
+    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, MessageField]) -> None:
         gauge, last, now = self._robot.gauges[place], self.gauges[place], self._clock.monotonic()
         value = read(fields["value"], message)
         reading = number(value, *_range(gauge))
@@ -197,12 +214,12 @@ class Telemetry:
             self.charge = (*kept[-_SAMPLES + 1 :], (now, percentage))
 
 
-def _given(fields: Any) -> dict[str, Field]:
+def _given(fields: Any) -> dict[str, MessageField]:
     """The readings that a message type has, by name."""
     return {name: field for name, field in vars(fields).items() if field is not None}
 
 
-def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Field]) -> str:
+def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, MessageField]) -> str:
     """Why a type cannot be read: not installed, or without a field that the robot file names."""
     if message_class is None:
         return check.missing(topic, kind)

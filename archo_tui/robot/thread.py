@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import inspect
 import threading
+from collections import deque
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
@@ -30,6 +32,8 @@ class RosThread:
         self._context = context
         self._on_error = on_error
         self._stopping = False
+        self._waiting: deque[Callable[[], Any]] = deque()
+        self._lock = threading.Lock()  # of the two above
         self.executor = SingleThreadedExecutor(context=context)
         self.executor.add_node(node)
         self._thread = threading.Thread(target=self._spin, name="archo-client", daemon=True)
@@ -51,14 +55,27 @@ class RosThread:
         """Nothing new from here on; what is queued is started: Python warns of what never is."""
         for timer in self._node.timers:
             timer.cancel()
-        self.executor.create_task(self._end)
+        self.submit(self._end)
 
     def _end(self) -> None:
-        self._stopping = True
+        with self._lock:
+            self._stopping = True
 
     def submit(self, function: Callable[[], Any]) -> None:
-        """Run a function on the ROS thread and forget about it."""
-        self.executor.create_task(function)
+        """Run a function on the ROS thread, behind those before it; once that ends, run nothing.
+
+        In Jazzy an executor starts the newest of its tasks first, and takes none once it is shut
+        down. So each task runs whatever has waited longest.
+        """
+        with self._lock:
+            if not self._stopping:
+                self._waiting.append(function)
+                self.executor.create_task(self._next)
+
+    async def _next(self) -> None:
+        result = self._waiting.popleft()()
+        if inspect.iscoroutine(result):
+            await result
 
     async def run(self, work: Callable[[], Coroutine[Any, Any, T]], deadline: float) -> T:
         """Run a coroutine function of rclpy's kind on the ROS thread; await its value here.
@@ -85,16 +102,17 @@ class RosThread:
             with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits
                 loop.call_soon_threadsafe(put, value, failed)
 
-        self.executor.create_task(there)
+        self.submit(there)
         return await self._clock.wait_for(result, deadline)
 
     def stop(self, timeout: float = 3.0) -> bool:
         """End the thread and destroy the node; False when a callback did not return in time (s)."""
         if self._thread.is_alive():
-            self.executor.create_task(self._begin_to_end)
+            self.submit(self._begin_to_end)
             self._thread.join(timeout)
             if self._thread.is_alive():
                 return False
+        self._end()  # also where the context was shut down
         self.executor.shutdown(0)
         self._node.destroy_node()
         return True

@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterable
 
 from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.alarms import SHELF_TIME, Alarm, Priority, State
-from archo_tui.clock import time_of_day
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason
-from archo_tui.station import View
+from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
+from archo_tui.station.station import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
+from archo_tui.words.alarm import times
+
+_INDENT = " " * 8
 
 
-def alarm_lines(alarm: Alarm, _width: int, _columns: Columns) -> list[Text]:
-    """Two lines: `✗ HIGH  unacknowledged  since 12:04:31`, and what to do below."""
-    times = f"since {time_of_day(alarm.since)}"
-    if alarm.until is not None:
-        times += f", over at {time_of_day(alarm.until)}"
-    if alarm.shelved_until is not None:
-        times += f", until {time_of_day(alarm.shelved_until)}"
-    if alarm.reason:
-        times += f": {alarm.reason}"
+def alarm_lines(alarm: Alarm, width: int, _columns: Columns) -> list[Text]:
+    """`✗ HIGH  unacknowledged  since 12:04:31`, and what to do below."""
     style = {State.UNACKNOWLEDGED: "bold", State.SHELVED: QUIET}.get(alarm.state, "")
-    head = f"{alarm.priority.value:<7} {alarm.state.value:<21} {times}"
-    return [(head, style), (f"        {alarm.text}", style)]
+    head = f"{alarm.priority.value:<7} {alarm.state.value:<21} {times(alarm)}"
+    text = textwrap.wrap(alarm.text, max(width - len(_INDENT), 20))
+    return [(head, style), *((_INDENT + line, style) for line in text)]
 
 
 class AlarmList(Dialog[None]):
@@ -51,6 +48,7 @@ class AlarmList(Dialog[None]):
         super().__init__()
         self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
         self._changed = changed
+        self._box = Vertical(classes="dialog reading")
         self._rows: Rows[Alarm] = Rows(
             alarm_lines,
             lambda alarm: alarm.name,
@@ -60,11 +58,11 @@ class AlarmList(Dialog[None]):
         )
 
     def body(self) -> ComposeResult:
-        with Vertical(classes="dialog reading") as box:
-            box.border_title = "Alarms"
+        with self._box:
+            self._box.border_title = "Alarms"
             minutes = SHELF_TIME / 60
             keys = f"a acknowledge   A all   s shelve for {minutes:.0f} min or unshelve   esc close"
-            box.border_subtitle = keys
+            self._box.border_subtitle = keys
             yield self._rows
 
     def on_mount(self) -> None:
@@ -75,6 +73,7 @@ class AlarmList(Dialog[None]):
         """Show what there is now."""
         self._view = view
         self._rows.show(view.alarms)
+        self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # with its border
 
     def action_acknowledge(self) -> None:
         """The selected one has been seen."""

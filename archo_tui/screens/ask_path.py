@@ -11,10 +11,10 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Button, Static
 
-from archo_tui import recall
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Form
+from archo_tui.station import recall
 from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.field import Field
 

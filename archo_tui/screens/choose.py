@@ -1,80 +1,157 @@
-"""A list to choose from: type to narrow it, enter takes the row."""
+"""A list to choose from: type to narrow it, enter or a click takes a row."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Coroutine, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
+from textual import events
 from textual.app import ComposeResult
+from textual.binding import Binding
 from textual.containers import Vertical
 from textual.content import Content
-from textual.widgets import Static
+from textual.message import Message
 
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Dialog
+from archo_tui.screens.find import found
 from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
+from archo_tui.widgets.line import Line
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 
-_SHOWN = 12  # rows
+_REASON = 30  # cells at the right that are worth having
+
+
+class Choice(NamedTuple):
+    """A row, and what is done when it is taken; a coroutine may wait for the robot."""
+
+    title: str
+    act: Callable[[], Coroutine[Any, Any, None] | None]
+    beside: str = ""  # a key, a type
+    reason: str = ""  # why it cannot be done now
+    words: str = ""  # others that people type for it
+
+
+def _columns(choices: Sequence[Choice], width: int) -> Columns:
+    """Of titles and what is beside them."""
+    beside = column((one.beside for one in choices), 0, width // 2)
+    room = width - beside - 2
+    with_reason = room - _REASON - 2 if any(one.reason for one in choices) else room
+    return column((one.title for one in choices), 1, max(with_reason, 1)), beside
+
+
+def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
+    """`Release the stop (asks first)   R   the robot is not stopped`."""
+    title, beside = columns
+    text = f"{pad(crop(choice.title, title), title)}  {pad(choice.beside, beside)}"
+    room = width - title - beside - 4
+    if choice.reason and room > 0:
+        text += f"  {crop(choice.reason, room):>{room}}"
+    return [(text.rstrip(), QUIET if choice.reason else "")]
+
+
+class Found(Rows[Choice]):
+    """The rows; keys stay in the field, where is typed what narrows them."""
+
+    can_focus = False
+    without_focus = True
+
+    class Taken(Message):
+        """A row was clicked."""
+
+    async def on_click(self, event: events.Click) -> None:
+        row = self.scroll_offset.y + event.y
+        if 0 <= row < len(self.items):
+            self.to(row)
+            self.post_message(self.Taken())
+
+    def to(self, number: int) -> None:
+        """The cursor is there."""
+        self._move(number - self.cursor)
+
+
+class Narrow(Field):
+    """What is typed behind its enter is for what that opens."""
+
+    chooses = False  # an enter is on its way
+
+    def post_message(self, message: Message) -> bool:
+        if isinstance(message, events.Key) and message.key == "enter":
+            self.chooses = True
+        return super().post_message(message)
 
 
 class Choose(Dialog[None]):
-    """`then(name)` is done with what was chosen; escape chooses nothing."""
+    """Escape chooses nothing."""
 
     closes_at_stop = True
 
-    BINDINGS = [("escape", "close", "Close")]
+    BINDINGS = [
+        ("escape", "close", "Close"),
+        *(Binding(key, f"turn('{key}')", show=False) for key in ("pageup", "pagedown")),
+    ]
 
-    def __init__(
-        self,
-        title: str,
-        rows: Sequence[tuple[str, str]],
-        then: Callable[[str], Coroutine[Any, Any, None]],
-    ) -> None:
-        """`rows` are names, with what is said beside each."""
+    def __init__(self, title: str, choices: Sequence[Choice]) -> None:
         super().__init__()
-        self.title, self._all, self._then = title, list(rows), then
-        self._cursor = 0
+        self.title, self._all = title, [one._replace(title=harmless(one.title)) for one in choices]
+        self._narrow = Narrow(id="narrow", placeholder="type a part of its name")
+        self._rows = Found(
+            _lines, lambda one: one, id="choices", empty="nothing is called so", columns=_columns
+        )
+        self._count = Line(classes="count")
 
     def body(self) -> ComposeResult:
-        with Vertical(classes="dialog") as box:
+        with Vertical(classes="dialog choosing") as box:
+            box.styles.height = max(len(self._all), 1) + 5  # its border, field and count
             box.border_title = self.title
             box.border_subtitle = "type to narrow   ↑ ↓, enter   esc cancel"
-            yield Field(id="narrow", placeholder="part of the name")
-            yield Static(classes="rows")
+            yield self._narrow
+            yield self._rows
+            yield self._count
 
     def on_mount(self) -> None:
-        self.set_focus(self.query_one(Field))
-        self._draw()
+        self.set_focus(self._narrow)
+        self._fill()
 
     @property
-    def _rows(self) -> list[tuple[str, str]]:
-        part = self.query_one(Field).value.strip().casefold()
-        return [row for row in self._all if part in row[0].casefold()]
+    def is_choosing(self) -> bool:
+        """True while an enter is on its way: what it opens takes the keys behind it."""
+        return self._narrow.chooses and not self.has_left
+
+    def _fill(self) -> None:
+        shown = found(self._narrow.value, self._all, lambda one: (one.title, one.words))
+        self._rows.show(shown)
+        self._rows.to(0)
+        self._count.show(Content.styled(f"{len(shown)} of {len(self._all)}", "$quiet"))
 
     def on_input_changed(self) -> None:
-        self._cursor = 0
-        self._draw()
+        self._fill()
 
     def on_input_submitted(self, event: Field.Submitted) -> None:
-        rows = self._rows
-        if rows and self.is_current:
+        self._take()
+        self._narrow.chooses = False
+
+    def on_found_taken(self) -> None:
+        self._take()
+
+    def on_click(self, event: events.Click) -> None:
+        if event.widget is self:  # beside the dialog
             self.dismiss()
-            self.app.run_worker(self._then(rows[self._cursor][0]), group=COMMANDS)
+
+    def _take(self) -> None:
+        choice = self._rows.item
+        if choice is None or not self.is_current:
+            return
+        self.dismiss()
+        work = choice.act()
+        if work is not None:
+            self.app.run_worker(work, group=COMMANDS)
 
     def on_field_recall(self, event: Field.Recall) -> None:
         """The arrows move the cursor."""
-        self._cursor = min(max(self._cursor + event.step, 0), max(len(self._rows) - 1, 0))
-        self._draw()
+        self._rows.to(self._rows.cursor + event.step)
 
-    def _draw(self) -> None:
-        rows = self._rows
-        first = max(min(self._cursor - _SHOWN + 1, len(rows) - _SHOWN), 0)
-        lines = []
-        for number, (name, beside) in enumerate(rows[first : first + _SHOWN], first):
-            text = f"{harmless(name)}  "
-            style = "reverse" if number == self._cursor else ""
-            lines.append(Content.assemble((text, style), (harmless(beside), "$quiet")))
-        below = f"{len(rows)} of {len(self._all)}" if rows else "nothing is called so"
-        body = Content("\n").join([*lines, Content.styled(below, "$quiet")])
-        self.query_one(".rows", Static).update(body)
+    def action_turn(self, key: str) -> None:
+        """By what is seen."""
+        self._rows.press(key)

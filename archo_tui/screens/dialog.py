@@ -10,7 +10,7 @@ from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Button, Static
 
-from archo_tui.robot.state import Outcome
+from archo_tui.robot.outcome import Outcome
 from archo_tui.screens.base import Base
 from archo_tui.screens.main import MainScreen
 from archo_tui.widgets.field import Field

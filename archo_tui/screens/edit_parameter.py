@@ -12,8 +12,9 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Button, Static
 
+from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.parameter_values import parse, range_text, typed_text
-from archo_tui.robot.state import Outcome, Parameter
+from archo_tui.robot.state import Parameter
 from archo_tui.robot.text import HIDDEN, harmless, safe
 from archo_tui.robot.values import text_of
 from archo_tui.screens.dialog import Form

@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from rich.cells import cell_len
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
@@ -18,7 +19,6 @@ _INTRODUCTION = (
     "STOP is a software stop: it does not replace the hardware emergency stop. "
     "tab moves on, enter presses or edits, esc leads out; while you type, letters are text."
 )
-_KEY = 9  # cells for a key
 _COLUMN = 52  # cells from which a column is worth having
 _GAP = 3  # cells between two
 
@@ -46,6 +46,7 @@ class Help(Dialog[None]):
         self._entries = entries
         self._part = Field(id="narrow", placeholder="type a part of a key's or a command's name")
         self._scroll = VerticalScroll(can_focus=False)
+        self._key = max((cell_len(entry.key) for entry in entries), default=0)  # cells
         self._columns = Static(classes="column"), Static(classes="column")
 
     def body(self) -> ComposeResult:
@@ -53,8 +54,10 @@ class Help(Dialog[None]):
             box.border_title = "Keys"
             box.border_subtitle = "type to search   ↑ ↓ scroll   esc close"
             yield self._part
-            with self._scroll, Horizontal(classes="columns"):
-                yield from self._columns
+            with self._scroll:
+                yield Static(_INTRODUCTION)
+                with Horizontal(classes="columns"):
+                    yield from self._columns
 
     def on_mount(self) -> None:
         self.set_focus(self._part)
@@ -80,37 +83,31 @@ class Help(Dialog[None]):
         width = self._scroll.size.width - 1
         count = 2 if width >= 2 * _COLUMN + _GAP else 1
         room = max((width - _GAP * (count - 1)) // count, 1)
-        columns = _columns([_introduction(room), *_sections(shown, room)], count)
+        columns = _columns(self._sections(shown, room), count)
         for place, column in enumerate(self._columns):
             column.display = place < count
             column.update(Content("\n").join(columns[place]) if place < count else "")
 
+    def _sections(self, entries: Iterable[Entry], width: int) -> list[list[Content]]:
+        """The lines of each section, with its name above."""
+        found: dict[str, list[Content]] = {}
+        for entry in entries:
+            name = Content.styled(entry.section, "bold")
+            found.setdefault(entry.section, [Content(""), name]).extend(self._lines(entry, width))
+        return list(found.values())
 
-def _introduction(width: int) -> list[Content]:
-    return [Content(line) for line in textwrap.wrap(_INTRODUCTION, width)]
-
-
-def _sections(entries: Iterable[Entry], width: int) -> list[list[Content]]:
-    """The lines of each section, with its name above."""
-    found: dict[str, list[Content]] = {}
-    for entry in entries:
-        name = Content.styled(entry.section, "bold")
-        found.setdefault(entry.section, [Content(""), name]).extend(_entry(entry, width))
-    return list(found.values())
-
-
-def _entry(entry: Entry, width: int) -> list[Content]:
-    room = max(width - _KEY - 2, 10)
-    quiet = "$quiet" if entry.reason else ""
-    first, *more = textwrap.wrap(entry.help, room)
-    key = (f"{entry.key:>{_KEY}}", quiet or "bold")
-    lines = [Content.assemble(key, (f"  {first}", quiet))]
-    margin = " " * (_KEY + 2)
-    lines += [Content.styled(margin + line, quiet) for line in more]
-    if entry.reason:
-        said = textwrap.wrap(f"not now: {entry.reason}", room)
-        lines += [Content.styled(margin + line, quiet) for line in said]
-    return lines
+    def _lines(self, entry: Entry, width: int) -> list[Content]:
+        room = max(width - self._key - 3, 10)
+        quiet = "$quiet" if entry.reason else ""
+        first, *more = textwrap.wrap(entry.help, room)
+        key = (" " * (self._key - cell_len(entry.key)) + entry.key, quiet or "bold")
+        lines = [Content.assemble(" ", key, (f"  {first}", quiet))]
+        margin = " " * (self._key + 3)
+        lines += [Content.styled(margin + line, quiet) for line in more]
+        if entry.reason:
+            said = textwrap.wrap(f"not now: {entry.reason}", room)
+            lines += [Content.styled(margin + line, quiet) for line in said]
+        return lines
 
 
 def _columns(blocks: Sequence[list[Content]], count: int) -> list[list[Content]]:

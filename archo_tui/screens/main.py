@@ -1,4 +1,4 @@
-"""The one screen: header, banner, seven numbered panels, footer."""
+"""The one screen: header, banner, eight numbered panels, footer."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
 from textual.widget import Widget
+from textual.widgets import Button
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot.state import Snapshot
@@ -22,17 +23,25 @@ from archo_tui.terminal.compositor import Bare, DirtyCompositor
 from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.battery_panel import BatteryPanel
+from archo_tui.widgets.board import Board
 from archo_tui.widgets.events_panel import EventsPanel
 from archo_tui.widgets.goal_panel import GoalPanel
+from archo_tui.widgets.graph_panel import GraphPanel
 from archo_tui.widgets.history_panel import HistoryPanel
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.motion_panel import MotionPanel
 from archo_tui.widgets.nodes_panel import NodesPanel
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
+from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.search import Search
 from archo_tui.widgets.shown import Shown
 
+_WIDE, _TALL = 150, 30  # cells from which there are three columns
+_AROUND = 3  # rows of header, banner and footer
+_BORDER = 2
+_PLOTS = 17  # rows of the history: fewer are too small for its plots
+_EVENTS = 10  # rows of the events, at least
 _LATEST = 0.5  # s after which the screen is drawn, laid out for its size or not
 
 
@@ -44,8 +53,8 @@ def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
 class MainScreen(Base[None]):
     """Lays the panels out for the terminal's size and hands them every new view."""
 
-    HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (150, "-wide")]
-    VERTICAL_BREAKPOINTS = [(0, "-short"), (30, "-tall")]
+    HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (_WIDE, "-wide")]
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (_TALL, "-tall")]
 
     class Broken(Message):
         """A panel could not be drawn."""
@@ -58,20 +67,33 @@ class MainScreen(Base[None]):
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)
 
     _before: Widget | None = None  # had the focus before a panel was asked for
+    _focused_last: Widget | None = None
+    _fitted: tuple[int | None, int | None] = None, None  # rows of the nodes, and of what is above
     _asked = False  # a panel was; until then a small terminal shows the first ones
 
-    def __init__(self, snapshot: Snapshot, size: Size) -> None:
-        """`snapshot` knows the robot's file; `size` is the terminal's."""
+    def __init__(self, snapshot: Snapshot, size: Size, time_line: Panel | None = None) -> None:
+        """`snapshot` knows the robot's file; `size` is the terminal's.
+
+        Over a `time_line` it only shows: what was recorded.
+        """
         of_size = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
         super().__init__(classes=f"{of_size} {_class_of(size.height, self.VERTICAL_BREAKPOINTS)}")
         self._compositor = DirtyCompositor()
-        robot = snapshot.robot
-        self._has_gauges = bool(robot.gauges)
+        robot = snapshot.file
+        self._grid = Bare(id="panels", classes="-gauges" if robot.gauges else "")
         self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
         self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
+        self.graph = GraphPanel()
         above = BatteryPanel(robot), MotionPanel(robot), self.goal
-        panels = (*above, self.parameters, self.nodes, self.events, self.history)
+        panels = (*above, self.parameters, self.nodes, self.events, self.history, self.graph)
         self._panels: dict[int, Panel] = {panel.number: panel for panel in panels}
+        self._time_line = time_line
+        if time_line is not None:
+            self._panels[time_line.number] = time_line
+            for panel in above:
+                panel.can_focus = True
+            self.goal.only_show()
+            self.add_class("-replay")
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
         self._below: object = None  # what the footer shows
@@ -86,23 +108,29 @@ class MainScreen(Base[None]):
             yield self._clock
         yield self._banner
         with Bare(id="body"):
-            with Bare(id="top"):
-                with Bare(id="left", classes="-gauges" if self._has_gauges else ""):
-                    yield from (self._panels[number] for number in (1, 2, 5))
+            with self._grid:
+                with Bare(id="left"):
+                    yield from (self._panels[number] for number in (1, 2, 5, 8))
                 with Bare(id="right"):
                     yield from (self._panels[number] for number in (3, 4))
-            with Bare(id="aside"):
                 yield from (self.history, self.events)
+        if self._time_line is not None:
+            yield self._time_line
         yield self._footer
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
         self.set_timer(_LATEST, self._draw_from_now_on)  # behind a dialog no size may come
-        self.focus_panel(4)
-        self._asked = False
+        self._focused_last = self._time_line or self.parameters.operated
+        self.set_focus(self._focused_last, scroll_visible=False)  # nobody asked: without a cursor
 
     def watch_focused(self) -> None:
         self._mark_focused()
+        focused = self.focused
+        if focused is not None and focused is not self._focused_last:
+            self._focused_last = focused  # the terminal may lose the focus and give it back
+            if isinstance(focused, Rows):  # by tab or a click
+                focused.show_cursor()
 
     def _mark_focused(self) -> None:
         """By hand: a style for `:focus-within` has Textual look at all that the panels contain."""
@@ -112,8 +140,8 @@ class MainScreen(Base[None]):
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """In the order of the panels' numbers, at every size."""
-        return sorted(super().focus_chain, key=_panel_number)
+        """In the order of the panels' numbers, at every size; the buttons of each come last."""
+        return sorted(super().focus_chain, key=_place_in_chain)
 
     @property
     def focused_panel(self) -> int:
@@ -140,20 +168,45 @@ class MainScreen(Base[None]):
         self._before = self.focused
         self._show_all()
         self.add_class("-full", f"-full-{panel.number}")
+        self._fit()
         panel.take_focus()
 
     def leave_full(self) -> None:
         """All panels again; where the one that had the screen has no room, the focus goes back."""
         self._show_all()
-        if self.focused_panel == self.history.number and not self._has_room(self.history):
+        focused = self._panels.get(self.focused_panel)
+        if focused is not None and not self._has_room(focused):
             self.focus_back()
 
     def _show_all(self) -> None:
         self.remove_class("-full", *(f"-full-{number}" for number in self._panels))
+        self._fit()
 
     def _has_room(self, panel: Panel) -> bool:
         """True when it stands among the others in a terminal of this size."""
-        return panel is not self.history or (self.has_class("-wide") and self.has_class("-tall"))
+        return panel not in (self.history, self.graph) or self._is_wide
+
+    @property
+    def _is_wide(self) -> bool:
+        """True where there are three columns."""
+        return self.size.width >= _WIDE and self.size.height >= _TALL
+
+    def _fit(self) -> None:
+        """In three columns, lists get the height of what they list, as far as there is room."""
+        nodes, upper = None, None
+        if self._is_wide and not self.is_full:
+            most = self.size.height - _AROUND
+            nodes = min(max(self.nodes.lines, 5), 12) + _BORDER
+            goal = self.goal.styles.height
+            wanted = int(goal.value if goal else 0) + self.parameters.lines + _BORDER
+            upper = min(max(wanted, _PLOTS), most - max(_EVENTS, most // 3))
+        if (nodes, upper) != self._fitted:
+            self._fitted = nodes, upper
+            self.nodes.styles.height = nodes
+            if upper is None:
+                self._grid.styles.clear_rule("grid_rows")
+            else:
+                self._grid.styles.grid_rows = f"{upper} 1fr"
 
     def focus_panel(self, number: int) -> None:
         """Focus a panel by its number; one that the full screen hides brings the others back."""
@@ -162,7 +215,8 @@ class MainScreen(Base[None]):
             if not self._has_room(self._panels[number]):
                 self.toggle_full(self._panels[number])
                 return
-        self._before = self.focused
+        if not isinstance(self.focused, Board):  # which escape leaves for the field
+            self._before = self.focused
         self._asked = True
         self._panels[number].take_focus()
         self.call_after_refresh(self._show_focused)
@@ -172,6 +226,7 @@ class MainScreen(Base[None]):
             event.refresh_styles = False  # all of them were just set
 
     def on_resize(self) -> None:
+        self._fit()
         self.call_after_refresh(self._laid_out)
 
     def _laid_out(self) -> None:
@@ -198,14 +253,16 @@ class MainScreen(Base[None]):
 
     def focus_back(self) -> None:
         """Out of a field: focus what had it before, or the parameters."""
+        before = self._before
+        panel = None if before is None else self._panels.get(_panel_number(before))
         if isinstance(self.focused, Search):
             self.focused.close()
-        elif self._before is None or self._before is self.focused:
+        elif panel is None or before is self.focused or not self._has_room(panel):
             self.focus_panel(4)
-        elif isinstance(self._before, Search):  # out of a field is not into another one
-            self._panels[_panel_number(self._before)].take_focus()
+        elif isinstance(before, Search):  # out of a field is not into another one
+            panel.take_focus()
         else:
-            self.set_focus(self._before)
+            self.set_focus(before)
 
     def show(self, view: Shown, commands: list[FooterKey]) -> None:
         """Show a new view everywhere."""
@@ -221,6 +278,7 @@ class MainScreen(Base[None]):
         self._view = view
         for panel in self._panels.values():
             self._show_panel(panel, view)
+        self._fit()
 
     def on_panel_resized(self, message: Panel.Resized) -> None:
         if self._view is not None:
@@ -231,17 +289,21 @@ class MainScreen(Base[None]):
             panel.show(view)
             if self._broken.pop(panel.number, ""):
                 panel.remove_class("-broken")
-                panel.border_title = f"{panel.number} {panel.title_text}"
+                panel.show_title("")
         except Exception as error:  # the others, STOP and the clock go on
             self._cannot_draw(panel, error)
 
     def _cannot_draw(self, panel: Panel, error: Exception) -> None:
         said = harmless(f"cannot be drawn: {in_one_line(error)}")
-        panel.border_title = escape(f"{panel.number} {panel.title_text}   ✗ {said}")
+        panel.show_title(escape(f"   ✗ {said}"))
         panel.add_class("-broken")  # what stood there is not so any more; its buttons stay
         if self._broken.get(panel.number) != said:
             self._broken[panel.number] = said
             self.post_message(self.Broken(f"panel {panel.number} {said}"))
+
+
+def _place_in_chain(widget: Widget) -> tuple[int, bool]:
+    return _panel_number(widget), isinstance(widget, Button)
 
 
 def _panel_number(widget: Widget) -> int:

@@ -16,12 +16,13 @@ from textual.widgets import Button, Label, Static
 from archo_tui.embedded.bounded_yaml import load
 from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.forms import default_text, parse
-from archo_tui.robot.state import Leaf, Outcome
-from archo_tui.robots.model import Input
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state import Leaf
+from archo_tui.robot_file.model import FormField
+from archo_tui.robot_file.written import block
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.field import Field
-from archo_tui.written import block
 
 MOST_FIELDS = 12  # beyond that it is one YAML text
 Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
@@ -40,7 +41,7 @@ class MessageForm(Dialog[None]):
         leaves: Sequence[Leaf],
         send: Send,
         typed: dict[str, str],
-        form: Mapping[str, Input] | None = None,
+        form: Mapping[str, FormField] | None = None,
     ) -> None:
         """`typed` is what was typed the last time, by path; what is sent is kept there."""
         super().__init__()
@@ -84,7 +85,7 @@ class MessageForm(Dialog[None]):
             yield Static(Content("It takes no values."))
 
     def _label(self, leaf: Leaf) -> str:
-        given = self._form.get(leaf.path, Input())
+        given = self._form.get(leaf.path, FormField())
         label = given.label or leaf.path
         return f"{label} ({given.unit})" if given.unit else label
 
@@ -132,7 +133,7 @@ class MessageForm(Dialog[None]):
             text = submitted.get(number, self._fields[number].value)
             self._typed[leaf.path] = text
             try:
-                values[leaf.path] = parse(leaf, self._form.get(leaf.path, Input()), text)
+                values[leaf.path] = parse(leaf, self._form.get(leaf.path, FormField()), text)
             except ValueError as error:
                 self.say(str(error))
                 self.set_focus(self._fields[number])

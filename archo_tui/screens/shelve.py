@@ -9,8 +9,8 @@ from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widgets import Button, Static
 
-from archo_tui.alarms import SHELF_TIME, Alarm
 from archo_tui.screens.dialog import Form
+from archo_tui.station.alarms import SHELF_TIME, Alarm
 from archo_tui.widgets.field import Field
 
 

@@ -21,16 +21,16 @@ from textual.filter import LineFilter
 from textual.message import Message
 from textual.worker import Worker, WorkerFailed
 
-from archo_tui.alarms import Alarm
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.stops import Stops
 from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import RESTART, Shutdown
-from archo_tui.station import Station
+from archo_tui.station.alarms import Alarm
+from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.terminal.notice import notice
-from archo_tui.terminal.themes import HIGH_CONTRAST, THEMES, grey, remember, tones
+from archo_tui.terminal.themes import HIGH_CONTRAST, OF_16, THEMES, grey, remember, tones
 from archo_tui.terminal.typed import typed_after
 
 COMMANDS = "commands"  # the group of workers that the end waits for
@@ -104,6 +104,8 @@ class TerminalApp(App[None]):
         variables = super().get_css_variables()
         if self.console.color_system == "256":
             variables |= grey(variables)
+        if self.console.color_system == "standard" and self.theme == HIGH_CONTRAST.name:
+            variables |= OF_16
         self.theme_variables = {**tones(variables), **variables}
         return self.theme_variables
 

@@ -30,6 +30,7 @@ _TABLE = str.maketrans(
         **dict.fromkeys("▁▂", "_"),
         **dict.fromkeys("│┃╎▌▐▏▕▎", "|"),
         "░": ".", "●": "*", "○": "o", "▲": "!", "✗": "x", "✓": "v", "↯": "~",
+        **dict(zip("¹²³⁴⁵⁶⁷⁸⁹⁺", "abcdefghi+", strict=True)),  # no digits: they stand behind one
         "▶": ">", "←": "<", "→": ">",
         "…": "~", "\N{NO-BREAK SPACE}": " ",
     }

@@ -41,8 +41,11 @@ class DirtyCompositor(Compositor):
     def _get_renders(
         self, crop: Region | None = None
     ) -> Iterable[tuple[Region, Region, list[Strip]]]:
+        top, bottom = 0, self.size.height
+        if self._dirty is not None:
+            top, bottom = min(self._dirty, default=0), max(self._dirty, default=-1) + 1
         for widget, (region, clip) in self.visible_widgets.items():  # from front to back
-            if isinstance(widget, Bare):
+            if region.y >= bottom or region.bottom <= top or isinstance(widget, Bare):
                 continue
             seen = region.intersection(clip)
             lines = [y for y in seen.line_range if self._is_dirty(y, seen)]
@@ -67,4 +70,7 @@ class DirtyCompositor(Compositor):
         """Whether a line of a widget is to be drawn, or a part of it."""
         if self._dirty is None:  # all
             return True
-        return any(x1 < seen.right and seen.x < x2 for x1, x2 in self._dirty.get(y, ()))
+        spans = self._dirty.get(y)
+        if not spans:  # as most lines have it
+            return False
+        return any(x1 < seen.right and seen.x < x2 for x1, x2 in spans)

@@ -35,6 +35,11 @@ HIGH_CONTRAST = Theme(
     },
 )
 THEMES = (HIGH_CONTRAST,)
+# the same of 16 colours, which have two greys: text is above labels, and labels above borders
+OF_16 = {"quiet": "#aaaaaa", "off": "#555555", "edge": "#555555", "shade": "#555555"}
+
+_STOPPED = "#af0000"  # red with 256 colours and with 16, too, where a theme's may turn magenta
+_SHADE = 0.3  # of a colour, that `░` shows
 
 # the least contrast to every background that text stands on: of text and what is off as WCAG asks
 _TONES = {
@@ -50,7 +55,7 @@ def tones(variables: Mapping[str, str]) -> dict[str, str]:
     """Colours between one of a theme's and its foreground, as near to the first as can be read.
 
     `quiet` for labels, keys and what is old, `off` for what cannot be done, `edge` for borders,
-    `warn` and `bad` for what is abnormal.
+    `warn` and `bad` for what is abnormal, `stopped` for STOP, `shade` for what is not filled.
     """
     front = Color.parse(variables["foreground"])
     behind = [Color.parse(variables[name]) for name in ("background", "surface", "panel")]
@@ -59,7 +64,8 @@ def tones(variables: Mapping[str, str]) -> dict[str, str]:
         steps = (Color.parse(variables[begin]).blend(front, step / 50) for step in range(51))
         readable = (c for c in steps if min(contrast(c, back) for back in behind) >= least)
         found[name] = next(readable, front).hex
-    return found
+    edge = Color.parse(variables.get("edge", found["edge"]))
+    return {**found, "stopped": _STOPPED, "shade": behind[0].blend(edge, _SHADE).hex}
 
 
 def grey(variables: Mapping[str, str]) -> dict[str, str]:

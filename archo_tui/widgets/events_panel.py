@@ -11,7 +11,7 @@ from textual.widget import Widget
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import OWN_LEVELS, Event
 from archo_tui.robot.text import harmless
-from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
 from archo_tui.widgets.shown import Shown
@@ -78,7 +78,7 @@ class EventsPanel(Panel):
         ("level", "level"),
         ("search", "search"),
         ("whole_event", "open"),
-        ("full_screen", "full screen"),
+        ("full_screen", FULL_SCREEN),
         ("copy_command", "copy"),
         ("save_events", "save"),
     )
@@ -99,7 +99,7 @@ class EventsPanel(Panel):
 
     def compose(self) -> ComposeResult:
         yield self._rows
-        yield self.search
+        yield self.search.line
 
     @property
     def shown(self) -> Sequence[Event]:
@@ -132,12 +132,9 @@ class EventsPanel(Panel):
     def _fill(self) -> None:
         matches, typed = self.search.matches, harmless(self.search.value.strip())
         at = f" at {self._level} and above."
-        if self._seen:
-            self._rows.empty = f"Nothing contains {typed}{at}" if typed else _NOTHING[:-1] + at
-        self._rows.show(
-            [
-                event
-                for event in reversed(self._seen)
-                if is_shown(event, self._level) and matches(event.source, event.text)
-            ]
-        )
+        nothing = f"Nothing contains {typed}{at}" if typed else _NOTHING[:-1] + at
+        self._rows.empty = nothing if self._seen else _NOTHING
+        at_level = [event for event in reversed(self._seen) if is_shown(event, self._level)]
+        shown = [event for event in at_level if matches(event.source, event.text)]
+        self.search.line.count(len(shown), len(at_level))
+        self._rows.show(shown)

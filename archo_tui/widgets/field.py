@@ -34,6 +34,9 @@ class Field(Input):
             super().__init__()
             self.step = step
 
+    class Chosen(events.Paste):
+        """A word that was chosen elsewhere; it takes its turn among the keys."""
+
     # as every widget's, but for laying out the whole screen at each letter: no field grows
     virtual_size = Reactive(Size(0, 0))
     next_field: Field | None = None  # where enter leads, in a form of several
@@ -108,11 +111,23 @@ class Field(Input):
             event.prevent_default()
             self.post_message(self.Recall(-1 if event.key == "up" else 1))
             return
+        if event.key in ("pageup", "pagedown"):
+            return  # of the dialog's list: Textual has them for any widget that scrolls
         for binding in self._bindings.key_to_bindings.get(event.key, ()):
             event.stop()
             event.prevent_default()
             await self.run_action(binding.action)
             return
+
+    def choose(self, word: str) -> None:
+        """Write a word behind all that is typed, with blanks around it."""
+        self.post_message(self.Chosen(word))
+
+    def _on_field_chosen(self, event: Chosen) -> None:
+        event.stop()
+        apart = " " if self.value[-1:].strip() else ""
+        self.value = f"{self.value}{apart}{event.text} "
+        self.cursor_position = len(self.value)
 
     def _on_paste(self, event: events.Paste) -> None:
         odd = next((char for char in event.text.strip() if not self._is_for(char)), "")

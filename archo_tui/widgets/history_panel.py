@@ -14,15 +14,15 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
-from archo_tui.history import SPANS, Quantity, readings
 from archo_tui.robot.state import Goal, Phase
-from archo_tui.robots.model import Robot
-from archo_tui.state_text import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans
-from archo_tui.station import View
-from archo_tui.widgets.panel import Panel
+from archo_tui.robot_file.model import RobotFile
+from archo_tui.station.history import SPANS, Quantity, readings
+from archo_tui.station.station import View
+from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.plot import MARK, curve
 from archo_tui.widgets.shown import Shown
 from archo_tui.widgets.styled import rich_style
+from archo_tui.words.state import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans
 
 _LABEL = 6  # cells for the number at the side
 _LEAST = 3  # rows of a plot
@@ -40,7 +40,7 @@ class Plot(NamedTuple):
     fixed: bool = False  # the scale reaches just that
 
 
-def plots(robot: Robot) -> tuple[Plot, ...]:
+def plots(robot: RobotFile) -> tuple[Plot, ...]:
     """Those of what the robot reports."""
     remaining = next((kind.remaining for kind in robot.goals[:1]), None)
     found = []
@@ -54,13 +54,16 @@ def plots(robot: Robot) -> tuple[Plot, ...]:
 
 
 def history_lines(
-    shown: Sequence[Plot], view: View, span: float, width: int, height: int
+    shown: Sequence[Plot], view: View, span: float, width: int, height: int, more: str = ""
 ) -> list[Spans]:
-    """The plots below each other, the ends of goals, and the time that all of them share."""
+    """The plots below each other, the ends of goals, and the time that all of them share.
+
+    `more` says how they get more room, where they have too little.
+    """
     cells = width - _LABEL - 2
     rows = (height - 2) // max(len(shown), 1) - 1
     if rows < _LEAST or cells < 10:
-        return [(("too small for the plots: press h", OLD),)]
+        return [((f"too small for the plots{more}", OLD),)]
     lines: list[Spans] = []
     latest = readings(view.snapshot, view.now)  # the newest sample may be a second old
     for plot in shown:
@@ -156,9 +159,9 @@ class HistoryPanel(Panel, can_focus=True):
     """
 
     number, title_text = 7, "History"
-    keys = (("history", "full screen"), ("shorter", "shorter"), ("longer", "longer"))
+    keys = (("history", FULL_SCREEN), ("shorter", "shorter"), ("longer", "longer"))
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: RobotFile) -> None:
         super().__init__()
         self._plots = plots(robot)
         self._span = 1  # of SPANS
@@ -178,7 +181,9 @@ class HistoryPanel(Panel, can_focus=True):
         drawn = (view.second, self._span, self._lines.size, view.snapshot.history, known)
         if drawn != self._drawn:
             self._drawn = drawn
-            self._lines.show(history_lines(self._plots, view, span, *self._lines.size))
+            is_full = self.screen.has_class("-full")
+            more = "" if is_full else f": press {view.key('history')}"
+            self._lines.show(history_lines(self._plots, view, span, *self._lines.size, more))
 
     def look_back(self, by: int) -> None:
         """Over a longer (1) or a shorter (-1) time."""

@@ -7,12 +7,12 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widgets import Button
 
-from archo_tui import state_text
-from archo_tui.robots.model import Robot
+from archo_tui.robot_file.model import RobotFile
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.shown import Shown
-from archo_tui.widgets.styled import content
+from archo_tui.widgets.styled import aligned, content
+from archo_tui.words.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word
 
 
 class MotionPanel(Panel, can_focus=True):
@@ -20,7 +20,7 @@ class MotionPanel(Panel, can_focus=True):
 
     number = 2
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: RobotFile) -> None:
         self.title_text = "Motion" if robot.motion is None else robot.motion.title
         super().__init__()
         self._topic = "" if robot.motion is None else robot.motion.topic
@@ -49,14 +49,18 @@ class MotionPanel(Panel, can_focus=True):
     def show(self, view: Shown) -> None:
         self.show_publishers(view, self._topic)
         self.show_keys(view)
-        line = state_text.motion_line(view.snapshot, view.now)
-        self._line.show(content(line))
-        state = state_text.motion_word(view.snapshot, view.now, self._word.size.width)
+        width = self._word.size.width
+        line = ("", PLAIN), *motion_line(view.snapshot, view.now)
+        self._line.say(aligned(line, width))
+        state = motion_word(view.snapshot, view.now, width)
         release = f" [u][@click=app.command('release')]({view.key('release')} releases)[/][/]"
-        stopped = state == state_text.STOPPED
+        stopped = state == STOPPED
         self._services[-1][1].set_class(stopped, "-stopped")
-        hint = Content.from_markup(release) if stopped else Content("")
-        self._word.show(Content.assemble(content(state), hint))
+        can_release = stopped and view.key("release") and "release" not in view.blocked
+        if can_release:
+            self._word.show(Content.assemble(content(state), Content.from_markup(release)))
+        else:
+            self._word.say(state)
         for shown, reading in zip(self._gauges, view.snapshot.gauges, strict=False):
-            shown.show(content(state_text.gauge_line(reading, view.now)))
+            shown.say(aligned(gauge_line(reading, view.now), width))
         self.grey(view, self._services)

@@ -4,80 +4,20 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from textual.app import ComposeResult
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Hosted, Life, NodeState, Snapshot
-from archo_tui.state_text import age
-from archo_tui.station import View
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
+from archo_tui.widgets.shown import NONE_RECORDED, Shown
+from archo_tui.words.nodes import NodeRow, node_rows
+from archo_tui.words.state import PLAIN, STRONG, age
 
 _MARK, _AGE, _RATE = 2, 6, 9  # columns
-
-
-class NodeRow(NamedTuple):
-    """One line of the panel: a node that is on the graph, runs here, or both."""
-
-    state: NodeState
-    hosted: Hosted | None
-    second: float  # monotonic s of the last tick, 0 without an age: ages need not be livelier
-
-    @property
-    def name(self) -> str:
-        """Fully qualified."""
-        return self.state.name
-
-    def word(self) -> tuple[str, str, str]:
-        """Glyph, what is wrong, and style; nothing is said while nothing is wrong."""
-        life = Life.UP if self.hosted is None else self.hosted.life
-        if life == Life.CRASHED and self.hosted is not None:
-            return "✗", f"crashed: {self.hosted.error} (enter: traceback)", "bold"
-        if life == Life.UP and self.hosted is not None and self.hosted.error:
-            return "✗", f"not restarted: {self.hosted.error} (enter: traceback)", "bold"
-        if life == Life.STUCK:
-            return "✗", life.value, "bold"
-        if life == Life.STOPPED:
-            return "○", life.value, QUIET
-        if self.state.is_silent(self.second) and self.state.heard is not None:
-            return "?", f"silent for {age(self.second - self.state.heard)}", QUIET
-        return "●", "", ""
-
-    def details(self, now: float, snapshot: Snapshot) -> str:
-        """Everything that is known of the node, for reading."""
-        glyph, word, _ = self.word()
-        heard, rate = self.state.heard, self.state.rate
-        often = "--" if rate is None else f"{rate:.1f} Hz"
-        runs = self.hosted is None or self.hosted.life == Life.UP
-        if rate is not None and (self.state.is_silent(now) or not runs):
-            often = f"nothing now, {often} before"
-        parameters = sum(p.node == self.name for p in snapshot.parameters)
-        lines = [
-            f"{glyph} {word.replace(' (enter: traceback)', '') or 'up'}",
-            f"runs        {'in this process' if self.hosted else 'in another process'}",
-            f"last heard  {'--' if heard is None else age(now - heard) + ' ago'}",
-            f"publishes   {often}",
-            f"parameters  {parameters}",
-        ]
-        if self.hosted is not None and self.hosted.traceback:
-            lines += ["", self.hosted.traceback]
-        return "\n".join(lines)
-
-
-def node_rows(view: View) -> tuple[NodeRow, ...]:
-    """The nodes of the graph and of this process, by name."""
-    hosted = {node.name: node for node in view.hosted}
-    states = {node.name: node for node in view.snapshot.nodes}
-
-    def row(name: str) -> NodeRow:
-        state = states.get(name, NodeState(name))
-        return NodeRow(state, hosted.get(name), 0.0 if state.heard is None else view.second)
-
-    return tuple(map(row, sorted(states.keys() | hosted.keys())))
+_NARROW = 30  # cells below which the panel is low, too: one crashed node must not hide the others
+_STYLES = {STRONG: "bold", PLAIN: ""}
 
 
 def node_columns(rows: Sequence[NodeRow], width: int) -> Columns:
@@ -100,17 +40,24 @@ def node_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
 
 
 def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
-    glyph, word, style = row.word()
+    glyph, word, tone = row.word()
+    style = _STYLES.get(tone, QUIET)
+    if row.is_faulty:
+        word += " (enter: traceback)"
     name = f"{glyph} {pad(row.name.lstrip('/'), columns[0])} "
     if word and len(name + word) > width:
         more = textwrap.wrap(word, max(width - 2, 10))
+        if width < _NARROW and len(more) > 1:
+            more = [crop(word, width - 2)]
         return [(name, style), *((f"  {line}", style) for line in more)]
     if word:
         return [(name + word, style)]
     heard, rate = row.state.heard, row.state.rate
     ago = "" if heard is None else age(row.second - heard)
-    often = f" {rate:5.1f} Hz" if rate is not None and columns[1] else ""
-    return [(f"{name}{ago:>5}{often}", style)]
+    often = f" {rate:5.1f} Hz" if rate is not None else ""
+    numbers = f"{ago:>5}{often:<{columns[1]}}" if columns[1] else f"{ago:>5}"
+    room = max(width - _MARK - columns[0] - 1, 0)
+    return [(f"{name}{numbers:>{room}}", style)]
 
 
 def _kept(before: NodeRow | None, now: NodeRow) -> NodeRow:
@@ -121,7 +68,7 @@ class NodesPanel(Panel):
     """One line a node: when it was last heard and how often it publishes, or what is wrong."""
 
     number, title_text = 5, "Nodes"
-    keys = (("start_stop", "start/stop"), ("copy_node", "copy"))
+    keys = (("start_stop", "start/stop"), ("copy", "copy"))
 
     def __init__(self) -> None:
         super().__init__()
@@ -140,9 +87,19 @@ class NodesPanel(Panel):
         yield self._rows
 
     @property
+    def lines(self) -> int:
+        """How many it needs."""
+        return self._rows.virtual_size.height
+
+    @property
     def selected(self) -> NodeRow | None:
         """The node under the cursor."""
         return self._rows.item
+
+    @property
+    def shows_cursor(self) -> bool:
+        """False until a person came to the list."""
+        return self._rows.shows_cursor
 
     @property
     def operated(self) -> Widget:
@@ -150,6 +107,8 @@ class NodesPanel(Panel):
 
     def show(self, view: Shown) -> None:
         self.show_keys(view)
+        if view.replay:
+            self._rows.empty = NONE_RECORDED
         # once a second is enough for ages: a chatty robot must not become a chatty terminal
         drawn = (view.second, view.hosted, len(view.snapshot.nodes))
         if drawn != self._drawn:

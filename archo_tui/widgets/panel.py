@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from textual.containers import Container
 from textual.markup import escape
@@ -10,16 +10,21 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Button
 
-from archo_tui.station import View
+from archo_tui.station.station import View
+from archo_tui.widgets.keys import key_markup
+from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.shown import Shown
+
+FULL_SCREEN = "full screen"  # the word of the keys that give a panel all the room
 
 
 class Panel(Container):
-    """Base of the seven panels; `show` gets every new view."""
+    """Base of the eight panels; `show` gets every new view."""
 
     number = 0
     title_text = ""
     keys: Sequence[tuple[str, str]] = ()  # (command, word) for the border below
+    shown_as: Mapping[str, str] = {}  # the key of a command where another one does it in here
 
     class Resized(Message):
         """What it shows may be for another width."""
@@ -31,7 +36,8 @@ class Panel(Container):
     def __init__(self) -> None:
         super().__init__(id=f"panel-{self.number}", classes="panel")
         self.border_title = f"{self.number} {self.title_text}"
-        self._below = ""
+        self._title, self._below = self.border_title, ""
+        self._keyed: object = None  # what its keys were last written for
         self._marked = ""  # the colour of its border while it has the focus
 
     def on_resize(self) -> None:
@@ -41,18 +47,32 @@ class Panel(Container):
         """Show what changed."""
         raise NotImplementedError
 
-    def show_keys(self, view: Shown, before: str = "") -> None:
+    def show_keys(self, view: Shown, before: str = "", key_before: str = "") -> None:
         """Write the keys on the border, as many as there is room for; each can be clicked.
 
-        Those of commands that cannot run now are darker; pressed, they say why.
+        Those of commands that cannot run now are darker; pressed, they say why. `before` is a word
+        that stands before them, `key_before` the key for it, if there is one.
         """
-        room = self.size.width - 4
-        parts = [(before, before)] if before else []
+        room, is_full = self.size.width - 4, self.screen.has_class("-full")
+        words = room, is_full, before, key_before, self.keys
+        keyed = words, view.keys, view.blocked, view.replay
+        if keyed == self._keyed:
+            return
+        self._keyed = keyed
+        parts = [(before, before)]
+        if key_before:
+            parts = [(f"{key_before} {before}", f"[bold]{key_before}[/] {before}")]
+        if is_full:  # how to leave is what must have room
+            parts.append(("esc back", "[@click=app.leave_field()][bold]esc[/bold] back[/]"))
+        parts = [part for part in parts if part[0]]
         for command, word in self.keys:
-            text = f"{view.key(command)} {word}"
-            shown = text.replace("[", "\\[")  # the key itself may be one
-            markup = f"[@click=app.command('{command}')]{shown}[/]"
-            parts.append((text, f"[$off]{markup}[/]" if command in view.blocked else markup))
+            if command not in view.keys or (view.replay and command == "stop"):
+                continue  # of a replay, where none acts
+            if is_full and word == FULL_SCREEN:
+                continue
+            key, blocked = self.shown_as.get(command, view.key(command)), command in view.blocked
+            markup = key_markup(command, key, word, blocked=blocked)
+            parts.append((f"{key} {word}", markup))
         while parts and sum(len(text) + 3 for text, _ in parts) - 3 > room:
             parts.pop()
         below = "   ".join(markup for _, markup in parts)
@@ -63,17 +83,23 @@ class Panel(Container):
     def show_publishers(self, view: View, topic: str) -> None:
         """Name them in the title when there are several: their readings come mixed."""
         names = view.snapshot.publishers.get(topic, ())
-        more = f"   {len(names)} publishers: {', '.join(names)}" if names else ""
-        title = escape(f"{self.number} {self.title_text}{more}")
-        if title != self.border_title:
-            self.border_title = title
+        self.show_title(f"   {len(names)} publishers: {escape(', '.join(names))}" if names else "")
+
+    def show_title(self, more: str) -> None:
+        """The title, and more behind it as markup."""
+        title = f"{escape(f'{self.number} {self.title_text}')}{more}"
+        if title != self._title:  # Textual gives it back in other words
+            self._title = self.border_title = title
 
     def grey(self, view: View, buttons: Sequence[tuple[str, Button]]) -> None:
-        """Dim the button of each service that nobody offers, or another; pressed, it says so."""
+        """Dim the button of each service that nobody offers, or another; pressed, it says so.
+
+        Who only watches has none at all.
+        """
         snapshot = view.snapshot
         for service, button in buttons:
-            missing = service not in snapshot.offered or service in snapshot.faults
-            button.set_class(missing, "-blocked")
+            blocked = view.watching or bool(snapshot.unavailable(service))
+            button.set_class(blocked, "-blocked")
 
     def mark_focused(self, has_focus: bool) -> None:
         """Show by the border whether it has the focus, or what it contains."""
@@ -92,4 +118,7 @@ class Panel(Container):
 
     def take_focus(self) -> None:
         """Focus it at once: keys may follow. The screen shows the whole panel, when it is asked."""
-        self.screen.set_focus(self.operated, scroll_visible=False)
+        operated = self if self.can_focus else self.operated
+        self.screen.set_focus(operated, scroll_visible=False)
+        if isinstance(operated, Rows):
+            operated.show_cursor()

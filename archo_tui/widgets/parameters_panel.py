@@ -16,11 +16,13 @@ from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Columns, Rows, Text, column, crop, pad
 from archo_tui.widgets.search import Search
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.shown import NONE_RECORDED, Shown
 
 _NODE, _NAME, _VALUE = (16, 28), 21, (8, 20)  # columns: least and most, or least
 _TYPE, _ALLOWED = (8, 9), (7, 11)
 FLASH = 0.6  # s
+_OF_EVERY_NODE = ("use_sim_time", "start_type_description_service")
+_OF_EVERY_TOPIC = "qos_overrides."
 _WAITING = "? waiting for the nodes to report their parameters"
 
 
@@ -37,6 +39,9 @@ class ParametersPanel(Panel):
         super().__init__()
         self._shown: tuple[Parameter, ...] = ()
         self._only_changed = False
+        self._shows_ros_own = False
+        self._ros_own = 0  # how many of those are hidden, or would be
+        self.lines = 0  # that it needs for all, with the titles: a filter moves no other panel
         self._flashing: frozenset[tuple[str, str]] = frozenset()  # changed by somebody else
         self._rows: Rows[Parameter] = Rows(
             self._drawn,
@@ -48,12 +53,13 @@ class ParametersPanel(Panel):
         )
         self.search = Search(self._rows)
 
+        self._waiting = _WAITING  # what is said while there are none
         self._titles = Line(id="parameter-titles")
 
     def compose(self) -> ComposeResult:
         yield self._titles
         yield self._rows
-        yield self.search
+        yield self.search.line
 
     def on_mount(self) -> None:
         self._fill()
@@ -63,17 +69,33 @@ class ParametersPanel(Panel):
         return self._rows
 
     @property
+    def shows_cursor(self) -> bool:
+        """True when a person sees which parameter is selected."""
+        return self._rows.shows_cursor
+
+    @property
     def selected(self) -> Parameter | None:
         """The parameter under the cursor."""
         return self._rows.item
 
     def show(self, view: Shown) -> None:
         self.show_keys(view, "what differs from the start" if self._only_changed else "")
+        if view.replay and self._waiting == _WAITING:
+            self._waiting = NONE_RECORDED
+            self._fill()
         if view.snapshot.parameters is not self._shown:
             before, self._shown = self._shown, view.snapshot.parameters
             if not view.changing:
                 self._flash(before)
             self._fill()
+        self._show_ros_own(view)
+
+    def _show_ros_own(self, view: Shown) -> None:
+        """How many parameters of ROS's own are hidden, or shown by the same key."""
+        key, does = view.key("ros_own"), "shown" if self._shows_ros_own else "hidden"
+        text = f"{key} {self._ros_own} of ROS's own {does}".lstrip()
+        note = f"   [not bold $quiet][@click=app.command('ros_own')]{text}[/][/]"
+        self.show_title(note if self._ros_own else "")
 
     def _flash(self, before: Sequence[Parameter]) -> None:
         """What somebody else changed is seen by more than its new value, once."""
@@ -105,15 +127,29 @@ class ParametersPanel(Panel):
         self._rows.show(())  # what is left may be the same, and looks another way
         self._fill()
 
+    def toggle_ros_own(self) -> None:
+        """Hide the parameters that every node of ROS has, or show them."""
+        self._shows_ros_own = not self._shows_ros_own
+        self._fill()
+
     def _fill(self) -> None:
         shown, typed = self._shown, harmless(self.search.value.strip())
-        empty = "nothing" if shown else _WAITING
+        empty = "nothing" if shown else self._waiting
+        others = tuple(p for p in shown if p.is_changed or not _is_ros_own(p))
+        self.lines = 1 + len(shown if self._shows_ros_own else others)
+        self._ros_own = 0
+        if not (self._only_changed or typed):
+            self._ros_own = len(shown) - len(others)
+            shown = shown if self._shows_ros_own else others
+            empty = "nothing but ROS's own" if self._ros_own else empty
         if self._only_changed and shown:
             shown = tuple(p for p in shown if p.is_changed)
             empty = "nothing differs from the start"
         if typed and shown:
             matches = self.search.matches
+            total = len(shown)
             shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
+            self.search.line.count(len(shown), total)
             empty = f"nothing {'changed ' if self._only_changed else ''}contains {typed}"
         self._rows.empty = empty
         self._rows.show(shown)
@@ -126,6 +162,11 @@ class ParametersPanel(Panel):
         columns = self._rows.columns or parameter_columns((), self._rows.size.width)
         titles = _line("node", "name", "value", "", "type", "allowed", columns)
         self._titles.show(Content.styled(titles, "bold"))
+
+
+def _is_ros_own(parameter: Parameter) -> bool:
+    """True for what every node of ROS has, whatever it is for."""
+    return parameter.name in _OF_EVERY_NODE or parameter.name.startswith(_OF_EVERY_TOPIC)
 
 
 def _value(parameter: Parameter, both: bool) -> str:

@@ -53,6 +53,8 @@ class Rows(ScrollView, Generic[T], can_focus=True):
     # that is left to a widget waits in the widget's queue
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
 
+    without_focus = False  # the cursor is shown without it, too
+
     def __init__(
         self,
         lines: Callable[[T, int, Columns], Sequence[Text]],
@@ -82,6 +84,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         self.columns: Columns = ()
         self._width = 0  # that the lines were laid out for: the window's may be newer
         self.cursor = 0
+        self.shows_cursor = False  # not before a person came to the list
 
     @property
     def items(self) -> Sequence[T]:
@@ -131,6 +134,12 @@ class Rows(ScrollView, Generic[T], can_focus=True):
 
     def on_resize(self) -> None:
         self._lay_out()
+
+    def show_cursor(self) -> None:
+        """A person came to the list: show which item is meant, whenever it has the focus."""
+        if not self.shows_cursor:
+            self.shows_cursor = True
+            self.redraw()
 
     def watch_has_focus(self, focused: bool) -> None:
         """Show or hide the cursor; no style is for `:focus`, and Textual would look for some."""
@@ -189,7 +198,8 @@ class Rows(ScrollView, Generic[T], can_focus=True):
             part = row - self._starts[number]
         if number >= len(self._items):
             return (self.empty, QUIET) if row == 0 else ("", ""), False
-        return self._lines_of(number)[part], self.has_focus and number == self.cursor
+        shown = self.shows_cursor and (self.has_focus or self.without_focus)
+        return self._lines_of(number)[part], shown and number == self.cursor
 
     def _number_at(self, row: int) -> int:
         return bisect_right(self._starts, row) - 1 if self._wraps else row
@@ -210,14 +220,15 @@ class Rows(ScrollView, Generic[T], can_focus=True):
     # the cursor
 
     def press(self, key: str) -> None:
-        """Move the cursor by one of KEYS."""
+        """Move the cursor by one of KEYS; the first `down` shows it where it is."""
         page, all_of_them = max(self.size.height - 1, 1), len(self._items)
-        by = {"up": -1, "down": 1, "pageup": -page, "pagedown": page}
+        by = {"up": -1, "down": int(self.shows_cursor), "pageup": -page, "pagedown": page}
         way = by.get(key, -all_of_them if key.endswith("home") else all_of_them)
         self._move(way)
 
     def _move(self, by: int) -> None:
         last = max(len(self._items) - 1, 0)
+        self.shows_cursor = True
         self.cursor = min(max(self.cursor + by, 0), last)
         self._keep_cursor_in_sight()
         self.redraw()
@@ -227,7 +238,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         if not 0 <= row < self.virtual_size.height:
             return
         number = self._number_at(row)
-        if number != self.cursor:
+        if number != self.cursor or not self.shows_cursor:
             self._move(number - self.cursor)
         elif self._action:
             await self.run_action(self._action)

@@ -2,24 +2,55 @@
 
 from __future__ import annotations
 
+from textual.app import ComposeResult
+from textual.containers import Horizontal
+from textual.content import Content
 from textual.widget import Widget
 
 from archo_tui.widgets.field import Field
+from archo_tui.widgets.line import Line
+
+
+class SearchLine(Horizontal):
+    """`/ brake   2 of 14`: the field, and how much it leaves; not there until it is opened."""
+
+    DEFAULT_CSS = """
+        SearchLine { display: none; height: 1; dock: bottom; }
+        SearchLine.-open { display: block; }
+        SearchLine Line { width: 1; }
+        SearchLine .count { width: 14; text-align: right; }
+        SearchLine Field { width: 1fr; margin: 0 1 0 1; }
+    """
+
+    def __init__(self, search: Search) -> None:
+        super().__init__()
+        self._search = search
+        self._slash, self._count = Line(), Line(classes="count")
+
+    def compose(self) -> ComposeResult:
+        yield self._slash
+        yield self._search
+        yield self._count
+
+    def on_mount(self) -> None:
+        self._slash.update(Content("/"))
+
+    def count(self, shown: int, total: int) -> None:
+        """So many of so many."""
+        self._count.show(Content.styled(f"{shown} of {total}", "$quiet"))
 
 
 class Search(Field):
     """`/` opens it, enter leaves it and keeps the filter, escape takes both away."""
 
-    DEFAULT_CSS = "Search { display: none; } Search.-open { display: block; }"
-
     def __init__(self, target: Widget) -> None:
         super().__init__(placeholder="type to search")
-        self.add_class("search")
         self._target = target
+        self.line = SearchLine(self)
 
     def open(self) -> None:
         """Show it and type into it."""
-        self.add_class("-open")
+        self._show(True)
         self.screen.set_focus(self)
 
     def close(self) -> None:
@@ -31,8 +62,14 @@ class Search(Field):
         self._leave()
 
     def _leave(self) -> None:
-        self.set_class(bool(self.value), "-open")
+        self._show(bool(self.value))
         self.screen.set_focus(self._target)
+
+    def _show(self, is_open: bool) -> None:
+        self.line.set_class(is_open, "-open")
+        for panel in self.line.ancestors:
+            if panel.has_class("panel"):  # a low one gets more rows, else nothing found is seen
+                self.screen.set_class(is_open, f"-search-{panel.id}")
 
     def matches(self, *texts: str) -> bool:
         """True when one of the texts has the letters in it, small or capital."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from archo_tui.station import View
+from archo_tui.station.station import View
+
+NONE_RECORDED = "-- none recorded"  # in a list of a replay
 
 
 @dataclass(frozen=True)
@@ -14,7 +16,8 @@ class Shown(View):
 
     keys: Mapping[str, str] = field(default_factory=dict)  # of each command, as a person reads it
     blocked: frozenset[str] = frozenset()  # commands that cannot run now
+    is_first: bool = False  # this user has never sent a goal
 
     def key(self, command: str) -> str:
-        """The key of a command, by its id."""
-        return self.keys[command]
+        """The key of a command, by its id; empty where there is none."""
+        return self.keys.get(command, "")

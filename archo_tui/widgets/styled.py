@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from rich.cells import cell_len
 from rich.style import Style
 from textual.color import Color
 from textual.content import Content
 
-from archo_tui.state_text import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans
+from archo_tui.words.state import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, on_bar
 
 STYLES = {
     PLAIN: "",
@@ -19,6 +20,22 @@ STYLES = {
     ACTIVE: "$primary",
     EDGE: "$edge",
 }
+
+
+# the bar goes on beneath its mark: its colour, or the shade that `░` makes of it
+STYLES |= {on_bar(tone): f"{STYLES[tone]} reverse" for tone in (ACTIVE, STRONG, OLD, WARN, BAD)}
+STYLES[on_bar(EDGE)] = "$foreground on $shade"
+
+
+def aligned(spans: Spans, width: int) -> Spans:
+    """The first span at the left end of `width` cells, the numbers behind it at the right one."""
+    (left, tone), *numbers = spans
+    left, texts = left.rstrip(), [(text.strip(), of) for text, of in numbers]
+    room = width - cell_len(left) - sum(cell_len(text) for text, _ in texts)
+    gap = 2 if room >= 2 * len(texts) else 1
+    blanks = max(room - gap * (len(texts) - 1), 1 if left else 0)
+    gaps = [blanks, *[gap] * len(texts)]
+    return (left, tone), *((" " * n + text, of) for n, (text, of) in zip(gaps, texts, strict=False))
 
 
 def content(spans: Spans) -> Content:

@@ -14,7 +14,7 @@ _ENOUGH = 3.0  # s of samples without which there is no estimate
 def sparkline(samples: Samples, width: int) -> str:
     """One bar for every 5 s, the newest at the right end, and between what they lie.
 
-    `▇▇▆▅▅▄ 18 .. 24 %`, with as many bars as there is room for.
+    `     ▇▇▆▅▅▄ 18 .. 24 %` in `width` cells, with as many bars as there is room for.
     """
     cells: dict[int, float] = {}
     for at, percentage in samples:
@@ -25,7 +25,7 @@ def sparkline(samples: Samples, width: int) -> str:
     low, high = min(shown), max(shown)
     span = max(high - low, _LEAST_SPAN)
     bars = "".join(_BARS[int((value - low) / span * (len(_BARS) - 1))] for value in shown)
-    return f"{bars} {low:.0f} .. {high:.0f} %"
+    return f"{bars} {low:.0f} .. {high:.0f} %".rjust(width)
 
 
 def end_text(samples: Samples, *, charging: bool) -> str:

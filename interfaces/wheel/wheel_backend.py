@@ -1,4 +1,8 @@
-"""PEP 517 backend: scikit-build-core, told where pip has put the ROS build packages."""
+"""PEP 517 backend: scikit-build-core, told which ROS 2 to build for and where pip has put it.
+
+`-C distro=kilted` builds for that distribution. What a build needs and what the wheel depends on
+differ by it, so both are asked for here; `distributions.py` lists them.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +11,45 @@ import shlex
 from pathlib import Path
 from typing import Any
 
+import distributions
 from scikit_build_core import build as _scikit_build
-from scikit_build_core.build import *  # noqa: F403
+from scikit_build_core.build import build_sdist, get_requires_for_build_sdist
+
+__all__ = [
+    "build_sdist",
+    "build_wheel",
+    "get_requires_for_build_sdist",
+    "get_requires_for_build_wheel",
+    "prepare_metadata_for_build_wheel",
+]
+
+Settings = dict[str, Any] | None
+
+# of the call that runs: scikit-build-core passes no settings on to dynamic_metadata()
+_distribution = distributions.DEFAULT
+
+
+def get_requires_for_build_wheel(config_settings: Settings = None) -> list[str]:
+    """What pip installs for the build, in an environment that is thrown away afterwards."""
+    rest = _choose(config_settings)
+    return _scikit_build.get_requires_for_build_wheel(rest) + distributions.BUILD[_distribution]
+
+
+def prepare_metadata_for_build_wheel(
+    metadata_directory: str, config_settings: Settings = None
+) -> str:
+    """Write what the wheel will say of itself."""
+    rest = _choose(config_settings)
+    return _scikit_build.prepare_metadata_for_build_wheel(metadata_directory, rest)
 
 
 def build_wheel(
-    wheel_directory: str,
-    config_settings: dict[str, Any] | None = None,
-    metadata_directory: str | None = None,
+    wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None
 ) -> str:
     """Compile the interfaces with the generators of the build environment."""
     import rosidl_cmake
 
+    rest = _choose(config_settings)
     # the prefix above lib/python3.x/site-packages/rosidl_cmake/__init__.py
     prefix = Path(rosidl_cmake.__file__).parents[4]
     fixups = Path(__file__).with_name("fixups.cmake")
@@ -27,5 +58,20 @@ def build_wheel(
     given = os.environ.get("CMAKE_ARGS", "")
     include = shlex.quote(f"-DCMAKE_PROJECT_INCLUDE={fixups}")  # the folder may have blanks
     os.environ["CMAKE_ARGS"] = f"{given} {include}".strip()
-    name: str = _scikit_build.build_wheel(wheel_directory, config_settings, metadata_directory)
-    return name
+    return _scikit_build.build_wheel(wheel_directory, rest, metadata_directory)
+
+
+def dynamic_metadata(_settings: object, _project: object) -> dict[str, list[str]]:
+    """What the wheel depends on; scikit-build-core asks for it while it writes the metadata."""
+    return {"dependencies": distributions.RUN[_distribution]}
+
+
+def _choose(config_settings: Settings) -> Settings:
+    """Take the distribution out of the settings, the rest is scikit-build-core's."""
+    global _distribution
+    rest = dict(config_settings or {})
+    _distribution = rest.pop("distro", distributions.DEFAULT)
+    if _distribution not in distributions.BUILD:
+        known = " or ".join(f"-C distro={name}" for name in distributions.BUILD)
+        raise SystemExit(f"cannot build for ROS 2 {_distribution!r}: {known}")
+    return rest

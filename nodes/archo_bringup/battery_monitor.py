@@ -23,7 +23,7 @@ class BatteryMonitor(Node):
     """Topic `battery_level`, service `set_charging`, subscription `battery_drain`."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("battery_monitor", **options)
+        super().__init__("battery_monitor", enable_logger_service=True, **options)
         self.declare_parameter(
             "low_battery_threshold", *double(20.0, "% below which the battery is low", 0.0, 100.0)
         )

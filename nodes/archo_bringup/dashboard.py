@@ -16,7 +16,7 @@ class Dashboard(Node):
     """Subscribes `battery_level`; what it sees goes to the log."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("dashboard", **options)
+        super().__init__("dashboard", enable_logger_service=True, **options)
         self.create_subscription(BatteryStatus, "battery_level", self.on_battery, 10)
 
     def on_battery(self, message: BatteryStatus) -> None:

@@ -29,7 +29,7 @@ class MotorController(Node):
     """Action `move_to_shelf`; services to reset the encoder and to stop; topic `motor_status`."""
 
     def __init__(self, **options: Any) -> None:
-        super().__init__("motor_controller", **options)
+        super().__init__("motor_controller", enable_logger_service=True, **options)
         self.declare_parameter("max_speed", *double(0.8, "m/s along the route", 0.05, 2.0))
         self.declare_parameter("wheel_radius", *double(0.05, "m", 0.01, 0.5))
         self.declare_parameter(

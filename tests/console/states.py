@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
+from archo_tui.robot.period import Pace
 from archo_tui.robot.state import (
     Battery,
     Event,
@@ -14,6 +16,7 @@ from archo_tui.robot.state import (
     OpenStop,
     Parameter,
     Phase,
+    Resource,
     Snapshot,
 )
 from tests.support.archo import ARCHO, FORMS, SHELF
@@ -78,9 +81,22 @@ EVENTS = (
     ),
     Event(TIME - 1, "WARN", "dashboard", "Low battery: 18.0%", count=12, first=TIME - 60),
 )
+RESOURCES = tuple(
+    Resource(kind, name, (type_name,), tuple(nodes))
+    for kind, name, type_name, *nodes in (
+        ("topic", "/battery_drain", "std_msgs/msg/Float32"),
+        ("topic", "/battery_level", "archo_interfaces/msg/BatteryStatus", "/battery_monitor"),
+        ("topic", "/motor_status", "archo_interfaces/msg/MotorStatus", "/motor_controller"),
+        ("service", "/emergency_stop", "archo_interfaces/srv/EmergencyStop", "/motor_controller"),
+        ("service", "/release_emergency_stop", "std_srvs/srv/Trigger", "/motor_controller"),
+        ("service", "/reset_encoder", "archo_interfaces/srv/ResetEncoder", "/motor_controller"),
+        ("service", "/set_charging", "std_srvs/srv/SetBool", "/battery_monitor"),
+        ("action", "/move_to_shelf", "archo_interfaces/action/MoveToShelf", "/motor_controller"),
+    )
+)
 CHARGE = tuple((NOW - 170 + second, 87.5 + (170 - second) / 10) for second in range(171))
 NORMAL = Snapshot(
-    robot=ARCHO,
+    file=ARCHO,
     forms=FORMS,
     battery=BATTERY,
     charge=CHARGE,
@@ -93,6 +109,8 @@ NORMAL = Snapshot(
     ),
     offered=ALL,
     events=EVENTS,
+    resources=RESOURCES,
+    paces={"/battery_level": Pace(NOW - 0.4, 1.0), "/motor_status": Pace(NOW - 0.1, 0.2)},
 )
 
 
@@ -124,7 +142,7 @@ def battery(percentage: float | None = 87.5, **changes: object) -> Snapshot:
 
 
 STATES: dict[str, Snapshot] = {
-    "nothing heard yet": Snapshot(robot=ARCHO, forms=FORMS),
+    "nothing heard yet": Snapshot(file=ARCHO, forms=FORMS),
     "normal": NORMAL,
     "battery low and moving": goal(Phase.MOVING)._replace(
         battery=BATTERY._replace(percentage=18.0, voltage=21.3, health="warning"),
@@ -158,6 +176,7 @@ STATES: dict[str, Snapshot] = {
         battery=BATTERY._replace(received=NOW - 9.5),
         motion=replace(MOTOR, received=NOW - 9.1),
         nodes=tuple(node._replace(heard=NOW - 9.1) for node in NORMAL.nodes),
+        paces={name: pace._replace(heard=NOW - 9.1) for name, pace in NORMAL.paces.items()},
     ),
     "motor moving": goal(Phase.MOVING)._replace(
         motion=Motion(1_234_567, 0.8, True, False, NOW - 0.1)
@@ -185,5 +204,12 @@ STATES: dict[str, Snapshot] = {
             for n in range(10_000)
         ),
     ),
-    "nothing offered": NORMAL._replace(offered=frozenset(), nodes=()),
+    "nothing offered": NORMAL._replace(offered=frozenset(), nodes=(), resources=()),
 }
+
+
+def board(shelves: Any, of: Snapshot = NORMAL) -> Snapshot:
+    """The same of a robot that says how many shelves it has."""
+    node, name = "/motor_controller", "shelf_count"
+    count = Parameter(node, name, "integer", shelves, shelves, "shelves are 1 .. this", 1, 9999)
+    return of._replace(parameters=(*of.parameters, count))

@@ -15,7 +15,7 @@ from rclpy.task import Future
 from archo_tui.paths import journal_file
 from archo_tui.robot.stopping import OBEYED
 from tests.support.clock import seconds
-from tests.support.console import FAST, console
+from tests.support.console import FAST, click, console
 
 
 async def test_an_alarm_that_is_over_stays_until_acknowledged() -> None:
@@ -28,6 +28,16 @@ async def test_an_alarm_that_is_over_stays_until_acknowledged() -> None:
         await op.until("was: STOPPED, since ")
         await op.press("a")
         await op.until(lambda: "was: STOPPED" not in op.text)
+
+
+async def test_a_click_on_the_words_of_the_banner_acknowledges() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        row = next(n for n, line in enumerate(op.text.splitlines()) if "(a acknowledge)" in line)
+        click(op.app, op.text.splitlines()[row].index("acknowledge"), row)
+        await op.until(lambda: "(a acknowledge)" not in op.text)
+        assert "STOPPED: look for the cause" in op.text
 
 
 async def test_the_list_acknowledges_one_or_all_and_shelves() -> None:
@@ -51,7 +61,7 @@ async def test_the_list_acknowledges_one_or_all_and_shelves() -> None:
         assert "(a acknowledge)" not in op.text
 
 
-async def test_stop_is_never_greyed_by_a_dead_motor_and_says_that_it_is_not_confirmed() -> None:
+async def test_stop_is_never_greyed_and_says_when_it_is_not_confirmed() -> None:
     async with console(*FAST) as op:
         motor = next(n for n in op.session.host.nodes if n.name == "/motor_controller")
         motor._stopping = True  # its thread ends, the node stays on the graph and answers nothing

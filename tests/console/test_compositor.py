@@ -13,14 +13,14 @@ from textual.widgets import Button
 
 from archo_tui.terminal.compositor import DirtyCompositor
 from tests.console.states import STATES
-from tests.support.console import send
+from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
-from tests.support.stub import StubRobot, stub_app
+from tests.support.stub import StandingClock, StubRobot, stub_app
 
 # Textual moves the cursor to the end of a span, too, when another widget begins there
 _EMPTY_MOVE = re.compile(r"\x1b\[\d+;\d+H(?=\x1b\[\d+;\d+H|\n|$)")
 _DRAW = Screen._compositor_refresh
-_KEYS = [*"1234567", "down", "up", "end", "slash", "a", "h", "e", "escape", "l", "enter", "?"]
+_KEYS = [*"12345678", "down", "up", "end", "slash", "a", "h", "e", "escape", "l", "enter", "?"]
 
 
 @pytest.fixture(autouse=True)
@@ -57,7 +57,7 @@ async def test_a_part_of_the_screen_is_drawn_as_textual_draws_it(
     async with app.run_test(size=size):
         quiet = Quiet(app)
         await quiet.settle()
-        for _ in range(60):
+        for _ in range(100):
             robot.put(STATES[choose.choice(states)])
             send(app, choose.choice(_KEYS))
             await quiet.settle()
@@ -83,3 +83,30 @@ async def test_only_what_changed_is_asked_for_its_lines(monkeypatch: pytest.Monk
         app.main.query_one("#reset", Button).refresh()
         await quiet.settle()
         assert {button.id for button in asked} == {"reset"}
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 36), (160, 48), (200, 60)])
+@pytest.mark.parametrize("state", ["normal", "battery low and moving", "motor stopped"])
+async def test_no_news_lay_the_screen_out_anew(size: tuple[int, int], state: str) -> None:
+    """That draws all of it, and costs a slow line thousands of bytes."""
+    clock, before, laid_out = StandingClock(), STATES[state], 0
+
+    def count(_: Screen[Any]) -> None:
+        nonlocal laid_out
+        laid_out += 1
+
+    app = stub_app(before, clock, size=size)
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    async with app.run_test(size=size):
+        quiet = Quiet(app)
+        await quiet.settle()
+        app.main.screen_layout_refresh_signal.subscribe(app, count)
+        for news in range(1, 6):
+            clock.passed = news / 10
+            battery = before.battery._replace(percentage=80.0 - news, received=clock.monotonic())
+            goal = before.goal and before.goal._replace(remaining=9.0 - news)
+            robot.put(before._replace(battery=battery, goal=goal))
+            app.tick()
+            await quiet.settle()
+            assert str(80 - news) in screen_text(app)
+    assert laid_out == 0

@@ -10,8 +10,9 @@ from textual.color import Color
 from textual.strip import Strip
 
 from archo_tui.app import ArchoApp
+from archo_tui.robot.state import Phase
 from archo_tui.terminal.themes import contrast
-from tests.console.states import STATES
+from tests.console.states import STATES, board, ended
 from tests.support.console import send
 from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, stub_app
@@ -78,3 +79,19 @@ async def test_every_text_of_a_dialog_can_be_read(theme: str, state: str, key: s
         drawn = app.screen._compositor.render_strips()[dialog.region.y : dialog.region.bottom]
         inside = [strip.crop(across.start, across.stop) for strip in drawn]
         assert unreadable(app, inside) == []
+
+
+@pytest.mark.parametrize("theme", THEMES)
+async def test_every_text_of_the_board_can_be_read(theme: str) -> None:
+    ends = ended(20, Phase.REFUSED, "no"), ended(9, Phase.ARRIVED, "there")
+    moves = board(40, STATES["motor moving"])._replace(history=ends)
+    app = stub_app(moves, StandingClock(), size=(120, 44))
+    async with app.run_test(size=(120, 44)):
+        app.theme, quiet = theme, Quiet(app)
+        app.tick()
+        for key in ("g", "tab", "down", "right"):
+            send(app, key)
+        await quiet.settle()
+        drawn = [app.main.goal.board.render_line(y) for y in range(4)]
+        assert "▶12" in drawn[1].text
+        assert unreadable(app, app.screen._compositor.render_strips()) == []

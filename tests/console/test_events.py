@@ -91,6 +91,29 @@ async def test_e_shows_events_on_the_full_screen_and_a_panel_key_leads_back() ->
         assert op.focused_panel == 4
 
 
+async def test_e_shows_nothing_but_events_where_the_history_has_a_column_too() -> None:
+    async with console(*FAST, size=(160, 48)) as op:
+        await op.press("6", "e")
+        await op.until(lambda: "1 Battery" not in op.text)
+        assert "6 Events" in op.text
+        assert "7 History" not in op.text
+        assert op.focused_panel == 6
+        assert "esc back" in op.text
+
+
+async def test_what_a_search_finds_has_room_in_a_small_terminal() -> None:
+    async with console(*FAST, size=(80, 24)) as op:
+        await op.press("r")
+        await op.until("Encoder reset to zero")
+        before = op.app.main.parameters.size.height
+        await op.press("6", "slash", *"encoder")
+        await op.until("1 of ")
+        assert "Encoder reset to zero" in op.text
+        await op.press("escape")
+        await op.until(lambda: "1 of " not in op.text)
+        assert op.app.main.parameters.size.height == before
+
+
 async def test_enter_shows_an_event_in_full() -> None:
     async with console(*FAST, size=(80, 24)) as op:
         await op.press("r")
@@ -123,21 +146,21 @@ async def test_a_long_name_keeps_the_columns_in_line() -> None:
 
     makers = [Talker, *_robots_nodes(use_sim=True).values()]
     async with console(*FAST, node_makers=makers, size=(200, 48)) as op:
-        await op.until("WARN  said")  # where it is tight, without its source
+        await op.until("WARN   a_node_with_a_long_name  said")
         await op.until("● a_node_with_a_long_name")
         await op.until("fake_battery_drain")
         await op.until("x" * 30)  # a value is never cut
-        await op.until(lambda: re.search(r"a_parameter\w*…\w*long_name", op.text))
+        await op.until(lambda: re.search(r"a_param\w*…\w*long_name", op.text))
         await op.until(lambda: op.text.count(" double ") > 3)
         types = [line.index(" double ") for line in op.text.splitlines() if " double " in line]
         assert len(set(types)) == 1
-        ages = {re.search(r"\d\.\d s", line[:36]).start() for line in nodes_of(op.text)}  # type: ignore[union-attr]
+        ages = {re.search(r"\d\.\d s", line[:54]).start() for line in nodes_of(op.text)}  # type: ignore[union-attr]
         assert len(ages) == 1
 
 
 def nodes_of(text: str) -> list[str]:
     """The lines of the nodes' panel that have an age."""
-    return [line for line in text.splitlines() if re.match(r"│ ● .*\d\.\d s", line[:36])]
+    return [line for line in text.splitlines() if re.match(r"│ ● .*\d\.\d s", line[:54])]
 
 
 async def test_a_warning_that_repeats_is_the_newest_with_its_count_and_first_time() -> None:

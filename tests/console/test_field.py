@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import random
 import re
+from pathlib import Path
 
 import pytest
 from textual import events
@@ -57,7 +58,7 @@ WAYS = {  # to each field, by keys
 async def test_random_edits_in_one_write_leave_what_a_line_would_hold() -> None:
     choose = random.Random(12)
     async with console(*FAST) as op:
-        names = [p.name for p in op.app.view.snapshot.parameters]
+        names = op.parameters
         await op.press("4", "home", *["down"] * names.index("low_battery_threshold"))
         for name, keys in WAYS.items():
             await op.press(*keys)
@@ -86,7 +87,7 @@ async def test_what_is_typed_behind_enter_is_not_part_of_what_was_entered() -> N
 
 async def test_a_value_and_its_correction_in_one_write_set_the_corrected_value() -> None:
     async with console(*FAST) as op:
-        names = [p.name for p in op.app.view.snapshot.parameters]
+        names = op.parameters
         row = names.index("low_battery_threshold")
         op.send("4", "home", *["down"] * row, "enter", "2", "5", "backspace", "1", "enter")
         await op.until("low_battery_threshold 21.0: low_battery_threshold is 21.0")
@@ -117,7 +118,7 @@ async def test_of_a_paste_of_several_lines_not_only_the_first_is_taken() -> None
 
 
 @pytest.mark.parametrize("pasted", ["12\n", "12\r\n", " 12 "])
-async def test_a_paste_that_ends_in_a_newline_is_a_number_and_leaves_the_field_as_one(
+async def test_a_paste_that_ends_in_a_newline_is_taken_as_a_number(
     pasted: str,
 ) -> None:
     async with console(*LONG) as op:
@@ -210,8 +211,10 @@ async def test_a_letter_is_text_behind_a_digit_at_whatever_moment_it_comes() -> 
         assert not [event for event in op.app.view.snapshot.events if event.level == "YOU"]
 
 
-async def test_a_letter_is_a_command_behind_enter_at_whatever_moment_it_comes() -> None:
-    async with console(*FAST) as op:
+async def test_a_letter_is_a_command_behind_enter_at_whatever_moment_it_comes(
+    unlimited: Path,
+) -> None:
+    async with console(*FAST, robot=unlimited) as op:
         await op.press("g")
         for turns in range(0, 25, 2):
             op.send("9", "9", "enter")

@@ -88,7 +88,7 @@ async def test_a_thousand_battery_readings_a_second() -> None:
             await op.until(lambda: sent[0] > 500)
             await keys_answer(op)
             # its own readings and the monitor's come mixed: one of ours is seen, digit by digit
-            await op.until(lambda: re.search(r"● GOOD      4\d\.\d % 22\.5 V", op.text))
+            await op.until(lambda: re.search(r"● GOOD 4\d\.\d % 22\.5 V", op.words))
         assert len(op.app.view.snapshot.charge) <= 300
         meter.destroy_node()
 

@@ -12,12 +12,15 @@ from rclpy.task import Future
 from std_srvs.srv import Trigger
 from textual.widgets import Input
 
-from archo_tui import recall
 from archo_tui.app import ArchoApp
+from archo_tui.commands.console import Panel
 from archo_tui.paths import config_file
+from archo_tui.station import recall
 from archo_tui.terminal import themes
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
+
+PLACES = ("Everywhere", "Not while typing", "In Events")
 
 
 class Nobody(Node):
@@ -34,10 +37,10 @@ async def test_numbers_and_tab_walk_through_the_panels() -> None:
             assert op.focused_panel == int(number)
         await op.press("1")
         seen = []
-        for _ in range(9):
+        for _ in range(10):
             seen.append(op.focused_panel)
             await op.press("tab")
-        assert seen == [1, 2, 2, 2, 3, 3, 3, 4, 5]
+        assert seen == [1, 2, 2, 2, 3, 3, 3, 3, 4, 5]  # field, board, Go, Cancel
 
 
 async def test_escape_leads_out_of_a_field_to_where_the_focus_was() -> None:
@@ -118,7 +121,13 @@ async def test_help_lists_every_command_with_its_key() -> None:
         await op.press("question_mark")
         await op.until("Keys")
         for command in op.app.registry:
-            assert command.help.split(" (")[0][:30] in op.text
+            if not isinstance(command, Panel):
+                assert command.help.split(" (")[0][:30] in op.text
+        assert "1-8  Go to a panel" in op.text
+        at = {place: (op.line(place).index(place), op.text.index(place)) for place in PLACES}
+        assert at["Everywhere"][0] == at["Not while typing"][0] < at["In Events"][0]
+        assert at["Everywhere"][1] < at["Not while typing"][1]
+        assert op.line("In the palette only")
         await op.press("escape")
         await op.until(lambda: op.app.screen is op.app.main)
 
@@ -134,12 +143,12 @@ async def test_the_palette_has_the_registry_and_the_themes() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p")
         await op.type("reset the")
-        await op.until("Reset the encoder to zero (r)")
+        await op.until("Reset the encoder to zero")
         await op.press("enter")
         await op.until("reset encoder: Encoder reset to zero")
         await op.press("ctrl+p")
         await op.type("theme")
-        await op.until("Change the current theme")
+        await op.until("Theme nord")
 
 
 async def test_a_theme_is_remembered() -> None:
@@ -170,7 +179,7 @@ async def test_a_click_does_what_the_key_does() -> None:
 async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
     async with console(node_makers=[Nobody], wait=False) as op:
         await op.until("● nobody")
-        assert "move_to_shelf: not offered by any node" in op.text
+        assert "move_to_shelf is not offered by any node" in op.text
         await op.press("g", "1", "2", "enter")
         await op.until("move_to_shelf is not offered by any node")
         await op.press("up")
@@ -189,7 +198,7 @@ async def test_what_was_sent_before_the_kept_goals_were_read_is_not_lost(
         await is_read.wait()
         await fill(app)
 
-    monkeypatch.setattr("archo_tui.recall.load", lambda _: found)
+    monkeypatch.setattr("archo_tui.station.recall.load", lambda _: found)
     monkeypatch.setattr(ArchoApp, "_recall", fill_later)
     async with console(node_makers=[Nobody], wait=False) as op:
         await op.until("● nobody")
@@ -248,8 +257,10 @@ async def test_a_held_key_sends_a_command_once_and_a_new_press_sends_it_again(ke
         await op.until(lambda: len(_said(op)) == 2)
 
 
-async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused() -> None:
-    async with console(*FAST) as op:
+async def test_a_held_enter_sends_one_goal_and_says_once_that_it_is_refused(
+    unlimited: Path,
+) -> None:
+    async with console(*FAST, robot=unlimited) as op:
         await op.press("g")
         await op.type("99")
         op.send(*["enter"] * 10)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from archo_tui.app import ArchoApp
-from archo_tui.robot.state import Outcome
+from archo_tui.robot.outcome import Code, Outcome
 from tests.console.states import STATES
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
@@ -29,7 +29,7 @@ class Asked:
 
     async def _cancel(self) -> Outcome:
         self.cancelled = True
-        return Outcome(False, "refused")
+        return Outcome(Code.REFUSED, "refused")
 
     async def press(self, *keys: str) -> str:
         """Press keys; returns what the screen shows then."""
@@ -123,6 +123,6 @@ async def test_the_end_waits_for_the_answer_to_a_stop(end: str) -> None:
             app._ending.begin(128 + signal.Signals[end])
         await quiet.settle()
         assert app.is_running
-        answer.set_result(Outcome(True, "stopped"))
+        answer.set_result(Outcome(Code.DONE, "stopped"))
         await quiet.settle()
         assert not app.is_running

@@ -12,8 +12,10 @@ from rclpy.task import Future
 
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.session import _robots_nodes
-from archo_tui.widgets.nodes_panel import NodeRow
-from tests.console.states import NORMAL
+from archo_tui.words.nodes import NodeRow
+from archo_tui.words.state import motion_word, plain
+from tests.console.states import NORMAL, STATES
+from tests.support.clock import NOW
 from tests.support.console import FAST, LONG, Console, console
 
 
@@ -57,6 +59,24 @@ def test_what_is_silent_or_does_not_run_publishes_nothing_now() -> None:
     ):
         row = NodeRow(state, Hosted(state.name, life), heard + ago)
         assert f"publishes   {said}\n" in row.details(heard + ago, NORMAL)
+
+
+def test_while_contact_is_lost_no_node_elsewhere_looks_healthy() -> None:
+    dashboard = next(node for node in NORMAL.nodes if node.rate is None)
+    assert dashboard.heard is not None
+    now = dashboard.heard + 9.0
+    assert NodeRow(dashboard, None, now).word()[0] == "●"  # it says something when there is news
+    assert NodeRow(dashboard, None, now, is_lost=True).word()[:2] == ("?", "contact lost")
+    assert NodeRow(dashboard, Hosted(dashboard.name), now, is_lost=True).word()[0] == "●"
+
+
+def test_where_stop_cannot_be_sent_the_motor_says_so() -> None:
+    for state, why in (
+        ("battery of another type", "no STOP: /emergency_stop is std_srvs/srv/SetBool"),
+        ("nothing offered", "no STOP: emergency_stop is not offered by any node"),
+    ):
+        assert why in plain(motion_word(STATES[state], NOW, 200))
+    assert plain(motion_word(NORMAL, NOW, 200)) == "● IDLE"
 
 
 async def test_ten_dashboards_and_nobody_notices() -> None:
@@ -192,9 +212,8 @@ async def test_keys_that_come_in_one_packet_act_on_the_row_that_they_lead_to() -
         await op.until("● motor_controller")
         op.send("5", "home", "down", "s")  # as over a slow link
         await op.until("○ dashboard")
-        second = op.app.view.snapshot.parameters[1]
         op.send("4", "home", "down", "enter")
-        await op.until(f" {second.node.lstrip('/')} {second.name} ")
+        await op.until(f" battery_monitor {op.parameters[1]} ")
 
 
 async def test_a_copy_of_a_node_without_stop_does_not_warn_of_stop() -> None:

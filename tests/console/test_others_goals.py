@@ -15,7 +15,11 @@ from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
+from rclpy.task import Future
+from std_msgs.msg import String
 
+from archo_tui.robot import acts
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
 from archo_tui.session import _robots_nodes
 from tests.support.archo import go, reset
@@ -141,7 +145,7 @@ async def test_every_goal_is_cancelled_from_the_palette_after_a_question() -> No
         await op.press("ctrl+p")
         await op.type("cancel every goal")
         await op.until("whoever sent it")
-        await op.press("down", "enter")
+        await op.press("enter")
         await op.until("other clients' too?")
         await op.press("y")
         await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
@@ -161,7 +165,7 @@ async def test_a_cancel_of_anothers_goal_that_the_robot_rejects_says_so() -> Non
             next(iter(self.timers)).cancel()
 
         async def execute(self, goal: Any) -> Any:
-            await self.executor.create_future()  # type: ignore[union-attr]
+            await Future()
 
     async with console(node_makers=[Stubborn], wait=False) as op:
         await op.until("MOVING (another client's goal)")
@@ -224,6 +228,9 @@ async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does(
             assert (await ended(reset(second))).ok
             await op.until("reset encoder: Encoder reset to zero")
             assert "PEER" in op.line("reset encoder: Encoder reset to zero")
+            events = op.app.view.snapshot.events
+            (event,) = [event for event in events if event.text.startswith("reset encoder")]
+            assert event.act == ("reset", {}, Code.DONE)
             await until(lambda: second.snapshot.motion.count == 0)
             await op.press("ctrl+x")
             await until(lambda: any("STOP: " in event.text for event in second.snapshot.events))
@@ -246,6 +253,51 @@ async def test_what_no_console_did_is_by_another_client() -> None:
         await op.until(parameters.services_are_ready)
         parameters.set_parameters([Parameter("max_speed", value=0.5)])
         await op.until("motor_controller max_speed changed by another client (0.8 -> 0.5)")
+
+
+class Older(Node):
+    """A console that publishes what it does in another form; the log is as it was."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("_archo_console_older_lab_1", **options)
+        self.create_publisher(String, "_archo_console/acts_0", 10)
+        self.client = self.create_client(ResetEncoder, "reset_encoder")
+
+    def reset(self) -> None:
+        self.client.call_async(ResetEncoder.Request())
+        self.get_logger().info("reset encoder: done")
+
+
+async def test_what_a_console_does_that_does_not_tell_it_is_another_consoles() -> None:
+    made: list[Older] = []
+
+    def older(**options: Any) -> Older:
+        made.append(Older(**options))
+        return made[-1]
+
+    async with console(*FAST, node_makers=[*ROBOT, older]) as op:
+        await op.until("2 consoles")
+        await op.until(made[0].client.service_is_ready)
+        made[0].reset()
+        await op.until("reset encoder: done")
+        assert "PEER" in op.line("reset encoder: done")
+        await op.until("encoder reset by another console (15420 -> 0)")
+
+
+async def test_what_is_no_console_explains_nothing_whatever_it_publishes() -> None:
+    async with shared(*FAST) as (op, other):
+        publisher = other.create_publisher(String, acts.TOPIC, 10)
+        await op.until(lambda: publisher.get_subscription_count() == 1)
+        stop = acts.write("nobody", acts.Act("stop", {}, Code.DONE), "STOP: by nobody")
+        for form in ("", "\x1b[2J", "[" * 10_000, "{}", stop):
+            publisher.publish(String(data=form))
+        client = other.create_client(EmergencyStop, "emergency_stop")
+        await op.until(client.service_is_ready)
+        client.call_async(EmergencyStop.Request())
+        await op.until("stopped by another client")
+        levels = {event.level for event in op.app.view.snapshot.events}
+        assert "ERROR" not in levels
+        assert "by nobody" not in op.text
 
 
 async def test_watching_shows_everything_and_commands_nothing() -> None:

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from archo_tui import recall
-from archo_tui.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
 from archo_tui.robot.state import Goal, Motion, OpenStop, Phase, Snapshot
-from archo_tui.targets import Target, Targets
+from archo_tui.station import recall
+from archo_tui.station.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
+from archo_tui.station.queue import GoalQueue, QueuedGoal
 from tests.support.archo import ARCHO, SHELF
 from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, Console, console
@@ -45,9 +45,7 @@ async def test_one_that_is_not_a_number_sends_none_of_them() -> None:
         assert not op.app.view.waiting
 
 
-async def test_enter_adds_to_the_queue_while_a_goal_runs_and_double_enter_never_sends_twice() -> (
-    None
-):
+async def test_enter_queues_while_a_goal_runs_and_a_double_enter_sends_once() -> None:
     async with console(*LONG) as op:
         await op.press("g", "5", "enter", "enter")
         await op.until("MOVING to 5")
@@ -66,8 +64,19 @@ async def test_what_is_typed_behind_enter_in_one_burst_is_the_next_target() -> N
         await op.until("then 7")
 
 
-async def test_a_refused_target_holds_the_rest_until_it_is_continued() -> None:
-    async with console(*FAST) as op:
+async def test_a_goal_of_a_form_waits_in_the_queue_and_is_shown() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("▶ MOVING")
+        await op.press("escape", "G", *"shelf", "enter")
+        await op.until("Shelf ")  # the form of the robot file
+        await op.press("7", "enter")
+        await op.settle()  # not with the next second only
+        assert "then 7" in op.text
+
+
+async def test_a_refused_target_holds_the_rest_until_it_is_continued(unlimited: Path) -> None:
+    async with console(*FAST, robot=unlimited) as op:
         await op.press("g", *"12 99 7 3", "enter")
         await op.until("held: 7, 3 (refused)")
         assert history(op) == ["12 ARRIVED", "99 REFUSED"]
@@ -108,11 +117,11 @@ async def test_nothing_is_sent_behind_a_stop_and_its_release_continues_nothing()
         await op.until("MOVING to 7")
 
 
-async def test_line_by_line_all_must_arrive() -> None:
+async def test_line_by_line_all_must_arrive(unlimited: Path) -> None:
     code, said = await plain("go 12 7 3\n", ros_args=FAST)
     assert code == 0, said
     assert re.findall(r"Arrived at shelf (\d+), 18", said) == ["12", "7", "3"]
-    code, said = await plain("go 12 99 3\n", ros_args=FAST)
+    code, said = await plain("go 12 99 3\n", robot=unlimited, ros_args=FAST)
     assert code == 1, said
     assert "not driven: 3 (refused)" in said
     assert "Arrived at shelf 3" not in said
@@ -143,10 +152,10 @@ async def test_the_arrows_recall_what_was_sent_also_after_a_restart() -> None:
         assert op.app.main.goal.fields[0].value == "12"
 
 
-async def test_the_arrows_recall_no_more_than_is_kept() -> None:
+async def test_the_arrows_recall_no_more_than_is_kept(unlimited: Path) -> None:
     for number in range(1, 51):
         recall.add("shelf", [str(number)])
-    async with console(*FAST) as op:
+    async with console(*FAST, robot=unlimited) as op:
         panel = op.app.main.goal
         await op.until(lambda: len(panel.typed) == 50)
         await op.press("g", *"60", "enter")
@@ -180,23 +189,23 @@ def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) ->
 # the rules, without a robot
 
 
-def target(number: int) -> Target:
-    return Target(SHELF, {"shelf_number": number})
+def target(number: int) -> QueuedGoal:
+    return QueuedGoal(SHELF, {"shelf_number": number})
 
 
 def ended(number: int, phase: Phase = Phase.ARRIVED) -> Goal:
     return Goal(SHELF, {"shelf_number": number}, phase, 0.0, 0.0, number=number + 1)
 
 
-def queue(*numbers: int) -> Targets:
+def queue(*numbers: int) -> GoalQueue:
     """What waits after a first goal that has arrived."""
-    made = Targets()
-    made.submit([target(0), *(target(number) for number in numbers)], Snapshot(robot=ARCHO))
+    made = GoalQueue()
+    made.submit([target(0), *(target(number) for number in numbers)], Snapshot(file=ARCHO))
     made.answered(ok=True)
     return made
 
 
-ARRIVED = Snapshot(robot=ARCHO, goal=ended(0))
+ARRIVED = Snapshot(file=ARCHO, goal=ended(0))
 
 
 @pytest.mark.parametrize(
@@ -218,7 +227,7 @@ def test_what_holds_the_queue_stays_until_the_operator_goes_on(
     change: dict[str, Any], alarms: list[Alarm], why: str
 ) -> None:
     waiting = queue(7)
-    assert waiting.next(Snapshot(robot=ARCHO, **{"goal": ended(0), **change}), alarms) is None
+    assert waiting.next(Snapshot(file=ARCHO, **{"goal": ended(0), **change}), alarms) is None
     assert waiting.held == why
     assert waiting.next(ARRIVED, []) is None  # whatever it was is over
     waiting.resume()
@@ -226,7 +235,7 @@ def test_what_holds_the_queue_stays_until_the_operator_goes_on(
 
 
 def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
-    aborted = Snapshot(robot=ARCHO, goal=ended(0, Phase.ABORTED))
+    aborted = Snapshot(file=ARCHO, goal=ended(0, Phase.ABORTED))
     stopped = aborted._replace(motion=Motion(stopped=True))
     for seen, stops in (([aborted, stopped], 0), ([stopped, aborted], 0), ([aborted], 1)):
         waiting = queue(7)
@@ -242,10 +251,10 @@ def test_an_alarm_that_was_acknowledged_holds_nothing() -> None:
 
 def test_the_next_one_waits_until_the_one_before_was_seen_to_run() -> None:
     waiting = queue(7, 3)
-    assert waiting.next(Snapshot(robot=ARCHO), []) is None  # accepted, and not seen yet
-    assert waiting.next(Snapshot(robot=ARCHO, goal=ended(0, Phase.MOVING)), []) is None
+    assert waiting.next(Snapshot(file=ARCHO), []) is None  # accepted, and not seen yet
+    assert waiting.next(Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)), []) is None
     assert waiting.next(ARRIVED, []) == target(7)
     assert waiting.next(ARRIVED, []) is None
     waiting.answered(ok=True)
     assert waiting.next(ARRIVED, []) is None
-    assert waiting.next(Snapshot(robot=ARCHO, goal=ended(7)), []) == target(3)
+    assert waiting.next(Snapshot(file=ARCHO, goal=ended(7)), []) == target(3)

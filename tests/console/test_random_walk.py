@@ -17,7 +17,7 @@ from textual.geometry import Size
 from textual.widgets import Input
 
 from archo_tui.commands import registry
-from archo_tui.robot.state import Outcome
+from archo_tui.robot.outcome import Code, Outcome
 from tests.console.states import STATES
 from tests.support.archo import ARCHO
 from tests.support.console import click, send
@@ -59,7 +59,7 @@ async def walk(seed: int, keys: int) -> None:
 
     async def stop() -> Outcome:
         stops.append(1)
-        return Outcome(True, "stopped")
+        return Outcome(Code.DONE, "stopped")
 
     robot.emergency_stop = stop  # type: ignore[attr-defined]
     app.exit = lambda *_, **__: None  # type: ignore[method-assign]  # by a click, or the palette

@@ -1,22 +1,22 @@
-"""Every command's key, in every place that the table says and in no other; README's table."""
+"""Every command's key, in every place that the table says and in no other."""
 
 from __future__ import annotations
 
-import re
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
 
 import pytest
 from textual.binding import Binding
-from textual.widgets import Input
+from textual.widgets import Button, Input
 
 from archo_tui import screens
 from archo_tui.app import ArchoApp
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command
-from archo_tui.commands.keymap import shown
+from archo_tui.commands.keymap import readable
 from archo_tui.keyed_app import HELD
+from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import INTEGER
 from archo_tui.widgets.rows import Rows
 from tests.console.states import STATES
@@ -26,7 +26,6 @@ from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, stub_app
 
 COMMANDS = registry(ARCHO)
-README = Path(__file__).parent.parent.parent / "README.md"
 PLACES = [f"panel {number}" for number in range(1, 7)] + [
     "shelf field", "begun shelf field", "filter field", "search field", "full screen",
     "edit dialog", "question", "help", "file dialog", "palette",
@@ -40,30 +39,38 @@ KEYS = {
         "ctrl+q": "quit_everywhere", "f1": "help_everywhere",
     },
     NOT_TYPING: {
-        **{str(number): f"panel_{number}" for number in range(1, 8)},
-        "a": "acknowledge", "c": "charge", "g": "go", "h": "history", "k": "drop_target",
-        "n": "continue_queue", "q": "quit", "r": "reset",
-        "A": "alarms", "C": "any_service", "G": "any_goal", "R": "release",
+        **{str(number): f"panel_{number}" for number in range(1, 9)},
+        "a": "ack", "c": "charge", "g": "go", "h": "history", "k": "skip",
+        "n": "continue", "q": "quit", "r": "reset",
+        "A": "alarms", "C": "call", "G": "send_goal", "R": "release",
         "left_square_bracket": "shorter", "right_square_bracket": "longer",
         "question_mark": "help",
     },
     "in Parameters": {
-        "d": "only_changed", "u": "undo", "enter": "edit", "backspace": "restore",
+        "d": "only_changed", "full_stop": "ros_own", "u": "undo", "enter": "edit",
+        "backspace": "restore",
         "space": "switch", "slash": "filter", "ctrl+s": "save", "ctrl+o": "load",
     },
-    "in Nodes": {"s": "start_stop", "plus": "copy_node", "enter": "details"},
+    "in Nodes": {"s": "start_stop", "plus": "copy", "enter": "details"},
     "in Events": {
         "e": "full_screen", "l": "level", "y": "copy_command", "enter": "whole_event",
         "slash": "search", "ctrl+s": "save_events",
     },
+    "in Graph": {"enter": "resource"},
     "KeyedApp": {
-        "escape": "leave_field", "enter": "next_field",
-        **{key: f"move('{key}')" for key in Rows.KEYS},
+        "escape": "leave_field", "enter": "next_field, take",
+        "tab": "beside(1)", "shift+tab": "beside(-1)",
+        **{key: f"move('{key}')" for key in (*Rows.KEYS, *Board.KEYS)},
     },
     "AlarmList": {
         "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "escape": "close", "q": "close",
     },
-    "Choose": {"escape": "close"},
+    "AnswerRequest": {
+        "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",
+        "pageup": "scroll(-1)", "pagedown": "scroll(1)",
+        "left": "app.focus_previous", "right": "app.focus_next",
+    },
+    "Choose": {"escape": "close", "pageup": "turn('pageup')", "pagedown": "turn('pagedown')"},
     "Confirm": {
         "escape": "safe", "n": "safe", "y": "yes",
         "left": "app.focus_previous", "right": "app.focus_next",
@@ -71,6 +78,14 @@ KEYS = {
     "Help": {"escape": "close", "pageup": "scroll(-1)", "pagedown": "scroll(1)"},
     "Form": {"escape": "close"},
     "MessageForm": {"escape": "close", "ctrl+s": "send"},
+    "NodeDialog": {
+        "escape": "close", "enter": "close", "q": "close",
+        "left": "app.focus_previous", "right": "app.focus_next",
+    },
+    "RecordingList": {
+        "enter": "copy", "y": "copy", "d": "delete", "delete": "delete", "escape": "close",
+        "q": "close",
+    },
     "ShowText": {"escape": "close", "enter": "close", "q": "close"},
 }  # fmt: skip
 
@@ -86,16 +101,17 @@ def test_every_key_stands_in_the_table_once() -> None:
         module = import_module(f"archo_tui.{name}")
         for thing in vars(module).values():
             if isinstance(thing, type) and thing.__module__ == module.__name__:
-                made = Binding.make_bindings(vars(thing).get("BINDINGS", ()))
-                if bound := {binding.key: binding.action for binding in made}:
-                    found[thing.__name__] = bound
+                made = [*Binding.make_bindings(vars(thing).get("BINDINGS", ()))]
+                bound = found.setdefault(thing.__name__, {}) if made else {}
+                for key, action in ((one.key, one.action) for one in made):
+                    bound[key] = f"{bound[key]}, {action}" if key in bound else action
     assert found == KEYS
 
 
 def test_no_key_of_a_panel_is_one_of_every_panel() -> None:
     everywhere = [*KEYS[EVERYWHERE], *KEYS[NOT_TYPING]]
     assert len(set(everywhere)) == len(everywhere)
-    for place in ("in Parameters", "in Nodes", "in Events"):
+    for place in ("in Parameters", "in Nodes", "in Events", "in Graph"):
         assert not KEYS[place].keys() & set(everywhere)
 
 
@@ -126,7 +142,7 @@ def works(command: Command, place: str, panel: int) -> bool:
     if command.where == EVERYWHERE:
         return True
     if place == "shelf field":  # a number: letters are commands while it is empty
-        is_text = len(shown(command.key)) > 1 or shown(command.key) in INTEGER
+        is_text = len(readable(command.key)) > 1 or readable(command.key) in INTEGER
         return command.where == NOT_TYPING and not is_text
     main = place.startswith("panel") or place == "full screen"
     return main and (command.where == NOT_TYPING or command.panel == panel)
@@ -187,35 +203,9 @@ async def test_stop_works_while_the_palette_is_open_too() -> None:
 
 
 async def _done() -> object:
-    from archo_tui.robot.state import Outcome
+    from archo_tui.robot.outcome import Code, Outcome
 
-    return Outcome(True, "stopped")
-
-
-def table() -> list[str]:
-    """The README's rows, as the registry has them."""
-    rows = []
-    for command in COMMANDS:
-        if command.id.startswith("panel_"):
-            if command.id == "panel_1":
-                rows.append(f"| `1` .. `7`, tab | go to a panel | {NOT_TYPING} |")
-            continue
-        does = command.help
-        if does[1].islower():
-            does = does[0].lower() + does[1:]
-        key = shown(command.key).replace("^", "ctrl+")
-        key = f"`{key}`" if key else "palette"
-        rows.append(f"| {key} | {does} | {command.place} |")
-    leaves = "out of a field, a dialog or the full screen, to where the focus was"
-    rows.append(f"| esc | {leaves} | everywhere |")
-    return rows
-
-
-def test_the_readme_has_the_registrys_keys() -> None:
-    text = README.read_text(encoding="utf-8")
-    found = re.search(r"\| key \| does \| works \|\n\|---\|---\|---\|\n((?:\|.*\n)+)", text)
-    assert found is not None
-    assert found[1].splitlines() == table(), "\n".join(table())
+    return Outcome(Code.DONE, "stopped")
 
 
 def test_ids_are_unique_and_every_command_explains_itself() -> None:
@@ -223,3 +213,20 @@ def test_ids_are_unique_and_every_command_explains_itself() -> None:
     for command in COMMANDS:
         assert len(command.help) > 5
         assert (command.panel > 0) == (command.where == IN_PANEL)
+
+
+@pytest.mark.parametrize("state", sorted(STATES))
+async def test_what_can_be_clicked_on_names_a_command(state: str) -> None:
+    app = stub_app(STATES[state], StandingClock(), size=(120, 36))
+    known = {f"app.command('{command.id}')" for command in app.registry}
+    async with app.run_test(size=(120, 36)):
+        await Quiet(app).settle()
+        actions = {
+            segment.style.meta["@click"]
+            for strip in app.screen._compositor.render_strips()
+            for segment in strip
+            if segment.style is not None and "@click" in segment.style.meta
+        }
+        actions |= {button.action for button in app.query(Button) if button.action}
+        assert "app.command('help')" in actions  # of the footer
+        assert actions <= known

@@ -5,28 +5,27 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Iterable
-from functools import partialmethod
-from pathlib import Path
 from typing import Any
 
 import pytest
-from rich.console import Console as RichConsole
-from textual.command import CommandPalette
 
-from archo_tui.alarms import AlarmBoard
 from archo_tui.app import ArchoApp
-from archo_tui.history import History
-from archo_tui.robot.state import Hosted, Life, Snapshot
+from archo_tui.robot.asker import Asker
+from archo_tui.robot.state import Hosted, Life, Phase, Snapshot
+from archo_tui.station.alarms import AlarmBoard
+from archo_tui.station.history import History
+from archo_tui.station.queue import QueuedGoal
 from archo_tui.terminal.ascii import in_ascii
-from tests.console.states import ARRIVED, CANCELLED, NORMAL, STATES, past
-from tests.support.clock import TIME
+from tests.console.states import ARRIVED, CANCELLED, NORMAL, STATES, board, ended, past
+from tests.support.archo import SHELF
+from tests.support.clock import NOW, TIME
 from tests.support.console import send
+from tests.support.pictures import differs, steady
 from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, StubRobot, stub_app
 
-FOLDER = Path(__file__).parent.parent / "snapshots"
 SIZES = {"80x24": (80, 24), "120x36": (120, 36), "160x48": (160, 48)}
-SIZES |= {"40x10": (40, 10), "60x20": (60, 20)}
+SIZES |= {"40x10": (40, 10), "60x20": (60, 20), "120x44": (120, 44), "200x60": (200, 60)}
 ALL_SIZES = ("80x24", "120x36", "160x48")
 
 
@@ -46,24 +45,7 @@ HOSTED = (
 
 @pytest.fixture(autouse=True)
 def _root(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir("/")  # a dialog names the folder
-    monkeypatch.setenv("COLORTERM", "truecolor")
-    # else the ids in a picture are made of all that is in it
-    export_svg = partialmethod(RichConsole.export_svg, unique_id="terminal")
-    monkeypatch.setattr(RichConsole, "export_svg", export_svg)
-
-
-def differs(request: pytest.FixtureRequest, name: str, actual: str) -> list[str]:
-    """What to say when the picture differs from the accepted one; the new one is left beside it."""
-    path = FOLDER / f"{name.replace(' ', '_')}.svg"
-    new = path.with_suffix(".new.svg")
-    if request.config.getoption("--update-snapshots"):
-        path.write_text(actual)
-    if path.is_file() and path.read_text() == actual:
-        new.unlink(missing_ok=True)
-        return []
-    new.write_text(actual)
-    return [f"{path.name} differs: look at {new}, accept it with --update-snapshots"]
+    steady(monkeypatch)
 
 
 async def compare(
@@ -82,9 +64,6 @@ async def compare(
 
 async def rest(app: ArchoApp, quiet: Quiet) -> None:
     """Let the screen lay out and draw all that it has to."""
-    palette = app.screen if isinstance(app.screen, CommandPalette) else None
-    if palette is not None:
-        await quiet.until(lambda: palette.has_class("-ready"), lambda: "the palette's commands")
     await quiet.settle()
     app.tick()  # a new size may have more to say
     await quiet.settle()
@@ -98,17 +77,20 @@ async def pictures(
     theme: str = "textual-dark",
     hosted: tuple[Hosted, ...] = (),
     seconds: int = 0,
+    queue: Iterable[int] = (),
 ) -> dict[str, str]:
     """The screen after those keys, in each size; on-delays of alarms have passed.
 
-    `seconds` were seen before.
+    `seconds` were seen before; the shelves of the `queue` wait.
     """
     clock = StandingClock()
     clock.passed = -3.0
     first = SIZES[next(iter(sizes))]
     app = stub_app(snapshot, clock, hosted, size=first)
+    app.station.queue.waiting = [QueuedGoal(SHELF, {"shelf_number": n}) for n in queue]
+    app.station.queue._sending = bool(queue)  # none of them is sent
     for before in past(seconds):
-        app.station._history.add(*before)
+        app.station.history.add(*before)
     found = {}
     async with app.run_test(size=first) as pilot:
         quiet = Quiet(app)
@@ -151,8 +133,10 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
             await pilot.resize_terminal(*SIZES[size])
             for state, snapshot in STATES.items():
                 # no state knows of the one before
-                app.station._board, app.station._history = AlarmBoard(), History()
-                app.main.nodes._drawn = app.main.history._drawn = None
+                app.station._board, app.station.history = AlarmBoard(), History()
+                for panel in (app.main.nodes, app.main.history, app.main.graph):
+                    panel._drawn = None
+                app.has_sent = False
                 for clock.passed in (-3.0, 0.0):  # on-delays of alarms have passed
                     robot.put(snapshot)
                 await rest(app, quiet)
@@ -170,10 +154,13 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
         ("question", "goal cancelling", ["q"], True),
         ("nodes hosted", "normal", ["5"], False),
         ("traceback", "normal", ["5", "home", "enter"], True),
+        ("node", "normal", ["5", "home", "down", "down", "enter"], True),
         ("filter", "normal", ["4", "slash", *"speed"], False),
         ("filter finds nothing", "normal", ["4", "slash", *"warp", "enter"], False),
         ("search", "normal", ["6", "slash", *"shelf", "enter"], False),
         ("full screen", "normal", ["6", "e"], False),
+        ("graph", "normal", ["8", "down"], False),
+        ("resource", "normal", ["8", "down", "enter"], True),
         ("event", "normal", ["6", "home", "down", "enter"], True),
         ("save", "normal", ["4", "ctrl+s"], True),
     ],
@@ -181,16 +168,24 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
 async def test_what_keys_open_looks_as_accepted(
     request: pytest.FixtureRequest, name: str, state: str, keys: list[str], dialog: bool
 ) -> None:
-    plain = ("help", "edit", "field", "question")  # their nodes run elsewhere
+    plain = ("help", "edit", "field", "question", "node")  # their nodes run elsewhere
     hosted = () if name in plain else HOSTED
     await compare_all(request, name, STATES[state], *keys, dialog=dialog, hosted=hosted)
+
+
+@pytest.mark.parametrize("state", ["normal", "motor stopped"])
+async def test_a_large_terminal_looks_as_accepted(
+    request: pytest.FixtureRequest, state: str
+) -> None:
+    await compare(request, state, STATES[state], "200x60", hosted=HOSTED, seconds=700)
 
 
 @pytest.mark.parametrize("name", ["history", "history of a minute", "history of an hour"])
 async def test_the_history_looks_as_accepted(request: pytest.FixtureRequest, name: str) -> None:
     ended = [ARRIVED._replace(time=TIME - 100), CANCELLED._replace(time=TIME - 400)]
     snapshot = STATES["battery low and moving"]._replace(history=tuple(ended))
-    span = {"history": [], "history of a minute": ["["], "history of an hour": ["]"]}[name]
+    shorter, longer = "left_square_bracket", "right_square_bracket"
+    span = {"history": [], "history of a minute": [shorter], "history of an hour": [longer]}[name]
     await compare_all(request, name, snapshot, "h", *span, seconds=700)
 
 
@@ -207,6 +202,12 @@ async def test_the_history_stands_beside_the_panels_where_there_is_room(
 @pytest.mark.parametrize("size", ALL_SIZES)
 async def test_the_palette_looks_as_accepted(request: pytest.FixtureRequest, size: str) -> None:
     await compare(request, "palette", NORMAL, size, "ctrl+p", dialog=True, hosted=HOSTED)
+
+
+@pytest.mark.parametrize("size", ALL_SIZES)
+async def test_the_alarms_look_as_accepted(request: pytest.FixtureRequest, size: str) -> None:
+    snapshot = NORMAL._replace(battery=STATES["battery empty"].battery)
+    await compare(request, "alarms", snapshot, size, "A", dialog=True, hosted=HOSTED)
 
 
 @pytest.mark.parametrize("theme", ["textual-light", "high-contrast"])
@@ -240,11 +241,55 @@ async def test_without_colour_every_word_stays(
     assert len(colours - grey) <= 4, colours - grey  # the drawn window's own frame and buttons
 
 
-@pytest.mark.parametrize("panel", "123456")
+@pytest.mark.parametrize("panel", "1234568")
 async def test_a_tiny_terminal_shows_the_focused_panel_between_header_and_footer(
     request: pytest.FixtureRequest, panel: str
 ) -> None:
     await compare(request, f"tiny panel {panel}", STATES["battery low and moving"], "40x10", panel)
+
+
+MOVES = board(40, STATES["motor moving"])._replace(
+    history=(
+        ended(20, Phase.REFUSED, "battery empty"),
+        ended(9, Phase.ARRIVED, "Arrived at shelf 9"),
+        ended(31, Phase.ARRIVED, "Arrived at shelf 31"),
+    )
+)
+BOARDS: dict[str, tuple[Snapshot, tuple[int, ...], list[str]]] = {
+    "board idle": (board(40), (), ["g", "1", "2", "space", "7"]),
+    "board with a queue": (MOVES, (7, 3), []),
+    "board after ends": (MOVES._replace(goal=MOVES.history[0]), (), []),
+    "board under the cursor": (MOVES, (7, 3), ["g", "tab", "down", "down", "right"]),
+    "board in pages": (board(500), (), ["g", "tab", "pagedown"]),
+}
+
+
+@pytest.mark.parametrize("name", BOARDS)
+async def test_the_board_looks_as_accepted(request: pytest.FixtureRequest, name: str) -> None:
+    snapshot, queue, keys = BOARDS[name]
+    sizes = ("120x44", "160x48", *(["80x24"] if "tab" in keys else []))
+    for size in sizes:
+        await compare(request, name, snapshot, size, *keys, queue=queue)
+
+
+@pytest.mark.parametrize(
+    ("name", "theme"),
+    [("ascii", "textual-dark"), ("16 colours", "high-contrast"), ("light", "textual-light")],
+)
+async def test_the_board_looks_as_accepted_elsewhere_too(
+    request: pytest.FixtureRequest, name: str, theme: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if name == "ascii":
+        monkeypatch.setenv("LC_ALL", "C")
+    snapshot, queue, keys = BOARDS["board under the cursor"]
+    shown = await compare(
+        request, f"board {name}", snapshot, "120x44", *keys, queue=queue, theme=theme
+    )
+    if name == "ascii":
+        text = re.sub("<[^>]*>", "", shown).replace("&#160;", " ").replace("&gt;", ">")
+        assert ">12" in text
+        assert "7a" in text
+        assert "20x" in text
 
 
 async def test_a_small_terminal_opens_at_the_top_with_the_percentage_in_the_header(
@@ -291,3 +336,23 @@ async def test_what_comes_while_the_screen_is_taken_down_is_harmless() -> None:
 
 def _must_not(*_: object, **__: object) -> None:
     raise AssertionError("redrawn for nothing")
+
+
+@pytest.mark.parametrize("size", ALL_SIZES)
+@pytest.mark.parametrize("name", ["request", "request opened"])
+async def test_what_an_assistant_asks_looks_as_accepted(
+    request: pytest.FixtureRequest, size: str, name: str
+) -> None:
+    app = stub_app(NORMAL, StandingClock(), size=SIZES[size])
+    async with app.run_test(size=SIZES[size]):
+        quiet = Quiet(app)
+        asker = Asker("AI", "assistant 4711")
+        goal = QueuedGoal(SHELF, {"shelf_number": 12})
+        app.station._face = app
+        app.station.requests.add(asker, goal, "go to shelf 12", NOW, 0)
+        app.look()
+        await rest(app, quiet)
+        if name == "request opened":
+            send(app, "A")
+            await rest(app, quiet)
+        assert differs(request, f"{name} {size}", app.export_screenshot(simplify=True)) == []

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from textual.widgets import Button
 
-from archo_tui.robot.state import Outcome
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.terminal.keyboard import Keyboard
 from archo_tui.terminal.typed import hand_on
 from tests.console.states import STATES
@@ -35,9 +35,9 @@ class Screen:
         async def ask(*_: Any, **__: Any) -> Outcome:
             gate = self.app.stops.gate()
             if name != "emergency_stop" and gate.is_shut:
-                return Outcome(False, "not sent")
+                return Outcome(Code.REFUSED, "not sent")
             self.asked.append(name)
-            return Outcome(True, "done")
+            return Outcome(Code.DONE, "done")
 
         return ask
 

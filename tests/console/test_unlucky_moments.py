@@ -6,17 +6,16 @@ import asyncio
 from contextvars import Context
 
 import pytest
-from rich.style import Style
 from textual import events
-from textual.command import CommandList
 from textual.geometry import Size
 from textual.widgets import Input
 from textual.widgets._toast import Toast
 
+from archo_tui.commands.palette import Commands
 from archo_tui.screens.alarms import AlarmList
+from archo_tui.screens.choose import Found
 from archo_tui.screens.help import Help
 from archo_tui.screens.main import MainScreen
-from archo_tui.screens.palette import Palette
 from tests.support.console import FAST, Console, click, console
 
 
@@ -41,7 +40,7 @@ async def test_the_palette_opens_again_while_the_last_one_still_goes() -> None:
             while op.app.screen is not op.app.main:
                 await asyncio.sleep(0)
         op.app.action_command_palette()
-        await op.until(lambda: isinstance(op.app.screen, Palette))
+        await op.until(lambda: isinstance(op.app.screen, Commands))
         await op.press("escape")
         assert op.app.screen is op.app.main
         await stop_works(op)
@@ -52,7 +51,7 @@ async def test_under_help_the_palette_is_not_opened_a_second_time() -> None:
         await op.press("ctrl+p", "f1", "ctrl+p")
         assert "Keys" in op.text
         await op.press("escape")
-        await op.until(lambda: isinstance(op.app.screen, Palette))
+        await op.until(lambda: isinstance(op.app.screen, Commands))
         await op.press("escape")
         assert op.app.screen is op.app.main
         await stop_works(op)
@@ -75,7 +74,7 @@ async def test_pages_of_a_palette_with_nothing_in_it_are_turned_in_vain() -> Non
     async with console(*FAST) as op:
         op.send("ctrl+p", "pagedown", "pageup")
         await op.settle()
-        await op.type("nothing is called so")
+        await op.type("zzz")
         await op.press("pagedown", "pageup", "end", "home", "enter", "escape")
         await op.press("escape")
         assert op.app.screen is op.app.main
@@ -85,15 +84,13 @@ async def test_pages_of_a_palette_with_nothing_in_it_are_turned_in_vain() -> Non
 async def test_a_click_on_what_the_palettes_list_no_longer_has_does_nothing() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p")
-        commands = op.app.screen.query_one(CommandList)
-        gone = Style.from_meta({"option": 999})
-        line, y = commands.region.offset
-        for target, x in ((commands, line), (op.app.screen, 999)):  # 999: beyond the terminal
-            target.post_message(
-                events.Click(target, x, y, 0, 0, 1, False, False, False, x, y, style=gone)
-            )
+        rows = op.app.screen.query_one(Found)
+        x, y = rows.region.offset
+        await op.type("zzz")
+        for at in (y, y + 2, 999):  # 999: beyond the terminal
+            rows.post_message(events.Click(rows, x, at, 0, 0, 1, False, False, False, x, at))
         await op.settle()
-        assert isinstance(op.app.screen, Palette)
+        assert isinstance(op.app.screen, Commands)
         await stop_works(op)
 
 
@@ -171,6 +168,23 @@ async def test_a_panel_that_has_no_room_any_more_hands_the_focus_on() -> None:
         await op.until(lambda: op.focused_panel == 4)
 
 
+async def test_escape_leads_to_no_panel_that_has_no_room_any_more() -> None:
+    async with console(*FAST, size=(160, 48)) as op:
+        await op.press("8", "g")
+        await op.pilot.resize_terminal(80, 24)
+        await op.press("escape")
+        assert op.focused_panel == 4
+
+
+async def test_a_click_beside_a_terminal_that_has_just_shrunk_takes_no_focus_away() -> None:
+    async with console(*FAST, size=(160, 48)) as op:
+        await op.press("5")
+        await op.pilot.resize_terminal(80, 24)
+        click(op.app, 130, 40)
+        await op.settle()
+        assert op.focused_panel == 5
+
+
 async def test_a_terminal_that_is_resized_behind_another_window_keeps_the_field() -> None:
     async with console(*FAST) as op:
         await op.press("g", "1")
@@ -199,8 +213,6 @@ async def test_stop_is_named_and_works_while_a_theme_is_chosen() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p")
         await op.type("theme")
-        await op.until("Change the current theme")
-        await op.press("enter")
-        await op.until("Search for themes")
+        await op.until("Theme nord")
         assert "^x" in op.text.splitlines()[-1]
         await stop_works(op)

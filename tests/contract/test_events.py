@@ -158,7 +158,7 @@ def test_messages_in_time_miss_no_deadline(ros: Ros) -> None:
     assert set(told) == {("heard",)}
 
 
-def test_who_must_say_that_it_is_alive_is_lost_without_a_word_and_comes_back(ros: Ros) -> None:
+def test_who_does_not_assert_liveliness_is_lost_and_comes_back(ros: Ros) -> None:
     told: Told = []
     node = ros.node()
     publisher = pair(node, MANUAL, told)
@@ -207,7 +207,7 @@ def test_publishers_are_alive_each_for_itself(ros: Ros) -> None:
 @pytest.mark.parametrize(
     "liveliness", [LivelinessPolicy.AUTOMATIC, LivelinessPolicy.MANUAL_BY_TOPIC]
 )
-def test_only_who_must_say_that_it_is_alive_loses_its_lease_and_only_a_lease_is_watched(
+def test_only_who_must_assert_liveliness_loses_its_lease(
     ros: Ros, liveliness: LivelinessPolicy
 ) -> None:
     told: Told = []

@@ -220,6 +220,16 @@ def test_a_task_returns_its_value_and_awaits_futures(ros: Ros) -> None:
     assert ros.result(task) == "got it"
 
 
+def test_tasks_begin_in_the_order_in_which_they_were_given(ros: Ros) -> None:
+    executor = SingleThreadedExecutor(context=ros.context)
+    begun: list[int] = []
+    for number in range(5):
+        executor.create_task(begun.append, number)
+    ros.spin_here(executor, lambda: len(begun) == 5)
+    assert begun == [0, 1, 2, 3, 4]
+    executor.shutdown()
+
+
 def test_a_future_has_one_of_three_ends() -> None:
     calls: list[Any] = []
     done: Future[int] = Future()
@@ -300,7 +310,7 @@ def test_a_node_that_is_removed_in_a_callback_still_runs_what_is_ready(ros: Ros)
     executor.shutdown(0)
 
 
-def test_of_a_node_that_is_removed_in_the_middle_of_a_round_nothing_more_is_run(ros: Ros) -> None:
+def test_nothing_more_is_run_of_a_node_that_is_removed_meanwhile(ros: Ros) -> None:
     nodes = ros.node("first"), ros.node("second")
     executor = SingleThreadedExecutor(context=ros.context)
     ran: list[str] = []

@@ -17,8 +17,8 @@ from rclpy.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from rclpy.expand_topic_name import expand_topic_name
 from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
+from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
-from rclpy.timer import TimerInfo
 from rclpy.utilities import remove_ros_args
 from rclpy.validate_topic_name import validate_topic_name
 from rclpy.wait_for_message import wait_for_message
@@ -193,10 +193,16 @@ def test_a_line_is_logged_at_a_severity(ros: Ros) -> None:
 
 def test_init_returns_what_ends_it_again() -> None:
     context = Context()
-    with rclpy.init(args=[], context=context) as begun:
-        assert begun.context is context
-        assert context.ok()
-    assert not context.ok()
+    no = SignalHandlerOptions.NO
+    begun = rclpy.init(args=[], context=context, signal_handler_options=no)
+    try:
+        with begun:
+            assert begun.context is context
+            assert not begun.installed_signal_handlers
+            assert context.ok()
+        assert not context.ok()
+    finally:
+        context.try_shutdown()  # else its logging is that of the tests behind this one
 
 
 def test_names_are_checked_expanded_and_arguments_sorted_out() -> None:
@@ -208,6 +214,8 @@ def test_names_are_checked_expanded_and_arguments_sorted_out() -> None:
 
 
 def test_a_timer_tells_when_it_should_have_called_to_a_callback_that_asks(ros: Ros) -> None:
+    from rclpy.timer import TimerInfo  # not in every release
+
     told: list[TimerInfo] = []
 
     def tick(info: Any) -> None:
@@ -237,6 +245,8 @@ def test_loggers_levels_are_seen_and_set_through_services(ros: Ros) -> None:
     assert answer.levels[0].level == LoggerLevel.LOG_LEVEL_ERROR
     child = ros.result(get.call_async(GetLoggerLevels.Request(names=["some.logger.child"])))
     assert child.levels[0].level == LoggerLevel.LOG_LEVEL_UNKNOWN  # what it inherits is not its own
+    root = ros.result(get.call_async(GetLoggerLevels.Request(names=["talker", ""])))
+    assert [one.level for one in root.levels] == [0, LoggerLevel.LOG_LEVEL_INFO]
     levels[0].level = 33
     refused = ros.result(put.call_async(SetLoggerLevels.Request(levels=levels))).results[0]
     assert not refused.successful

@@ -173,7 +173,6 @@ def test_services_tell_and_change_the_state(ros: Ros) -> None:
 
     assert ask("get_state").current_state.label == "unconfigured"
     assert ask("change_state", id=Transition.TRANSITION_CONFIGURE).success
-    assert not ask("change_state", id=Transition.TRANSITION_CONFIGURE).success
     assert ask("get_state").current_state.label == "inactive"
     found = ask("get_available_transitions").available_transitions
     assert [(t.transition.id, t.transition.label, t.goal_state.label) for t in found] == [
@@ -183,12 +182,22 @@ def test_services_tell_and_change_the_state(ros: Ros) -> None:
     ]
     assert ask("change_state", label="activate").success
     assert ask("change_state", id=1, label="deactivate").success  # the label counts
-    assert not ask("change_state", id=77).success
     assert len(ask("get_available_states").available_states) == 11
     graph = ask("get_transition_graph").available_transitions
     assert (len(graph), graph[0].transition.label) == (25, "configure")
     wait_until(lambda: len(events) == 6)
     assert events[:2] == [("unconfigured", "configuring"), ("configuring", "inactive")]
+
+
+@pytest.mark.parametrize("transition", [Transition.TRANSITION_ACTIVATE, 77])
+def test_a_transition_that_does_not_start_here_is_answered_so(ros: Ros, transition: int) -> None:
+    told = made(ros)
+    ros.spin(told)
+    client = ros.spun("asker").create_client(ChangeState, "/told/change_state")
+    assert client.wait_for_service(10.0)
+    request = ChangeState.Request(transition=Transition(id=transition))
+    assert not ros.result(client.call_async(request)).success
+    assert at(told) == "unconfigured"
 
 
 def test_without_its_interface_a_node_offers_nothing(ros: Ros) -> None:

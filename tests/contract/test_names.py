@@ -223,9 +223,7 @@ BAD_NAMES = {  # and what ROS says against it
 
 
 @pytest.mark.parametrize("name", BAD_NAMES)
-def test_a_name_that_is_none_is_an_error_of_its_kind_wherever_it_is_given(
-    name: str, ros: Ros
-) -> None:
+def test_an_invalid_name_is_an_error_of_its_kind_wherever_it_is_given(name: str, ros: Ros) -> None:
     node, said = ros.node(), re.escape(BAD_NAMES[name])
     for count in (node.count_publishers, node.count_subscribers, node.count_services):
         with pytest.raises(ValueError, match=said):

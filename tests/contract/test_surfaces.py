@@ -14,7 +14,6 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
-from rclpy.timer import TimerInfo
 from rclpy.type_description_service import START_TYPE_DESCRIPTION_SERVICE_PARAM
 from rclpy.utilities import remove_ros_args
 from std_msgs.msg import Float32MultiArray, Header, Int32
@@ -33,7 +32,6 @@ def made(ros: Ros) -> dict[str, Any]:
         "service": node.create_service(Trigger, "s", lambda request, response: response),
         "client": node.create_client(Trigger, "s"),
         "timer": node.create_timer(1.0, lambda: None),
-        "info": TimerInfo(),
     }
 
 
@@ -45,7 +43,6 @@ def made(ros: Ros) -> dict[str, Any]:
         ("service", ("service_name", "handle", "logger_name")),
         ("client", ("service_name", "handle", "logger_name")),
         ("timer", ("clock", "handle")),
-        ("info", ("expected_call_time", "actual_call_time")),
     ],
 )
 def test_what_the_graph_knows_is_read_only(
@@ -82,8 +79,6 @@ def test_a_negative_wait_for_others_is_over_at_once(ros: Ros) -> None:
     mover = ActionClient(node, MoveToShelf, "move")
     assert mover.wait_for_server(-1.0) is False
     mover.destroy()
-    with pytest.raises(TimeoutError):
-        client.call(Trigger.Request(), timeout_sec=-1.0)
 
 
 def test_an_answer_goes_to_the_header_of_a_request(made: dict[str, Any]) -> None:
@@ -103,9 +98,8 @@ def test_behind_shutdown_a_callback_for_it_is_called_at_once(ros: Ros) -> None:
 def test_a_context_has_a_handle_from_init_on() -> None:
     context = Context()
     assert context.handle is None
-    begun = rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
+    rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     assert context.handle is not None
-    assert not begun.installed_signal_handlers
     context.try_shutdown()
 
 
@@ -115,7 +109,7 @@ def test_arguments_that_ros_does_not_know_are_refused_when_they_are_removed() ->
         remove_ros_args(["x", "--ros-args", "--bad"])
 
 
-def test_numbers_of_an_array_are_converted_when_it_is_made_and_not_when_it_is_assigned() -> None:
+def test_numbers_are_converted_when_an_array_is_made_not_when_it_is_assigned() -> None:
     message = Float32MultiArray(data=[1, 2])
     assert message.data.tolist() == [1.0, 2.0]
     with pytest.raises(AssertionError, match="each value of type 'float'"):

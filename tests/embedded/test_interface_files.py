@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui import own_interfaces
 from archo_tui.embedded.idl import InterfaceError, parse
 from archo_tui.embedded.idl_types import FieldType
 from archo_tui.errors import ArchoError
+from archo_tui.hosting import own_interfaces
 from tests.embedded.interface_lines import READ, REFUSED
 
 

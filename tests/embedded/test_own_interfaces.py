@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 import archo_tui
-from archo_tui import own_interfaces
 from archo_tui.errors import ArchoError
+from archo_tui.hosting import own_interfaces
 from tests.support import chosen
 from tests.support.script import Script
+from tests.support.shells import said
 from tests.support.terminal import Terminal
 
 INTERFACES = Path(archo_tui.__file__).parent.parent / "interfaces"
@@ -50,6 +51,7 @@ def test_a_saved_interface_restarts_everything_and_a_broken_one_does_not(tmp_pat
     terminal.until("the last is humidity")
     terminal.write("g7\r")
     terminal.until("MOVING to 7")  # the robot's own nodes took it, too
+    assert said("wait", "arrived", "--timeout", "0").code == 4  # other programs reach it again
     terminal.write("\x03")
     terminal.until("CANCELLED")
     terminal.write("q")

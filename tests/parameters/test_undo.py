@@ -6,8 +6,9 @@ import asyncio
 from types import SimpleNamespace
 from typing import Any
 
-from archo_tui.parameters.undo import LIMIT, UndoList
-from archo_tui.robot.state import Outcome, Parameter
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Parameter
+from archo_tui.station.undo import LIMIT, UndoList
 
 
 class Robot:
@@ -27,9 +28,9 @@ class Robot:
         if self.answer:
             await self.answer.wait()
         if self.refuses:
-            return Outcome(False, "no")
+            return Outcome(Code.REFUSED, "no")
         self.value = values["p"]
-        return Outcome(True, "done")
+        return Outcome(Code.DONE, "done")
 
 
 async def test_a_change_that_was_refused_cannot_be_undone() -> None:
@@ -93,5 +94,5 @@ async def test_what_a_node_that_left_has_no_more_is_not_set() -> None:
     edits = UndoList()
     robot.has_left = True
     outcome = await edits.set_parameters(robot, "/n", {"p": 1})
-    assert (outcome.ok, outcome.text) == (False, "/n does not report p any more")
+    assert outcome == (Code.NOT_OFFERED, "/n does not report p any more")
     assert (robot.value, edits.last) == (0, None)

@@ -15,13 +15,13 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool
 
-from archo_tui.alarms import MIXED, TWICE, WORD, conditions
-from archo_tui.history import History
 from archo_tui.robot.period import Period, is_silent
 from archo_tui.robot.state import Snapshot
-from archo_tui.state_text import age, battery_line, battery_word, motion_word, plain
-from archo_tui.station import View
+from archo_tui.station.alarms import MIXED, TWICE, WORD, conditions
+from archo_tui.station.history import History
+from archo_tui.station.station import View
 from archo_tui.widgets.bars import header
+from archo_tui.words.state import age, battery_line, battery_word, motion_word, plain
 from tests.support import chosen, clock
 from tests.support.archo import go
 from tests.support.console import console
@@ -104,7 +104,7 @@ async def test_a_topic_of_two_types_that_would_both_do_is_said() -> None:
         await until(lambda: f"{said}std_msgs/msg/Float32" in [e.text for e in it.snapshot.events])
 
 
-async def test_an_unknown_word_of_health_is_shown_as_it_is_and_hides_no_low_battery() -> None:
+async def test_an_unknown_word_of_health_is_shown_and_hides_no_low_battery() -> None:
     async with robot(battery(percentage=80.0, voltage=24.0, battery_health="swollen")) as it:
         await until(lambda: it.snapshot.battery.received)
         assert battery_word(it.snapshot)[:2] == ("?", "swollen")
@@ -331,11 +331,11 @@ async def test_a_refusal_in_the_log_counts_only_from_the_node_that_moves() -> No
 
 
 async def test_a_strange_name_of_a_type_is_only_unknown(monkeypatch: pytest.MonkeyPatch) -> None:
-    from archo_tui.robot import interfaces
+    from archo_tui.robot import message_classes
 
-    assert interfaces.load("nonsense") is None
-    assert interfaces.load("a/b/c/d") is None
-    assert interfaces.load("rcl_interfaces/msg/Log") is Log
+    assert message_classes.load("nonsense") is None
+    assert message_classes.load("a/b/c/d") is None
+    assert message_classes.load("rcl_interfaces/msg/Log") is Log
 
 
 async def test_nodes_that_come_in_another_namespace_are_seen_from_an_empty_one() -> None:

@@ -18,8 +18,9 @@ from unique_identifier_msgs.msg import UUID
 
 from archo_tui.embedded import bounded_yaml
 from archo_tui.robot.fields import checked, filled, put
-from archo_tui.robot.interfaces import load
-from archo_tui.written import block
+from archo_tui.robot.message_classes import load
+from archo_tui.robot.outcome import Code
+from archo_tui.robot_file.written import block
 from tests.support import chosen
 from tests.support.quiet import ended
 from tests.support.robot import robot
@@ -48,13 +49,13 @@ REFUSED = [
     ("double", {"x": 0.0}, "{x: 0.0} is not a number"),
     ("double", None, "null is not a number"),
     ("string", 12, "12 is not a text"),
-    ("string", "a\0b", '"a\\0b" holds a character of code 0'),
-    ("string", "\ud800", '"\\uD800" holds half of a character'),
-    ("wstring", "\udfff", '"\\uDFFF" holds half of a character'),
+    ("string", "a\0b", '"a\\0b" contains a null character'),
+    ("string", "\ud800", '"\\uD800" contains half of a surrogate pair'),
+    ("wstring", "\udfff", '"\\uDFFF" contains half of a surrogate pair'),
     ("string<8>", "123456789012", '"123456789012" has 12 characters, at most 8'),
     ("wstring<2>", "日本語", '"日本語" has 3 characters, at most 2'),
-    ("wstring", "\ufeffa", "begins with a mark of the byte order, which ROS takes away"),
-    ("sequence<wstring<4>>", ["\ufffea"], "begins with a mark of the byte order"),
+    ("wstring", "\ufeffa", "begins with a byte order mark, which ROS removes"),
+    ("sequence<wstring<4>>", ["\ufffea"], "begins with a byte order mark"),
     ("uint8[4]", [1], "[1] has 1 elements, not 4"),
     ("uint8[2]", [1, 2, 3], "[1, 2, 3] has 3 elements, not 2"),
     ("uint8[2]", b"ab", '!!binary "YWI=" is not a list'),
@@ -182,5 +183,5 @@ async def test_a_value_that_does_not_fit_is_never_sent() -> None:
     async with robot(maker) as it:
         wrong = {"parameters": [{"name": "x", "value": {"type": 300}}]}
         outcome = await ended(it.call("ask", kind, wrong))
-        assert outcome == (False, "parameters[0].value.type: 300 is not within 0 .. 255")
+        assert outcome == (Code.MISUSE, "parameters[0].value.type: 300 is not within 0 .. 255")
         assert made[0].requests == []

@@ -9,7 +9,7 @@ import pytest
 
 from archo_tui.robot.forms import parse
 from archo_tui.robot.state import Leaf
-from archo_tui.robots.model import Input
+from archo_tui.robot_file.model import FormField
 
 
 @pytest.mark.parametrize(
@@ -38,7 +38,7 @@ from archo_tui.robots.model import Input
     ],
 )
 def test_the_type_of_the_field_decides(kind: str, text: str, value: Any) -> None:
-    assert parse(Leaf("x", kind, None), Input(), text) == value
+    assert parse(Leaf("x", kind, None), FormField(), text) == value
 
 
 @pytest.mark.parametrize("text", ["1_2", "０５", "٣", "1_0.5", "infinity", "0x10", "1 2", "--1"])
@@ -49,14 +49,14 @@ def test_the_type_of_the_field_decides(kind: str, text: str, value: Any) -> None
 def test_what_only_python_or_yaml_takes_is_no_number(kind: str, what: str, text: str) -> None:
     typed = f"[{text}]" if what == "a list" else text
     with pytest.raises(ValueError) as caught:
-        parse(Leaf("x", kind, None), Input(label="Way"), typed)
+        parse(Leaf("x", kind, None), FormField(label="Way"), typed)
     assert str(caught.value) == f"Way: not {what}: {typed}"
 
 
 @pytest.mark.parametrize("text", ["nan", ".nan", ".NaN"])
 def test_nan_is_the_same_in_a_field_and_in_a_list(text: str) -> None:
-    assert math.isnan(parse(Leaf("x", "float", None), Input(), text))
-    assert math.isnan(parse(Leaf("x", "sequence<float>", None), Input(), f"[{text}]")[0])
+    assert math.isnan(parse(Leaf("x", "float", None), FormField(), text))
+    assert math.isnan(parse(Leaf("x", "sequence<float>", None), FormField(), f"[{text}]")[0])
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_nan_is_the_same_in_a_field_and_in_a_list(text: str) -> None:
         ("string<8>", "abcdefghijkl", "x: abcdefghijkl has 12 characters, at most 8"),
         ("string", "a" * 10_001, "x: 10001 characters, at most 10000"),
         ("sequence<string>", f"[{'a' * 10_000}]", "x: 10002 characters, at most 10000"),
-        ("string", "a\0", 'x: "a\\0" holds a character of code 0'),
+        ("string", "a\0", 'x: "a\\0" contains a null character'),
         ("builtin_interfaces/Time[1]", "[{sec: 1, sec: 2}]", "x: sec is given twice: "),
         ("builtin_interfaces/Time[1]", "[{sec: 1.5}]", "x[0].sec: 1.5 is not a whole number"),
     ],
@@ -85,7 +85,7 @@ def test_what_does_not_fit_the_field_is_said_as_it_is_typed(
     kind: str, text: str, said: str
 ) -> None:
     with pytest.raises(ValueError) as caught:
-        parse(Leaf("x", kind, None), Input(), text)
+        parse(Leaf("x", kind, None), FormField(), text)
     assert str(caught.value).startswith(said)
     assert len(str(caught.value).splitlines()) == 1
 
@@ -93,14 +93,14 @@ def test_what_does_not_fit_the_field_is_said_as_it_is_typed(
 @pytest.mark.parametrize(
     ("given", "text", "said"),
     [
-        (Input(low=0.0), "nan", "x: at least 0, not nan"),
-        (Input(high=9.0), "nan", "x: at most 9, not nan"),
-        (Input(high=9.0), "inf", "x: at most 9, not inf"),
-        (Input(convert="yaw"), "inf", "x: not a finite number: inf"),
-        (Input(convert="yaw"), "nan", "x: not a finite number: nan"),
+        (FormField(low=0.0), "nan", "x: at least 0, not nan"),
+        (FormField(high=9.0), "nan", "x: at most 9, not nan"),
+        (FormField(high=9.0), "inf", "x: at most 9, not inf"),
+        (FormField(convert="yaw"), "inf", "x: not a finite number: inf"),
+        (FormField(convert="yaw"), "nan", "x: not a finite number: nan"),
     ],
 )
-def test_what_is_no_number_fits_no_range(given: Input, text: str, said: str) -> None:
+def test_what_is_no_number_fits_no_range(given: FormField, text: str, said: str) -> None:
     with pytest.raises(ValueError) as caught:
         parse(Leaf("x", "double", None), given, text)
     assert str(caught.value) == said

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from rclpy.node import Node
 
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Life
 from archo_tui.session import Options, Session
 from tests.support import chosen, clock
@@ -63,12 +65,20 @@ def test_the_crashed_node_has_left_the_graph() -> None:
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == [])
 
 
+def test_a_node_that_does_not_stop_in_time_may_do_so_later() -> None:
+    options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
+    with Session(options, clock.current) as session, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session.host.nodes[0], "stop", lambda: False)
+        outcome = session.host.stop_node("/good")
+        assert outcome == (Code.TIMEOUT, "/good does not stop: its callback does not return")
+
+
 def test_a_restarted_copy_keeps_its_own_name() -> None:
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
     with Session(options, clock.current) as session:
         assert session.host.copy_node("/good").ok
         assert session.host.stop_node("/good_2").ok
-        assert session.host.start_node("/good_2") == (True, "/good_2 started")
+        assert session.host.start_node("/good_2") == (Code.DONE, "/good_2 started")
         assert [hosted.name for hosted in session.host.nodes] == ["/good", "/good_2"]
         wait_until(lambda: [n.name for n in session.robot.snapshot.nodes] == ["/good", "/good_2"])
 
@@ -77,7 +87,7 @@ def test_a_node_that_runs_is_not_started_again() -> None:
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain(), node_makers=(Good,))
     with Session(options, clock.current) as session:
         (good,) = session.host.nodes
-        assert session.host.start_node("/good") == (False, "/good is running")
+        assert session.host.start_node("/good") == (Code.REFUSED, "/good is running")
         assert session.host.nodes == [good]
         seen = good.node.count  # type: ignore[attr-defined]
         wait_until(lambda: good.node.count > seen)  # type: ignore[attr-defined]

@@ -9,6 +9,7 @@ from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient, ActionServer
 from rclpy.node import Node
 
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
 from tests.support.archo import SHELF, go
 from tests.support.quiet import ended, until
@@ -45,7 +46,7 @@ async def test_a_goal_whose_sending_raises_is_refused_and_the_next_one_goes(
             patched.setattr(ActionClient, "send_goal_async", raises)
             outcome = await ended(go(it, 7))
         reason = f"not sent: {type(error).__name__}: {error}"
-        assert outcome == (False, reason)
+        assert outcome == (Code.REFUSED, reason)
         await until(lambda: it.snapshot.goal is not None)
         goal = it.snapshot.goal
         assert goal is not None
@@ -69,7 +70,7 @@ async def test_a_goal_whose_value_does_not_fit_never_becomes_one(value: Any, sai
     async with robot(lambda **options: Shelves(made, **options)) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         outcome = await ended(it.send(SHELF, {"shelf_number": value}))
-        assert outcome == (False, said)
+        assert outcome == (Code.MISUSE, said)
         assert it.snapshot.goal is None
         assert (await ended(go(it, 8))).ok
         assert made[0].heard[:1] in ([], [8])

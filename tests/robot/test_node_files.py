@@ -11,7 +11,7 @@ import pytest
 
 import tests.contract.textbook as textbook
 from archo_tui.errors import ArchoError
-from archo_tui.node_files import IMPORT_TIME, NodeFile
+from archo_tui.hosting.node_files import IMPORT_TIME, NodeFile
 from archo_tui.robot.text import HIDDEN
 from archo_tui.session import Options, Session
 from tests.support import chosen, clock
@@ -70,7 +70,7 @@ async def test_only_leaves_the_robots_own_nodes_out(here: Path) -> None:
     async with console(node_files=[written(here, GREETER)], only=True, wait=False) as op:
         await op.until("hello from my own node")
         assert [hosted.name for hosted in op.session.host.nodes] == ["/greeter"]
-        await op.until("move_to_shelf: not offered by any node")
+        await op.until("move_to_shelf is not offered by any node")
 
 
 async def test_it_is_stopped_started_and_not_copied_under_its_own_name(here: Path) -> None:

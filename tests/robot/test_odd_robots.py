@@ -8,6 +8,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
@@ -21,8 +22,10 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
+from archo_tui.robot.acts import Act
 from archo_tui.robot.followed import Followed
-from archo_tui.robot.others import Others
+from archo_tui.robot.others import CLIENT, CONSOLE, Others
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion, Phase
 from tests.console.states import goal
 from tests.support import clock
@@ -192,10 +195,14 @@ def test_the_time_that_is_left_counts_down_between_two_feedbacks() -> None:
     assert moving.seconds_left(NOW + 9.0) == 0.0
 
 
+def set_(node: str, code: Code = Code.DONE, **values: Any) -> Act:
+    return Act("set", {"node": node, "values": values}, code)
+
+
 def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
-    others = Others(["Reset encoder"])
-    others.heard("set motor speed 0.5: no answer in 2 s from /motor", 10.0)
-    others.heard("set motor ramp 2.0: ramp is 2.0, was 1.0", 10.0)
+    others = Others({"reset"}, {})
+    others.told(set_("/motor", Code.TIMEOUT, speed=0.5), 10.0)
+    others.told(set_("/motor", ramp=2.0), 10.0)
     others.parameter("/motor", "speed", 1.0, 0.5, 15.0)
     others.parameter("/motor", "ramp", 2.0, 3.0, 15.0)
     assert others.unexplained(19.5) == ["motor ramp changed by another client (2.0 -> 3.0)"]
@@ -203,14 +210,66 @@ def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
     assert others.unexplained(44.5) == ["motor speed changed by another client (0.5 -> 0.6)"]
 
 
-def test_what_a_console_says_only_when_all_its_servers_had_their_time_is_its_doing() -> None:
-    others = Others(["Reset encoder"])
+def test_what_a_console_says_late_is_still_its_doing() -> None:
+    others = Others({"reset"}, {})
     moving = Motion(count=1, moving=True, stopped=False, received=10.0)
     others.motion(moving, 10.0)
     others.motion(replace(moving, stopped=True, received=10.2), 10.2)
     assert others.unexplained(13.0) == []
-    others.heard("STOP: 1 of 2 answered in 3 s: use the hardware stop", 13.1)
+    others.told(Act("stop", {}, Code.TIMEOUT), 13.1)
     assert others.unexplained(20.0) == []
+
+
+@pytest.mark.parametrize(
+    ("act", "is_explained"),
+    [
+        (set_("/motor", speed=0.5), True),
+        (set_("/motor", ramp=1.0, speed=0.5), True),
+        (set_("/motor", Code.REFUSED, speed=0.5), True),  # it may have been done in part
+        (set_("/motor", Code.CANCELLED, speed=0.5), False),  # it never left
+        (set_("/motor", ramp=2.0), False),
+        (set_("/other", speed=0.5), False),
+        (Act("stop", {"node": "/motor", "values": {"speed": 0.5}}, Code.DONE), False),
+        (Act("set", {"node": "/motor", "values": "speed"}, Code.DONE), False),
+        (Act("set", {}, Code.DONE), False),
+    ],
+)
+def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
+    act: Act, is_explained: bool
+) -> None:
+    others = Others((), {})
+    others.told(act, 10.0)
+    others.parameter("/motor", "speed", 1.0, 0.5, 10.5)
+    said = [] if is_explained else ["motor speed changed by another client (1.0 -> 0.5)"]
+    assert others.unexplained(15.0) == said
+
+
+@pytest.mark.parametrize(
+    ("act", "said"),
+    [
+        (Act("reset", {}, Code.DONE), []),
+        (Act("call", {"service": "/r1/reset", "values": {}}, Code.DONE), []),
+        (Act("call", {"service": "/r2/reset"}, Code.DONE), ["encoder reset by another client"]),
+        (Act("call", {"service": ["/r1/reset"]}, Code.DONE), ["encoder reset by another client"]),
+        (Act("go", {"shelf_number": 3}, Code.ACCEPTED), ["encoder reset by another client"]),
+    ],
+)
+def test_a_robot_files_command_zeroes_the_count_however_it_is_called(
+    act: Act, said: list[str]
+) -> None:
+    others = Others({"reset"}, {"/r1/reset": "reset"})
+    others.motion(Motion(count=5, received=10.0), 10.0)
+    others.motion(Motion(count=0, received=10.2), 10.2)
+    others.told(act, 10.3)
+    assert others.unexplained(15.0) == [f"{line} (5 -> 0)" for line in said]
+
+
+def test_where_a_console_does_not_tell_what_it_does_it_may_have_been_that() -> None:
+    others = Others((), {})
+    others.who = CONSOLE
+    others.parameter("/motor", "speed", 1.0, 0.5, 10.0)
+    others.who = CLIENT  # it has left since
+    assert others.unexplained(15.0) == ["motor speed changed by another console (1.0 -> 0.5)"]
 
 
 class Told(Node):

@@ -10,6 +10,7 @@ from rclpy.node import Node
 
 from archo_tui.parameters.save_load import plan
 from archo_tui.robot.client import Robot
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.parameter_values import fit
 from archo_tui.robot.state import Parameter
 from tests.support.quiet import ended, until
@@ -76,8 +77,8 @@ async def test_a_node_gets_the_value_that_was_meant(name: str, value: Any) -> No
     [
         ("count", 2**63, "count: 9223372036854775808 is not within -9223372036854775808 .. "),
         ("counts", [1, -(2**63) - 1], "counts[1]: -9223372036854775809 is not within"),
-        ("name", "a\0b", 'name: "a\\0b" holds a character of code 0'),
-        ("names", ["a", "\ud800"], 'names[1]: "\\uD800" holds half of a character'),
+        ("name", "a\0b", 'name: "a\\0b" contains a null character'),
+        ("names", ["a", "\ud800"], 'names[1]: "\\uD800" contains half of a surrogate pair'),
     ],
 )
 async def test_a_value_that_no_parameter_can_have_is_not_sent(
@@ -87,7 +88,7 @@ async def test_a_value_that_no_parameter_can_have_is_not_sent(
     async with robot(lambda **options: Tunable(made, **options)) as it:
         await known(it)
         outcome = await ended(it.set_parameters("/tunable", {"on": True, name: value}))
-        assert not outcome.ok
+        assert outcome.code == Code.MISUSE
         assert outcome.text.startswith(said)
         assert made[0].has(name) == DECLARED[name]
         assert made[0].has("on") is False

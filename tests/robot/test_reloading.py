@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from textual.widgets import Static
 
-from archo_tui.host import HostedNode
+from archo_tui.hosting.host import HostedNode
 from archo_tui.robot.state import Event, Life
 from archo_tui.session import Options, Session
 from tests.support import chosen, clock
@@ -60,7 +60,7 @@ async def save(op: Console, file: Path, text: str) -> None:
 def _by_hand(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """Only what `save` says is read again, unless the test is about the watching."""
     if not request.node.get_closest_marker("real_time"):
-        monkeypatch.setattr("archo_tui.watch.Watch.start", lambda self: None)
+        monkeypatch.setattr("archo_tui.hosting.watch.Watch.start", lambda self: None)
 
 
 @pytest.mark.real_time
@@ -188,7 +188,7 @@ async def test_parameters_that_were_set_are_set_again_where_they_fit(here: Path)
         await op.until("gain 2.5 was not set again")
 
 
-async def test_what_was_set_line_by_line_is_set_again_and_what_was_undone_is_not(
+async def test_what_was_set_is_set_again_and_what_was_undone_is_not(
     here: Path,
 ) -> None:
     file = here / "talker.py"
@@ -234,7 +234,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     limit = 3.0 if chosen.ENGINE == "embedded" else 8.0
-    monkeypatch.setattr("archo_tui.node_files.CONSTRUCTION_TIME", limit)
+    monkeypatch.setattr("archo_tui.hosting.node_files.CONSTRUCTION_TIME", limit)
     # while it is waited for it takes all of a core, from other tests too
     monkeypatch.setattr(HostedNode.stop, "__defaults__", (0.5,))
     file = here / "talker.py"

@@ -12,6 +12,13 @@ from tests.support import chosen, clock
 ROUNDS = 50
 
 
+def test_what_is_said_behind_the_end_is_heard_by_nobody_and_disturbs_nobody() -> None:
+    session = Session(Options(engine=chosen.ENGINE, domain_id=chosen.next_domain()), clock.current)
+    session.start()
+    assert session.close() == []
+    session.robot.note("ERROR", "motor_controller", "crashed")
+
+
 def descriptors() -> int:
     gc.collect()
     return len(os.listdir("/proc/self/fd"))

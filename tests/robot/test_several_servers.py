@@ -15,8 +15,9 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
-from archo_tui.alarms import OUTLIVED, STOPS, UNCONFIRMED, conditions
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import OpenStop, Phase, StopAnswer
+from archo_tui.station.alarms import OUTLIVED, STOPS, UNCONFIRMED, conditions
 from tests.console.states import STATES
 from tests.support import clock
 from tests.support.archo import go
@@ -92,25 +93,25 @@ def alarms(it: Any) -> dict[str, str]:
 
 
 @pytest.mark.parametrize(
-    ("says", "ok", "said"),
+    ("says", "code", "said"),
     [
-        ("yes", True, "yes"),
-        ("no", False, "REFUSED by 1 of 2: b no: use the hardware stop"),
-        ("nothing", False, "1 of 2 answered in 3 s: use the hardware stop"),
+        ("yes", Code.DONE, "yes"),
+        ("no", Code.REFUSED, "REFUSED by 1 of 2: b no: use the hardware stop"),
+        ("nothing", Code.TIMEOUT, "1 of 2 answered in 3 s: use the hardware stop"),
     ],
 )
 async def test_one_stop_counts_the_answers_of_all_its_servers(
-    says: str, ok: bool, said: str
+    says: str, code: Code, said: str
 ) -> None:
     made: list[Brake] = []
     makers = making(made, Brake, "a"), making(made, Brake, "b", says)
     async with robot(*makers) as it:
         await until(lambda: "emergency_stop" in it.snapshot.several)
         outcome = await ended(it.emergency_stop())
-        assert outcome.ok == ok
+        assert outcome.code == code
         assert said in outcome.text
         assert all(brake.asked for brake in made)
-        assert (it.snapshot.open_stop is None) == ok
+        assert (it.snapshot.open_stop is None) == outcome.ok
         for brake in made:
             brake.awake.set_result(True)
 
@@ -169,7 +170,7 @@ async def test_a_stop_that_is_refused_late_says_why_and_is_not_sent_again() -> N
         assert made[0].asked < 5
 
 
-async def test_the_late_answer_to_a_stop_before_a_release_is_none_to_the_next_stop() -> None:
+async def test_a_late_answer_to_one_stop_is_none_to_the_next() -> None:
     made: list[Brake] = []
     async with robot(making(made, Brake, "a", "yes", 4.0)) as it:
         await until(lambda: "emergency_stop" in it.snapshot.offered)
@@ -257,7 +258,7 @@ class Running(Node):
 
 
 @pytest.mark.parametrize("is_cancelled", [False, True])
-async def test_a_goal_of_a_server_that_was_restarted_at_once_does_not_run_for_ever(
+async def test_a_goal_of_a_restarted_server_does_not_run_for_ever(
     is_cancelled: bool,
 ) -> None:
     made: list[Drive] = []
@@ -273,7 +274,8 @@ async def test_a_goal_of_a_server_that_was_restarted_at_once_does_not_run_for_ev
         if is_cancelled:
             await until(lambda: it.snapshot.several == {})
             assert not (await ended(it.cancel())).ok
-            end = clock.seconds() + 0.5
+            if clock.current is not None:  # on real ROS 2 the answer itself may come late
+                end = clock.seconds() + 0.5
         await until(lambda: clock.seconds() > end or it.snapshot.history)
         assert it.snapshot.history
         assert it.snapshot.history[0].message.startswith("the robot no longer knows this goal")

@@ -11,6 +11,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 
+from archo_tui.robot.outcome import Code
 from archo_tui.robot.stops import NOT_SENT
 from tests.support.archo import SHELF, go
 from tests.support.quiet import ended, until
@@ -69,7 +70,7 @@ async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> No
         assert made[0].executor is not None
         made[0].executor.create_task(lambda: made[0].takes.set_result(True))
         await until(task.done)
-        assert not task.result().ok
+        assert task.result() == (Code.CANCELLED, "accepted after a STOP: cancelling it")
         await until(lambda: made[0].cancels >= 1)
 
 
@@ -85,6 +86,8 @@ async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> N
         with it.stops.at(it.stops.count):
             it.stops.read()
             outcome = await ended(it.send(SHELF, {"shelf_number": 3}))
-        assert (outcome.ok, outcome.text) == (False, NOT_SENT)
+            queued = await ended(it.send(SHELF, {"shelf_number": 4}, queued=True))
+        assert outcome == (Code.CANCELLED, NOT_SENT)
+        assert queued == (Code.HELD, NOT_SENT)  # it waits for the operator's word
         assert made[0].asked == 0
         assert it.snapshot.goal is None

@@ -16,9 +16,9 @@ from archo_tui.robot import messages, ros2_command
 from archo_tui.robot.fields import checked, filled
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.parameter_values import as_python
-from archo_tui.robots.model import Input
+from archo_tui.robot_file.model import FormField
+from archo_tui.robot_file.written import flow
 from archo_tui.screens.message_form import _yaml
-from archo_tui.written import flow
 from tests.support.values import installed, told, value_of, values_of
 
 TYPES = installed()
@@ -39,7 +39,7 @@ def test_a_prefilled_form_that_is_sent_untouched_is_the_types_defaults(package: 
 def sends_untouched(name: str, made: Any) -> None:
     """A form, and a text, that are filled with that message send it."""
     leaves = list(messages.leaves(made))
-    typed = {leaf.path: parse(leaf, Input(), default_text(leaf)) for leaf in leaves}
+    typed = {leaf.path: parse(leaf, FormField(), default_text(leaf)) for leaf in leaves}
     assert told(filled(TYPES[name](), typed)) == told(made), name
     assert told(filled(TYPES[name](), bounded_yaml.load(_yaml(leaves)))) == told(made), name
 

@@ -16,10 +16,10 @@ pytest.importorskip("depot_interfaces")
 from rclpy.node import Node
 from textual.widgets import TextArea
 
-from archo_tui.robot.interfaces import load as load_interface
-from archo_tui.robots.load import load
+from archo_tui.robot.message_classes import load as load_interface
+from archo_tui.robot_file.load import load
+from archo_tui.robot_file.written import block
 from archo_tui.screens.message_form import MessageForm
-from archo_tui.written import block
 from tests.robots.rover import Counting
 from tests.support.archo import ARCHO
 from tests.support.console import Console, console
@@ -255,7 +255,7 @@ async def test_what_was_used_is_kept_as_a_robot_file(
         await op.press("ctrl+p")
         await op.type("keep as")
         await op.until("Keep as robot file")
-        await op.press("down", "enter")
+        await op.press("enter")
         await op.until("robot.yaml")
         await op.press("enter")
         await op.until("Saved to robot.yaml.")
@@ -266,7 +266,7 @@ async def test_what_was_used_is_kept_as_a_robot_file(
         await op.until(lambda: "/fibonacci" in op.app.view.snapshot.offered)
         await op.press("ctrl+p")
         await op.type("fibonacci")
-        await op.press("down", "enter")
+        await op.press("enter")
         await op.until(lambda: isinstance(op.app.screen, MessageForm))
         await op.press("3", "enter")
         await op.until("✓ SUCCEEDED")
@@ -282,7 +282,7 @@ async def test_what_is_kept_is_called_by_no_word_of_the_console(here: Path) -> N
         await op.press("ctrl+p")
         await op.type("keep as")
         await op.until("Keep as robot file")
-        await op.press("down", "enter")
+        await op.press("enter")
         await op.until("robot.yaml")
         await op.press("enter")
         await op.until("Saved to robot.yaml.")

@@ -5,18 +5,18 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from textwrap import dedent
 
 import pytest
 
 from archo_tui.cli import SUBCOMMANDS
 from archo_tui.commands import registry
 from archo_tui.errors import ArchoError
-from archo_tui.plain import help_text
-from archo_tui.robots import words
-from archo_tui.robots.load import default, load
-from archo_tui.robots.model import Robot
-from archo_tui.robots.save import dump
+from archo_tui.plain.plain import help_text
+from archo_tui.robot_file import reserved
+from archo_tui.robot_file.load import default, load
+from archo_tui.robot_file.model import Link, RobotFile
+from archo_tui.robot_file.save import dump
+from archo_tui.verbs import verbs
 from tests.robots.mutated import mutated
 
 HERE = Path(__file__).parent
@@ -29,14 +29,12 @@ def test_the_files_that_come_with_it_are_read(path: Path) -> None:
     assert load(path).name.upper() in path.read_text().upper()
 
 
-def test_the_readmes_file_is_a_whole_one(tmp_path: Path) -> None:
-    readme = (HERE.parent.parent / "README.md").read_text(encoding="utf-8")
-    section = readme.partition("## Your own robot\n")[2].partition("\n## ")[0]
+def test_the_file_of_the_page_is_a_whole_one(tmp_path: Path) -> None:
+    page = (HERE.parent.parent / "docs" / "own_robot.md").read_text(encoding="utf-8")
     file = tmp_path / "mine.yaml"
-    file.write_text(dedent(section[section.index("    version: 1") :]))
+    file.write_text(page.partition("```yaml\n")[2].partition("```")[0])
     robot = load(file)
     assert (robot.name, robot.commands[0].key, robot.goals[0].noun) == ("My robot", "b", "shelf")
-    assert len(section.strip().splitlines()) <= 20
 
 
 def test_what_is_written_is_read_back_the_same(tmp_path: Path) -> None:
@@ -49,13 +47,13 @@ def test_what_is_written_is_read_back_the_same(tmp_path: Path) -> None:
 def test_what_a_file_leaves_out_the_robot_does_not_have(tmp_path: Path) -> None:
     file = tmp_path / "robot.yaml"
     file.write_text("name: bare\nstop: none\n")
-    assert load(file) == Robot(name="bare")
+    assert load(file) == RobotFile(name="bare")
 
 
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
-        ("", 1, "no robot is described here"),
+        ("", 1, "the file is empty: it describes no robot"),
         ("name: x\nbatery: none\n", 2, "unknown key batery (nearest: battery)"),
         ("name: x\nxyz: 1\n", 2, "unknown key xyz: one of version, name, battery, motion"),
         ("version: 2\n", 1, "2 is not one of 1"),
@@ -122,6 +120,11 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
     ("text", "changed", "line", "said"),
     [
         (GOAL, "form: {x: {low: 5, high: 1}}", 4, "low 5 is above high 1: swap them"),
+        (GOAL, "form: {x: {high: {node: n}}}", 4, "parameter is missing"),
+        (GOAL, "form: {x: {high: {node: n, paramter: p}}}", 4, "unknown key paramter (nearest: parameter)"),
+        (GOAL, "form: {x: {high: many}}", 4, "high: expected a number, not many"),
+        (GOAL, "form: {x: {high: [1]}}", 4, "high: expected a number"),
+        (GOAL, "form: {x: {low: 5, high: {node: n, parameter: p, otherwise: 1}}}", 4, "low 5 is above high 1"),
         (GAUGE, "low: 5, high: 1", 2, "low 5 is above high 1: swap them"),
         (GAUGE, "warn_below: 60, warn_above: 20", 2, "warn_below 60 is above warn_above 20: swap them"),
         (GAUGE, "title: ' '", 2, "title is given twice"),
@@ -130,21 +133,21 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
         (GOAL, "form: {x: {label: B}, b: {}}", 4, "duplicate label b"),
         (GOAL, "form: {x: {}, x.z: {}}", 4, "x.z is a part of x: give one of them"),
         (GOAL, "form: {x: {}}, fixed: {x.z: 1}", 4, "x.z is a part of x: give one of them"),
-        (GOAL, "form: {x: {}}, fixed: {x: 1}", 4, "x is typed and fixed: give one of them"),
+        (GOAL, "form: {x: {}}, fixed: {x: 1}", 4, "x is both in the form and fixed: give one of them"),
         (GOAL, "fixed: !!set {a}", 4, "expected lines like 'name: value'"),
         ("goals:\n- {id: a, title: CHANGED, action: a, type: a/action/B}\n", "null", 2, "title: expected a text, not null"),
         ("name: CHANGED\n", "!!int x", 1, "name: expected a text: not of the kind !!int: x"),
         ("name: CHANGED\n", "!!binary eA==", 1, "name: expected a text: !!binary is not read here"),
-        ("name: CHANGED\n", '"\\uD800"', 1, "holds half of a character"),
+        ("name: CHANGED\n", '"\\uD800"', 1, "contains half of a surrogate pair"),
         (BATTERY, "scale: 0", 3, "scale is 0: every reading would be the same"),
         (BATTERY, "scale: 0.0", 3, "scale is 0"),
-        (BATTERY, "equals: 1, beyond: 2", 3, "equals and beyond are two questions"),
-        (BATTERY, "beyond: -1", 3, "beyond is -1: a size is never below 0"),
+        (BATTERY, "equals: 1, beyond: 2", 3, "equals and beyond exclude each other"),
+        (BATTERY, "beyond: -1", 3, "beyond is -1: it must not be negative"),
         (LOW, "{node: n, parameter: p, otherwise: 500}", 3, "otherwise is 500: a charge is within 0 .. 100"),
         (LOW, "{node: n, parameter: p, otherwise: -1}", 3, "otherwise is -1"),
         (LOW, "word", 3, "expected lines like 'name: value'"),
         (LOW, "none\n  period: 0", 2, "period is 0: a time in s, above 0"),
-        (GOAL, "remaining: {field: f, length: {node: n, parameter: p, otherwise: 0}}", 4, "a way is longer than 0"),
+        (GOAL, "remaining: {field: f, length: {node: n, parameter: p, otherwise: 0}}", 4, "a length is above 0"),
         (STOP, "release: halt", 1, "release is the service that stops, halt: name its own or none"),
         (STOP, "release: /halt", 1, "release is the service that stops"),
         (COMMAND, "toggle: {}", 2, "toggle is empty: expected lines like 'name: value'"),
@@ -219,6 +222,17 @@ def test_what_is_fixed_of_a_message_may_be_typed_in_part(tmp_path: Path) -> None
     assert load(file).goals[0].fixed == {"x": {"y": 1}}
 
 
+def test_a_limit_of_a_form_is_a_number_or_a_parameter(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    link = "{node: n, parameter: p, otherwise: 9}"
+    file.write_text(ONE_GOAL + f"    form: {{x: {{low: 1, high: {link}}}, y: {{low: {link}}}}}\n")
+    robot = load(file)
+    x, y = robot.goals[0].form.values()
+    assert (x.low, x.high, y.low) == (1.0, Link("n", "p", 9.0), Link("n", "p", 9.0))
+    file.write_text(dump(robot))
+    assert load(file) == robot
+
+
 def test_quotes_keep_a_text_that_would_be_no_value(tmp_path: Path) -> None:
     file = tmp_path / "robot.yaml"
     for text, meant in (('"none"', "none"), ("'null'", "null"), ("''", ""), ("none", None)):
@@ -230,20 +244,14 @@ def test_quotes_keep_a_text_that_would_be_no_value(tmp_path: Path) -> None:
         assert load(file) == robot
 
 
-NOT_YET = (
-    *("get", "nodes", "start", "halt", "copy", "ack", "shelve", "events", "keep"),
-    *("completions", "consoles", "wait", "mcp", "allow", "deny", "recordings", "replay", "rewind"),
-)
+NO_VERBS = ("allow", "deny", "rewind")  # of `--plain` alone, and one that is to come
 
 
 def test_the_consoles_words_are_all_reserved_and_no_others() -> None:
-    typed = {
-        name.split()[0]
-        for line in help_text(Robot()).splitlines()
-        for name in line[:25].split(", ")
-    }
-    ids = {command.id for command in registry(Robot())}
-    assert typed | ids | {"go", "help"} | set(SUBCOMMANDS) == words.RESERVED - set(NOT_YET)
+    typed = {line.split()[0].rstrip(":") for line in help_text(verbs(RobotFile(), {})).splitlines()}
+    ids = {command.id for command in registry(RobotFile())}
+    words = typed | ids | {"go", "wait"} | set(SUBCOMMANDS)
+    assert words == reserved.RESERVED - set(NO_VERBS)
 
 
 def test_whatever_is_changed_in_a_file_it_loads_or_is_one_line(tmp_path: Path) -> None:
@@ -256,7 +264,7 @@ def test_whatever_is_changed_in_a_file_it_loads_or_is_one_line(tmp_path: Path) -
         except ArchoError as error:
             refusals.append(str(error))
         else:
-            assert help_text(robot)
+            assert help_text(verbs(robot, {}))
             assert registry(robot)
     assert 0 < len(refusals) < 300
     for said in refusals:

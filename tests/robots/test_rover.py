@@ -35,12 +35,12 @@ async def rover(file: Path = FILE, **options: Any) -> AsyncIterator[tuple[Consol
 
 async def test_its_readings_are_shown_in_the_consoles_units() -> None:
     async with rover() as (op, _):
-        await op.until("75.0 % 14.5 V")
+        await op.until("75.0 %  14.5 V")
         assert "discharging" in op.text
         assert "low 25" in op.text
         await op.until("0.00 m/s")
         await op.until("● IDLE")
-        await op.until("Temperature 31.5 °C")
+        await op.until(lambda: "Temperature 31.5 °C" in op.words)
 
 
 async def test_a_goal_of_nested_fields_is_typed_field_by_field() -> None:
@@ -117,9 +117,9 @@ async def test_without_a_stop_the_header_says_so_and_the_key_too() -> None:
 
 async def test_a_gauge_beyond_its_limit_is_an_alarm() -> None:
     async with rover() as (op, node):
-        await op.until("Temperature 31.5 °C")
+        await op.until(lambda: "Temperature 31.5 °C" in op.words)
         node.celsius = 71.0
-        await op.until("▲ Temperature 71 °C, above 60")
+        await op.until(lambda: "▲ Temperature 71 °C, above 60" in op.words)
         await op.until("TEMPERATURE 71 °C: above 60")
         node.celsius = math.nan
         await op.until("? Temperature UNREADABLE nan")
@@ -151,7 +151,7 @@ async def test_it_is_operated_line_by_line() -> None:
     )
     assert code == 1
     for part in (
-        "Temperature 31.5 °C",
+        "Temperature, 31.5 °C",
         "failed: go: expected x=... y=... yaw=...\n",
         "failed: go: expected x=... y=... yaw=..., not z=3",
         "failed: stop: Rover has no STOP: use the hardware stop",
@@ -160,6 +160,6 @@ async def test_it_is_operated_line_by_line() -> None:
         "failed: go: expected x=... y=... yaw=..., not x=3",
         "failed: go: yaw: at least -360, not nan",
         "go to pose x 10.0, y 2.0, yaw 0.0: accepted",
-        "goal ✓ ARRIVED",
+        "goal ARRIVED",
     ):
         assert part in text, text

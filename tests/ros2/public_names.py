@@ -36,8 +36,8 @@ def own(module: types.ModuleType, name: str) -> bool:
 
 
 def methods(kind: type) -> set[str]:
-    """The public methods of a class, but for those that every dict or exception has."""
-    common = {name for base in (dict, Exception, tuple) for name in dir(base)}
+    """The public methods of a class, but for those that every dict, exception or number has."""
+    common = {name for base in (dict, Exception, tuple, int) for name in dir(base)}
     found = {name for name in dir(kind) if name[0] != "_" and callable(getattr(kind, name))}
     return found - common
 

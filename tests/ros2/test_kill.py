@@ -35,7 +35,7 @@ async def test_a_robot_killed_three_times_loses_its_goal_and_holds_the_queue_eac
             await op.until(lambda: not op.app.view.waiting)
 
 
-async def test_of_a_console_that_is_killed_the_goal_goes_on_and_nobody_sends_its_queue(
+async def test_a_killed_consoles_goal_goes_on_and_nobody_sends_its_queue(
     processes: Processes,
 ) -> None:
     processes.start(MOTOR, *SLOW)

@@ -31,7 +31,7 @@ async def test_what_nobody_offers_is_said_and_lights_up_when_it_comes(
     processes: Processes,
 ) -> None:
     async with console(attach=True, domain_id=processes.domain, wait=False) as op:
-        await op.until("move_to_shelf: not offered by any node")
+        await op.until("move_to_shelf is not offered by any node")
         await op.press("r")
         await op.until("reset_encoder is not offered")
         assert op.app.query_one("#stop").has_class("-blocked")
@@ -113,6 +113,6 @@ async def test_without_archo_interfaces_another_robot_is_still_operated(
         env=os.environ | {"ROS_DOMAIN_ID": str(processes.domain)},
     )
     assert "Traceback" not in done.stderr, done
-    assert "motor_controller max_speed 0.8" in done.stdout, done
+    assert "motor_controller max_speed is 0.8" in done.stdout, done
     said = "motor_status is archo_interfaces/msg/MotorStatus, which is not installed here"
     assert said in done.stdout

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from archo_tui.robot.client import Robot
-from archo_tui.robot.state import Leaf, Outcome
-from archo_tui.robots.load import default, load
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state import Leaf
+from archo_tui.robot_file.load import default, load
 
 ARCHO = load(default())
 SHELF = ARCHO.goals[0]
@@ -18,9 +19,9 @@ async def go(robot: Robot, shelf: int) -> Outcome:
 
 async def reset(robot: Robot) -> Outcome:
     """Set its encoder to zero."""
-    return await robot.command(ARCHO.commands[0])
+    return await robot.command(ARCHO.commands[1])
 
 
 async def charge(robot: Robot, on: bool = True) -> Outcome:
     """Begin or end charging."""
-    return await robot.command(ARCHO.commands[1], on)
+    return await robot.command(ARCHO.commands[0], on)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
@@ -18,6 +19,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.keyed_app import HELD
 from archo_tui.session import Options, Session
 from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.rows import Rows
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet
 from tests.support.stub import sized
@@ -66,6 +68,11 @@ class Console:
         """What the screen shows, line by line."""
         return screen_text(self.app)
 
+    @property
+    def words(self) -> str:
+        """The same with single blanks: for what stands at both ends of a panel."""
+        return re.sub(" +", " ", self.text)
+
     def line(self, part: str) -> str:
         """The first line of the screen with that text in it, or an empty string."""
         return next((line for line in self.text.splitlines() if part in line), "")
@@ -76,6 +83,11 @@ class Console:
         focused = self.app.focused
         ancestors = [] if focused is None else focused.ancestors_with_self
         return next((node.number for node in ancestors if isinstance(node, Panel)), 0)
+
+    @property
+    def parameters(self) -> list[str]:
+        """The names of the parameters that are listed."""
+        return [parameter.name for parameter in self.app.query_one("#parameters", Rows).items]
 
     async def press(self, *keys: str) -> None:
         """Press keys one after the other; the same again only when it was let go."""
@@ -161,6 +173,8 @@ async def console(
     attach: bool = False,
     domain_id: int | None = None,
     wait: bool = True,
+    remote: bool = False,
+    record: Path | None = None,
 ) -> AsyncIterator[Console]:
     """The console with ARCHO's nodes (or others), on a graph of its own."""
     options = Options(
@@ -174,6 +188,8 @@ async def console(
         only=only,
         robot=robot,
         watch=watch,
+        remote=remote,
+        record=record,
     )
     with Session(options, clock.current) as session:
         with sized(size):

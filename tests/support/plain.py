@@ -13,19 +13,25 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-from archo_tui.plain import Plain
+from archo_tui.plain.plain import Plain
 from archo_tui.session import Options, Session
-from archo_tui.station import Station
+from archo_tui.station.station import Station
 from tests.support import chosen, clock
 from tests.support.quiet import Quiet
 
 
 class Typed:
-    """A person at standard input and output."""
+    """A person at standard input and output; the input is a pipe, or a terminal."""
 
-    def __init__(self, station: Station) -> None:
-        self._in, self._typing = os.pipe()
+    def __init__(self, station: Station, at_terminal: bool = False) -> None:
+        self._at_terminal = at_terminal
+        if at_terminal:
+            self._typing, self._in = os.openpty()
+        else:
+            self._in, self._typing = os.pipe()
+        self._has_ended = False  # the input
         self._reading, self._out = os.pipe()
+        Quiet()  # from now on it knows of what is done on threads
         self._plain = Plain(station, self._in, self._out)
         self._running = asyncio.ensure_future(self._plain.run())
         self._said, self._hearing = b"", threading.Lock()
@@ -44,6 +50,9 @@ class Typed:
     def type(self, text: str) -> None:
         """In one go."""
         os.write(self._typing, text.encode())
+        echoed = b""
+        while self._at_terminal and echoed.count(b"\n") < text.count("\n"):
+            echoed += os.read(self._typing, 4096)  # only then it can be read at the other end
 
     @property
     def said(self) -> str:
@@ -63,12 +72,7 @@ class Typed:
 
     async def is_read(self) -> None:
         """Wait until what was typed is read; only then a virtual clock may move."""
-        if sys.platform == "win32":
-            return
-        import fcntl
-        import termios
-
-        while any(fcntl.ioctl(self._in, termios.FIONREAD, bytes(4))) and not self.is_over:
+        while not (self._plain._input.is_quiet or self.is_over):
             await asyncio.sleep(clock.LOOK)
 
     def _is_heard(self) -> bool:
@@ -90,12 +94,16 @@ class Typed:
     def type_last(self, text: str) -> None:
         """Type it and close the input."""
         self.type(text)
-        os.close(self._typing)
-        self._typing = -1
+        self._has_ended = True
+        if self._at_terminal:
+            os.write(self._typing, b"\x04")  # ctrl+d
+        else:
+            os.close(self._typing)
+            self._typing = -1
 
     async def end(self, typed: str = "") -> int:
         """Type the last lines, close the input, and wait for the end; returns the exit code."""
-        if self._typing >= 0:
+        if not self._has_ended:
             self.type_last(typed)
         await self.is_read()
         await Quiet().until(self._running.done, lambda: f"the end:\n{self.said}")
@@ -114,15 +122,18 @@ class Typed:
             self._running.cancel()
             await asyncio.wait([self._running])
         self._read_all()
-        for descriptor in (self._typing, self._in, self._reading):
-            if descriptor >= 0:
-                os.close(descriptor)
+        if self._typing >= 0:
+            os.close(self._typing)
+        while self._plain._input.is_reading:  # a descriptor of that number may soon be another's
+            await asyncio.sleep(clock.LOOK)
+        for descriptor in (self._in, self._reading):
+            os.close(descriptor)
 
 
 @asynccontextmanager
-async def typing(station: Station) -> AsyncIterator[Typed]:
+async def typing(station: Station, at_terminal: bool = False) -> AsyncIterator[Typed]:
     """Around what a person types to a station, and reads."""
-    person = Typed(station)
+    person = Typed(station, at_terminal)
     try:
         yield person
     finally:
@@ -130,11 +141,13 @@ async def typing(station: Station) -> AsyncIterator[Typed]:
 
 
 @asynccontextmanager
-async def operated(*makers: Any, robot: Path | None = None, **options: Any) -> AsyncIterator[Typed]:
+async def operated(
+    *makers: Any, robot: Path | None = None, at_terminal: bool = False, **options: Any
+) -> AsyncIterator[Typed]:
     """The same with a robot of these nodes, or the usual one."""
     given = {"domain_id": chosen.next_domain(), "node_makers": makers, **options}
     with Session(Options(engine=chosen.ENGINE, robot=robot, **given), clock.current) as session:
-        async with typing(session.station) as person:
+        async with typing(session.station, at_terminal) as person:
             yield person
 
 

@@ -11,9 +11,10 @@ from unittest.mock import patch
 
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
-from archo_tui.robot.state import Hosted, Outcome, Snapshot
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Hosted, LogLevel, NodeInfo, Snapshot
 from archo_tui.robot.stops import Stops
-from archo_tui.station import Station
+from archo_tui.station.station import Station
 from tests.support.clock import NOW, TIME
 from tests.support.waiting import DEADLINE
 
@@ -35,11 +36,24 @@ class StandingClock(Clock):
         await asyncio.Event().wait()
 
 
+MOTOR = NodeInfo(
+    publishes=(("/motor_status", "archo_interfaces/msg/MotorStatus"),),
+    subscribes=(("/battery_level", "archo_interfaces/msg/BatteryStatus"),),
+    serves=(
+        ("/emergency_stop", "archo_interfaces/srv/EmergencyStop"),
+        ("/release_emergency_stop", "std_srvs/srv/Trigger"),
+        ("/reset_encoder", "archo_interfaces/srv/ResetEncoder"),
+    ),
+    actions=(("/move_to_shelf", "archo_interfaces/action/MoveToShelf"),),
+    level=LogLevel("UNSET", "INFO"),
+)
+
+
 class StubRobot:
-    """Has every verb; none does anything."""
+    """Has every verb; none does anything. Knows what the motor's node has on the graph."""
 
     def __init__(self, snapshot: Snapshot) -> None:
-        self.snapshot, self.description = snapshot, snapshot.robot
+        self.snapshot, self.file = snapshot, snapshot.file
         self.watching = False
         self.stops = Stops()
         self._receiver: Any = None
@@ -58,12 +72,15 @@ class StubRobot:
         self.snapshot = snapshot
         self._receiver(snapshot)
 
+    async def describe(self, node: str) -> NodeInfo | Outcome:
+        return MOTOR if node == "/motor_controller" else Outcome(Code.REFUSED, "not on the graph")
+
     def __getattr__(self, verb: str) -> Any:
         async def refuse(*_: Any, **__: Any) -> Outcome:
-            return Outcome(False, f"{verb}: the robot says why not")
+            return Outcome(Code.REFUSED, f"{verb}: the robot says why not")
 
         if verb == "note":
-            return lambda *_: None
+            return lambda *_, **__: None
 
         return refuse
 
@@ -78,11 +95,17 @@ def stub_station(
 ) -> Station:
     """A station over a stand-in for the robot; its journal forgets everything."""
     host: Any = SimpleNamespace(states=lambda: hosted)
+    recorder: Any = SimpleNamespace(
+        trouble="",
+        look=lambda *_: None,
+        keep=lambda: Outcome(Code.DONE, "the last minute is recorded"),
+    )
     journal: Any = SimpleNamespace(write=lambda *_, **__: None, failure="")
     return Station(
         robot,
         host,
         journal,
+        recorder,
         clock or StandingClock(),
         engine="embedded",
         namespace="/",

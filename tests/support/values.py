@@ -11,7 +11,7 @@ import struct
 from pathlib import Path
 from typing import Any
 
-from archo_tui.robot.interfaces import EMPTY, load
+from archo_tui.robot.message_classes import EMPTY, load
 
 _LIST = re.compile(r"sequence<(.+?)(?:, (\d+))?>|(.+)\[(\d+)\]")
 _TEXTS = (

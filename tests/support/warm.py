@@ -26,7 +26,12 @@ from typing import Any, NoReturn
 _FOLDERS = {"XDG_CONFIG_HOME", "XDG_STATE_HOME"}  # read whenever a file is looked for
 _OTHERS = {"TERM", "ROS_DOMAIN_ID", "PYTEST_CURRENT_TEST", "PWD", "OLDPWD"}
 _LOADED = (
-    *("archo_tui.app", "archo_tui.session", "archo_tui.host", "archo_tui.node_files"),
+    *(
+        "archo_tui.app",
+        "archo_tui.session",
+        "archo_tui.hosting.host",
+        "archo_tui.hosting.node_files",
+    ),
     *("archo_tui.robot.client", "archo_tui.terminal.driver"),
     *("archo_bringup.battery_monitor", "archo_bringup.dashboard", "archo_bringup.motor_controller"),
 )

@@ -479,10 +479,10 @@ class Node(NodeParameters, Destroyable):
         self._use()
         with self._graph.lock:
             return _sorted(
-                (name, endpoint.msg_type)
+                (name, kind)
                 for name, topic in self._graph.topics.items()
                 for endpoints in (topic.publishers, topic.subscriptions)
-                for endpoint in endpoints
+                for kind in {endpoint.msg_type for endpoint in endpoints}  # a thousand of /rosout
             )
 
     def get_service_names_and_types(self) -> NamesAndTypes:

@@ -1,6 +1,7 @@
 """self.tick() is called when the timer is made, and its None given."""
 # ok: 1
-# not ok 2: HERE: UnboundLocalError: give the callback itself: self.name, not self.name()
+# not ok 2: HERE: 
+# not ok 2: Error: give the callback itself: self.name, not self.name()
 # not ok 3: too few messages
 # not ok 11: HERE
 from rclpy.node import Node

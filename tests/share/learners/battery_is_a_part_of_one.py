@@ -1,6 +1,6 @@
 """0 .. 1 instead of percent."""
 # ok: 1 2
-# not ok 3: a level is in percent, 0 .. 100, and not a part of 1
+# not ok 3: a level is in percent, 0 .. 100, not a fraction of 1
 from rclpy.node import Node
 from std_msgs.msg import Float32
 

@@ -1,6 +1,6 @@
 """All feedback at once."""
-# not ok 7: the move is over at once: 0.5 s between two feedbacks
-# not ok 8: the move is over at once: 0.5 s between two feedbacks
+# not ok 7: the move ended at once: leave 0.5 s between two feedbacks
+# not ok 8: the move ended at once: leave 0.5 s between two feedbacks
 import rclpy
 from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionServer, CancelResponse

@@ -1,6 +1,6 @@
 """execute returns nothing."""
 # not ok 7: HERE
-# not ok 7: execute gives nothing back: end it with return result
+# not ok 7: execute returns nothing: end it with return result
 # not ok 8: HERE
 # not ok 11: HERE
 import time

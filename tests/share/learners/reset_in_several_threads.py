@@ -1,5 +1,5 @@
 """A crash in one of several threads is seen at once, and not at the next call."""
-# not ok 9: HERE: TypeError: reset gives nothing back: end it with return response
+# not ok 9: HERE: TypeError: reset returns nothing: end it with return response
 # not ok 11: HERE
 from archo_interfaces.srv import ResetEncoder
 from rclpy.node import Node

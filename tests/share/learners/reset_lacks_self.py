@@ -1,6 +1,6 @@
 """A method without self."""
 # not ok 9: HERE: TypeError
-# not ok 9: its first parameter is to be self
+# not ok 9: its first parameter must be self
 # not ok 11: HERE
 from archo_interfaces.srv import ResetEncoder
 from rclpy.node import Node

@@ -1,5 +1,5 @@
 """return response is missing."""
-# not ok 9: HERE: TypeError: reset gives nothing back: end it with return response
+# not ok 9: HERE: TypeError: reset returns nothing: end it with return response
 # not ok 11: HERE
 from archo_interfaces.srv import ResetEncoder
 from rclpy.node import Node

@@ -77,7 +77,7 @@ class RcutilsLogger:
             return False
         if not isinstance(message, str):
             raise TypeError(f"a log line is a str, not {type(message).__name__}")
-        stamp = ROSClock().now()
+        stamp = _SYSTEM.now()
         sec, nanosec = stamp.seconds_nanoseconds()
         _logging.write(f"[{severity.name}] [{sec}.{nanosec:09}] [{name}]: {message}")
         publish = _logging.rosout(name)
@@ -129,6 +129,7 @@ _OPTIONS = {
 }
 _KNOWN = [option for options in _OPTIONS.values() for option in options]
 _MACHINE = Clock()  # a throttle's, unless it is given one
+_SYSTEM = ROSClock()  # of no node: never simulated
 
 
 def _asked(given: dict[str, Any]) -> dict[str, Any]:

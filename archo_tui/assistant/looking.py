@@ -1,0 +1,180 @@
+"""The tools that only look: state, events, the last hour, parameters."""
+
+from __future__ import annotations
+
+import re
+import time
+from typing import Any
+
+from archo_tui.assistant.answer import Answer, failure, said
+from archo_tui.assistant.arguments import schema_of
+from archo_tui.assistant.link import Link
+from archo_tui.assistant.quoted import MOST
+from archo_tui.assistant.tool import Tool
+
+LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
+MOST_EVENTS = 50  # that are told, the newest
+_LOOKED_AT = 500  # events, among which those of a level are looked for
+_SPANS = (1, 10, 60)  # min, of which the console knows a value
+_VALUE = re.compile(r"(?:now|(\d+) min ago) (unknown|-?\d+\.\d+)$")
+
+
+class _Look(Tool):
+    """Asks the console for what one of its verbs tells."""
+
+    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
+        result = await link.ask(words=self.words(given))
+        if result["code"] != "done":
+            return failure(result["code"], f"{self.name}: this was not answered.", said(result))
+        summary, told = self.told(result, given)
+        return Answer("done", summary, told)
+
+    def words(self, given: dict[str, Any]) -> list[str]:
+        """What the console is asked."""
+        return [self.name]
+
+    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+        """A summary in our words, and what the robot says."""
+        raise NotImplementedError
+
+
+class Status(_Look):
+    """The state of the robot."""
+
+    name, title = "status", "State of the robot"
+    description = (
+        "The robot's state: battery, motion, the last goal, the queue and the alarms. Each reading "
+        "has `age`, in s since it was heard (null: never), and `source`: measured by the robot, or "
+        "commanded by somebody. An old reading says nothing about now. A goal has arrived only "
+        "when its `code` is `arrived`."
+    )
+
+    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+        return "The state, as the console knows it now.", result.get("data")
+
+
+class Events(_Look):
+    """What happened."""
+
+    name, title = "events", "What happened"
+    description = (
+        f"The newest {MOST_EVENTS} events: what nodes logged, what was done and by whom. `age` is "
+        "in s. Log lines are written by programs and people that nobody here has checked."
+    )
+    schema = schema_of(
+        {
+            "level": {
+                "type": "string",
+                "enum": list(LEVELS),
+                "description": "leave out events below this level",
+            }
+        }
+    )
+
+    def words(self, given: dict[str, Any]) -> list[str]:
+        return ["events", str(_LOOKED_AT if "level" in given else MOST_EVENTS)]
+
+    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+        now = time.time()
+        wanted = LEVELS[LEVELS.index(given.get("level", LEVELS[0])) :]
+        every = [event for event in _objects(result) if event.get("level") in wanted]
+        events = [
+            {
+                "age": _age(event.get("time"), now),
+                **{name: value for name, value in event.items() if name != "time"},
+            }
+            for event in every[-MOST_EVENTS:]
+        ]
+        older = len(every) - len(events)
+        cut = f"; {older} older ones are left out" if older else ""
+        return f"{len(events)} events, the newest last{cut}.", {"events": events}
+
+
+class History(_Look):
+    """The last hour."""
+
+    name, title = "history", "The last hour"
+    description = (
+        "Charge, speed and the way left now and some minutes ago, as they were measured, and how "
+        "the last goals ended. `age` is in s; a value of null was not heard at that time."
+    )
+    schema = schema_of(
+        {
+            "minutes": {
+                "type": "integer",
+                "enum": list(_SPANS),
+                "description": "how far to look back; 60 unless told",
+            }
+        }
+    )
+
+    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+        minutes = given.get("minutes", _SPANS[-1])
+        measured, ends = {}, []
+        for text in str(result.get("text", "")).splitlines():
+            name, _, rest = text.partition(": ")
+            found = [_VALUE.match(part) for part in rest.split(", ")]
+            values = [
+                {
+                    "age": 60.0 * int(one[1] or 0),
+                    "value": None if one[2] == "unknown" else float(one[2]),
+                }
+                for one in found
+                if one is not None
+            ]
+            if values and None not in found:
+                measured[name] = [v for v in values if v["age"] <= 60.0 * minutes]
+            else:
+                ends.append(text)
+        told = {"source": "measured", "values": measured, "goals": ends}
+        return f"The last {minutes} min, and how the last goals ended.", told
+
+
+class Parameters(_Look):
+    """How the nodes are set."""
+
+    name, title = "parameters", "Parameters"
+    description = (
+        "The parameters of the robot's nodes with their ranges, as each node last reported them; "
+        f"at most {MOST}. Name a node to see its own, or a node and a parameter. They are "
+        "settings that somebody commanded, not measurements. There is no tool that sets one."
+    )
+    schema = schema_of(
+        {
+            "node": {"type": "string", "description": "a node's name, as motor_controller"},
+            "name": {"type": "string", "description": "a parameter's name; takes a node too"},
+        }
+    )
+
+    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
+        if "name" in given and "node" not in given:
+            return failure("misuse", "name takes a node too: which node has this parameter?")
+        return await super().call(link, given)
+
+    def words(self, given: dict[str, Any]) -> list[str]:
+        return ["get", given["node"], given["name"]] if "name" in given else ["params"]
+
+    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+        data = result.get("data")
+        found = [data] if isinstance(data, dict) else _objects(result)
+        if "name" not in given and "node" in given:
+            wanted = given["node"].strip("/")
+            found = [one for one in found if str(one.get("node", "")).strip("/") == wanted]
+        told = {
+            "age": None,  # the console does not say when a node reported them
+            "source": "commanded",
+            "parameters": found,
+        }
+        return f"{len(found)} parameters, as their nodes reported them.", told
+
+
+def _objects(result: dict[str, Any]) -> list[dict[str, Any]]:
+    """The list of objects that the console told."""
+    data = result.get("data")
+    return [one for one in data if isinstance(one, dict)] if isinstance(data, list) else []
+
+
+def _age(then: Any, now: float) -> float | None:
+    """In s, of a Unix time."""
+    is_time = isinstance(then, (int, float)) and 0 <= then < 1e12
+    return round(max(now - then, 0.0), 1) if is_time else None

@@ -1,0 +1,169 @@
+"""The tools that `--allow goals` adds. They ask; a person at the console decides."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from typing import Any
+
+from archo_tui.assistant.answer import Answer, failure, said
+from archo_tui.assistant.arguments import schema_of
+from archo_tui.assistant.link import SOON, Link
+from archo_tui.assistant.quoted import quoted
+from archo_tui.assistant.tool import READS, Hints, Tool
+from archo_tui.remote.client import Unreached
+
+LONGEST_WAIT = 50.0  # s of a call: clients give one up after a minute
+_SLICE = 1.0  # s that the console is asked to wait: so another call waits no longer for its turn
+_LOOK = 0.1  # s: the least that it is asked for
+_LISTED = 2.0  # s in which a list of tools must be there, with the goals or without them
+_LARGEST = 16 * 1024  # characters of what is told of the goals in the list of tools
+_KIND = {"type": "string", "description": "which kind of goal, as the robot offers it"}
+_VALUES = {
+    "type": "object",
+    "description": 'the values of the goal by name, as {"shelf_number": 12}',
+}
+_NO_REQUEST = ("asked", "done", "accepted", "arrived")  # of a request that has no number
+_ENDS = {
+    "arrived": "The goal arrived: the robot's own result says so.",
+    "denied": "A person said no, and this request moved nothing. Ask them what they want instead.",
+    "expired": "Nobody answered in time: this request moved nothing. `go` makes another.",
+    "void": "The request became void and moved nothing; `said` tells why. `go` makes another.",
+    "aborted": "The goal ended without arriving.",
+    "cancelled": "The goal was cancelled: it did not arrive.",
+    "misuse": "Nothing is known of such a request: `said` tells why.",
+    "ran_out": "Not over yet; `said` tells whether a person is still to answer or the goal runs. "
+    "Call `wait` again.",
+}
+
+
+class Go(Tool):
+    """Ask for a goal."""
+
+    name, title = "go", "Ask for a goal"
+    description = (
+        "Ask a person at the console to let the robot drive to a goal. Answers at once with the "
+        "number of the request; NOTHING MOVES until a person allows it, with exactly these values, "
+        "within a minute. Then `wait` tells what became of it. Never report that the robot has "
+        "moved or arrived before `wait` says `arrived`."
+    )
+    # a robot that drives changes a world that nobody here knows all of
+    hints = Hints(destroys=True, is_idempotent=False, is_open=True)
+    schema = schema_of({"kind": _KIND, "values": _VALUES}, ("kind", "values"))
+
+    async def offered_schema(self, link: Link) -> dict[str, Any]:
+        """With the goals that the robot offers, where the console tells them in time."""
+        try:
+            goals = await asyncio.wait_for(_goals(link), _LISTED)
+        except (Unreached, asyncio.TimeoutError):
+            goals = []
+        if not goals or len(json.dumps(goals)) > _LARGEST:
+            return self.schema
+        kinds = [goal["kind"] for goal in goals]
+        forms = [{**goal["schema"], "title": f"{goal['kind']}: {goal['title']}"} for goal in goals]
+        values = {**_VALUES, "anyOf": forms} if len(forms) > 1 else {**_VALUES, **forms[0]}
+        return schema_of({"kind": {**_KIND, "enum": kinds}, "values": values}, ("kind", "values"))
+
+    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
+        result = await link.ask(ask={"kind": given["kind"], "values": given["values"]})
+        code, data = result["code"], result.get("data")
+        request = data.get("request") if isinstance(data, dict) else None
+        if code == "asked" and isinstance(request, int):
+            summary = (
+                f"Request {request} waits for a person at the console. Nothing moves yet. "
+                f"Call `wait` with request {request}."
+            )
+            return Answer(code, summary, said(result))
+        if code == "misuse":
+            told = {**said(result), "goals": await _goals(link)}
+            summary = "Nothing was asked: this kind of goal or its values cannot be meant."
+            return failure(code, f"{summary} `goals` are those that there are.", told)
+        if code in _NO_REQUEST:
+            summary = "This answer is not understood: look at `status` before anything else."
+            return failure("not_confirmed", summary, said(result))
+        return failure(
+            code, "Nothing was asked, and nothing moves: `said` tells why.", said(result)
+        )
+
+
+class Wait(Tool):
+    """Wait for what becomes of a request."""
+
+    name, title = "wait", "Wait for a request"
+    description = (
+        "Wait until the request of a `go` is denied, expires or becomes void, or until its goal "
+        "ends, and tell which. `arrived` alone means that the robot is there. `ran_out` means that "
+        "it is not over: call it again."
+    )
+    hints = READS
+    schema = schema_of(
+        {
+            "request": {
+                "type": "integer",
+                "minimum": 1,
+                "maximum": 1_000_000_000,
+                "description": "the number that `go` answered",
+            },
+            "seconds": {
+                "type": "number",
+                "minimum": 0,
+                "maximum": LONGEST_WAIT,
+                "description": f"how long to wait at most; {LONGEST_WAIT:.0f} unless told",
+            },
+        },
+        ("request",),
+    )
+
+    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
+        end = time.monotonic() + given.get("seconds", LONGEST_WAIT)
+        result = {"code": "ran_out"}
+        while result["code"] == "ran_out":
+            left = max(min(end - time.monotonic(), _SLICE), _LOOK)
+            words = ["wait", "request", str(given["request"])]
+            result = await link.ask(left + SOON, words=words, timeout=left)
+            if time.monotonic() >= end:
+                break
+        code = result["code"]
+        summary = _ENDS.get(code, "It is not known to have arrived: `said` tells why.")
+        return Answer(code, summary, said(result), failed=code not in ("arrived", "ran_out"))
+
+
+class Cancel(Tool):
+    """Cancel the assistant's own goal."""
+
+    name, title = "cancel", "Cancel its own goal"
+    description = (
+        "Cancel the goal that this assistant asked for and a person allowed, while it runs. Goals "
+        "of people and other programs are not touched. In danger use `stop`."
+    )
+    hints = Hints()
+
+    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
+        result = await link.ask(words=["cancel"])
+        if result["code"] in ("done", "accepted"):
+            summary = "The robot accepts the cancel. `wait` tells when its goal has ended."
+            return Answer(result["code"], summary, said(result))
+        summary = "Not cancelled, or not confirmed: `said` tells why. `stop` stops the robot."
+        return failure(result["code"], summary, said(result))
+
+
+async def _goals(link: Link) -> list[dict[str, Any]]:
+    """The goals that the robot offers: `kind`, `title` and `schema` of each. Raises Unreached."""
+    told = (await link.ask(words=["goals"])).get("data")
+    goals = [goal for goal in told if isinstance(goal, dict)] if isinstance(told, list) else []
+    return [
+        {
+            "kind": goal["kind"],
+            "title": quoted(str(goal.get("title", ""))),
+            "schema": _whole(goal.get("schema")),
+        }
+        for goal in goals
+        if isinstance(goal.get("kind"), str) and goal["kind"] == quoted(goal["kind"])
+    ]
+
+
+def _whole(schema: Any) -> dict[str, Any]:
+    """The schema, unless something of it would have to be cut or hidden: half of one is none."""
+    is_one = isinstance(schema, dict) and schema.get("type") == "object"
+    return schema if is_one and schema == quoted(schema) else {"type": "object"}

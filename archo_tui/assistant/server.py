@@ -1,0 +1,78 @@
+"""The server of the Model Context Protocol, on standard input and output.
+
+The one file that imports the SDK, which the extra `mcp` brings.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from typing import Any
+
+import mcp_types as types
+from mcp.server.lowlevel.server import Server
+from mcp.server.stdio import stdio_server
+
+from archo_tui import __version__
+from archo_tui.assistant.answer import NOTE
+from archo_tui.assistant.link import Link
+from archo_tui.assistant.tool import Tool
+from archo_tui.assistant.tools import call, tools
+
+_INSTRUCTIONS = (
+    "A warehouse robot, as the operator's console sees it. You can look and STOP. {goals} "
+    f"{NOTE} An assistant can release no STOP, set no parameter and approve no request."
+)
+_GOALS = {
+    True: "You can ask for goals: a person at the console decides on each before anything moves.",
+    False: "You cannot move it.",
+}
+
+
+def serve(*, goals: bool, to: str) -> None:
+    """Serve until standard input ends. `goals`: it may ask for them; `to` chooses a console."""
+    asyncio.run(_serve(goals, to))
+
+
+async def _serve(goals: bool, to: str) -> None:
+    link, known = Link(to), tools(goals=goals)
+
+    async def list_tools(_context: Any, _asked: Any) -> types.ListToolsResult:
+        return types.ListToolsResult(
+            tools=[await _described(tool, link) for tool in known.values()]
+        )
+
+    async def call_tool(_context: Any, asked: types.CallToolRequestParams) -> types.CallToolResult:
+        told, failed = await call(known, link, asked.name, asked.arguments or {})
+        text = types.TextContent(type="text", text=json.dumps(told, ensure_ascii=False))
+        return types.CallToolResult(content=[text], structured_content=told, is_error=failed)
+
+    server: Server[dict[str, Any]] = Server(
+        "archo-tui",
+        version=__version__,
+        instructions=_INSTRUCTIONS.format(goals=_GOALS[goals]),
+        on_list_tools=list_tools,
+        on_call_tool=call_tool,
+    )
+    try:
+        async with stdio_server() as (reading, writing):
+            await server.run(reading, writing, server.create_initialization_options())
+    finally:
+        await link.close()
+
+
+async def _described(tool: Tool, link: Link) -> types.Tool:
+    hints = tool.hints
+    return types.Tool(
+        name=tool.name,
+        title=tool.title,
+        description=tool.description,
+        input_schema=await tool.offered_schema(link),
+        annotations=types.ToolAnnotations(
+            title=tool.title,
+            read_only_hint=hints.reads_only,
+            destructive_hint=hints.destroys,
+            idempotent_hint=hints.is_idempotent,
+            open_world_hint=hints.is_open,
+        ),
+    )

@@ -1,0 +1,19 @@
+"""Commands of the graph's panel."""
+
+from __future__ import annotations
+
+from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
+from archo_tui.screens.text import ShowText
+
+
+class Resource(Command):
+    id, key, where, panel = "resource", "enter", IN_PANEL, GRAPH
+    help = "Show the type of the selected topic, service or action in full, and all its nodes"
+
+    def blocked(self, console: Console) -> str:
+        return "" if console.main.graph.selected else "nothing is selected"
+
+    def run(self, console: Console) -> None:
+        row = console.main.graph.selected
+        assert row is not None
+        console.open(ShowText(row.resource.name, row.details))

@@ -1,0 +1,59 @@
+"""The recordings of the black box, on the screen."""
+
+from __future__ import annotations
+
+from archo_tui.commands.base import Command, Console, Work
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.paths import state_file
+from archo_tui.recording import store
+from archo_tui.recording.store import Recording
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.screens.recordings import RecordingList
+
+
+class ShowRecordings(Command):
+    id = "recordings"
+    help = "List the recordings: when, why, how long; delete one"
+
+    def run(self, console: Console) -> Work:
+        return self._show(console)
+
+    async def _show(self, console: Console) -> None:
+        found = await _found(console)
+        if found is None:
+            return
+
+        def copy(recording: Recording) -> None:
+            command = f"archo-tui replay {recording.name}"
+            console.copy(command)
+            console.say(command, title="Copied the command")
+
+        def ask(recording: Recording) -> None:
+            question = f"Delete {recording.name}? It is gone then."
+            answers = {"Delete": lambda: self._delete(console, recording, dialog)}
+            console.confirm("Delete a recording", question, "Keep it", answers)
+
+        dialog = RecordingList(found, copy, ask)
+        console.open(dialog)
+
+    async def _delete(self, console: Console, recording: Recording, dialog: RecordingList) -> None:
+        try:
+            await in_daemon(store.delete, recording)
+        except OSError as error:
+            console.tell(Outcome(Code.REFUSED, f"not deleted: {error.strerror or error}"))
+        else:
+            console.station.robot.note("YOU", "console", f"recording {recording.name} deleted")
+        found = await _found(console)
+        if found is not None and not dialog.has_left:
+            dialog.show(found)
+
+
+async def _found(console: Console) -> list[Recording] | None:
+    """The newest first; None, and said, where they cannot be read."""
+    folder = state_file("recordings")
+    try:
+        return (await in_daemon(store.listed, folder))[::-1]
+    except OSError as error:
+        said = f"{error.filename or folder}: {error.strerror or error}"
+        console.tell(Outcome(Code.REFUSED, said))
+        return None

@@ -1,0 +1,360 @@
+"""Runs nodes in this process, each spun in its own thread; one that fails does so alone."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from itertools import count
+from typing import Any
+
+import rclpy
+from rclpy.action import get_action_server_names_and_types_by_node
+from rclpy.context import Context
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+import archo_tui
+from archo_tui.errors import in_one_line
+from archo_tui.hosting.limited import Interrupted, interrupt, run_limited
+from archo_tui.hosting.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, NodeFileError
+from archo_tui.hosting.tracebacks import own_frames
+from archo_tui.hosting.watch import Stamps
+from archo_tui.hosting.workers import Workers, multi_threaded
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.values import text_of
+
+JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
+END_TIMEOUT = 1.5  # s for all of them when the console ends
+
+
+class HostedNode:
+    """One node and the thread that spins it."""
+
+    def __init__(
+        self,
+        make: Callable[..., Node],
+        context: Context,
+        on_change: Callable[[HostedNode], None],
+        rename: str = "",
+    ) -> None:
+        """Constructs the node: what its constructor raises comes out here."""
+        self.make, self._context, self._rename = make, context, rename
+        options = {"cli_args": ["--ros-args", "-r", f"__node:={rename}"]} if rename else {}
+        self.node = make(context=context, **options)
+        self.name: str = self.node.get_fully_qualified_name()
+        self.file = make.file if isinstance(make, FileNode) else None
+        self.state = Hosted(self.name, serves=_served(self.node))
+        if self.file is not None:
+            named, saved = self.file.path.name, self.file.saved
+            self.state = self.state._replace(file=named, saved=saved)
+        self._on_change = on_change
+        self._stopping = False
+        self.crash = ""  # FILE:LINE and what it raised
+        threads = make.threads if isinstance(make, FileNode) else None
+        self._executor: Executor
+        self._workers: Workers | None = None
+        if threads is None:
+            self._executor = SingleThreadedExecutor(context=context)
+        else:
+            self._executor, self._workers = multi_threaded(context, threads, self.name)
+        self._executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._spin, name=self.name, daemon=True)
+
+    def start(self) -> None:
+        """Begin to spin."""
+        self._thread.start()
+
+    def again(self) -> HostedNode:
+        """Another node of the same kind and name, as it was at the start."""
+        return HostedNode(self.make, self._context, self._on_change, self._rename)
+
+    def _spin(self) -> None:
+        try:
+            while not self._stopping and self._context.ok():
+                self._executor.spin_once()
+        except (ExternalShutdownException, Interrupted):
+            return
+        except BaseException as error:  # SystemExit, too: it ends the node, not the console
+            said = in_one_line(error)
+            report = own_frames(error, rclpy, archo_tui)
+            if self.file is not None:
+                self.crash = self.file.said(error)[0]
+                said = in_its_file(self.file, self.crash)
+            self.state = self.state._replace(life=Life.CRASHED, error=said, traceback=report)
+            self._executor.remove_node(self.node)
+            _destroy(self.node)
+            self._on_change(self)
+
+    def threads(self) -> list[threading.Thread]:
+        """Those that run: the one that spins, and its workers'."""
+        workers = self._workers.threads if self._workers is not None else ()
+        return [thread for thread in (self._thread, *workers) if thread.is_alive()]
+
+    def begin_to_stop(self) -> None:
+        """Have the thread end when the callback returns that it runs."""
+        self._stopping = True
+        if self._thread.is_alive():
+            self._executor.create_task(lambda: None)
+
+    def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
+        """End the thread and destroy the node; False when a callback takes longer than that (s)."""
+        self.begin_to_stop()
+        end = time.monotonic() + timeout
+        for thread in self.threads():
+            thread.join(max(end - time.monotonic(), 0.0))
+        if self.threads():
+            self.state = self.state._replace(life=Life.STUCK)
+            return False
+        self._executor.shutdown(0)
+        _destroy(self.node)
+        if self.state.life != Life.CRASHED:
+            self.state = self.state._replace(life=Life.STOPPED)
+        return True
+
+    def abandon(self) -> bool:
+        """Take a node off the graph whose callback does not return; False when that goes on."""
+        ended = all([interrupt(thread) for thread in self.threads()])
+        self._executor.remove_node(self.node)
+        _destroy(self.node)
+        return ended
+
+
+def in_its_file(file: NodeFile, said: str) -> str:
+    """What is wrong with a file, where its name is seen already: `line 31: NameError: ...`."""
+    prefix = f"{file}:"
+    if not said.startswith(prefix):
+        return said
+    rest = said.removeprefix(prefix)
+    return f"line {rest}" if rest[:1].isdigit() else rest.strip()
+
+
+def _destroy(node: Node) -> None:
+    """Take a node off the graph, with its actions.
+
+    rclpy leaves their servers there until they are collected: beside the node that is started next
+    they would be second servers of its actions.
+    """
+    for waitable in list(getattr(node, "waitables", ())):
+        destroy = getattr(waitable, "destroy", None)
+        if destroy is not None:
+            destroy()
+    node.destroy_node()
+
+
+def _served(node: Node) -> tuple[str, ...]:
+    """The services and actions of a node, but for those of its parameters: every node has them."""
+    own = f"{node.get_fully_qualified_name()}/"
+    names = {service.service_name for service in node.services}
+    services = {name for name in names if not name.startswith(own) and "/_action/" not in name}
+    actions = get_action_server_names_and_types_by_node(node, node.get_name(), node.get_namespace())
+    return tuple(sorted(services | {name for name, _ in actions}))
+
+
+class Host:
+    """The nodes of this process. Changing them may take JOIN_TIMEOUT: never on the UI thread."""
+
+    def __init__(
+        self,
+        context: Context,
+        on_event: Callable[[str, str, str], None],
+        on_end: Callable[[Sequence[str]], None],
+    ) -> None:
+        """`on_event(level, source, text)` is called from the nodes' threads when one crashes.
+
+        `on_end(names)` when what served these services and actions was restarted.
+        """
+        self._context = context
+        self._on_event, self._on_end = on_event, on_end
+        self._changing = threading.Lock()
+        self.nodes: list[HostedNode] = []
+
+    def add(self, make: Callable[..., Any]) -> HostedNode:
+        """Construct a node; `start()` spins it. Raises what the constructor raises."""
+        hosted = HostedNode(make, self._context, self._crashed)
+        self.nodes.append(hosted)
+        return hosted
+
+    def start(self) -> None:
+        """Spin every node."""
+        for hosted in self.nodes:
+            hosted.start()
+
+    def states(self) -> tuple[Hosted, ...]:
+        """How each is doing; from any thread."""
+        return tuple(hosted.state for hosted in self.nodes)
+
+    def start_node(self, name: str) -> Outcome:
+        """Construct a stopped or crashed node again and spin it."""
+        with self._changing:
+            named = [hosted for hosted in self.nodes if hosted.name == name]
+            old = next((h for h in named if h.state.life != Life.UP), named[0])
+            if old.state.life == Life.UP:
+                return Outcome(Code.REFUSED, f"{name} is running")
+            said = f"{name} started"
+            if not old.stop():  # it may be stuck; a crashed one releases what it holds
+                said += self._left(old)
+            return self._spin(old.again, said, instead_of=old)
+
+    def stop_node(self, name: str) -> Outcome:
+        """Stop a node; the others are not affected."""
+        with self._changing:
+            if not self._find(name).stop():
+                return Outcome(Code.TIMEOUT, f"{name} does not stop: its callback does not return")
+            return Outcome(Code.DONE, f"{name} stopped")
+
+    def copy_node(self, name: str) -> Outcome:
+        """Run one more node of the same kind, under the next free name: `dashboard_2`."""
+        with self._changing:
+            kind = self._find(name).make
+            first = next(hosted for hosted in self.nodes if hosted.make is kind)
+            taken = {hosted.name for hosted in self.nodes}
+            number = next(n for n in count(2) if f"{first.name}_{n}" not in taken)
+            short = f"{first.name.rpartition('/')[2]}_{number}"
+            return self._spin(
+                lambda: HostedNode(kind, self._context, self._crashed, short), f"{short} started"
+            )
+
+    def reload(self, file: NodeFile, kept: Callable[[str], Mapping[str, Any]]) -> None:
+        """Run the nodes of a file as it stands now, in place of those of its text before.
+
+        Where it cannot be imported these run on; where a node cannot be constructed they are
+        constructed again. `kept(name)` are parameters that the operator has set.
+        """
+        with self._changing:
+            olds = [hosted for hosted in self.nodes if hosted.file is file]
+            try:
+                makers = file.load()
+            except NodeFileError as error:
+                self._not_run(olds, file, error)
+                return
+            for old in olds:
+                if not old.stop():
+                    self._on_event("WARN", old.name.lstrip("/"), self._left(old).lstrip(", "))
+                self._on_end(old.state.serves)
+            failed: NodeFileError | None = None
+            news: list[HostedNode] = []
+            try:
+                for make in makers:
+                    news.append(HostedNode(make, self._context, self._crashed))
+            except Exception as error:  # NodeFileError, or what rclpy says of a name
+                failed = error if isinstance(error, NodeFileError) else NodeFileError(str(error))
+                for new in news:
+                    new.stop()
+                file.back()
+                news = self._constructed(olds)
+            names = {new.name for new in news}
+            for other in [h for h in self.nodes if h not in olds and h.name in names]:
+                other.stop()  # a node of the robot's own, whose place it takes
+                olds.append(other)
+            for new in news:
+                self._set_again(new, kept(new.name))
+            self.nodes = sorted(
+                [*(hosted for hosted in self.nodes if hosted not in olds), *news],
+                key=lambda hosted: hosted.name,
+            )
+            for new in news:
+                new.start()
+        if failed is not None:
+            self._not_run(news, file, failed)
+        else:
+            restarted = ", ".join(sorted(names))
+            self._on_event("YOU", "console", f"{file.path.name} was saved: {restarted} restarted")
+
+    def _constructed(self, olds: list[HostedNode]) -> list[HostedNode]:
+        """Nodes as they were, as far as they still can be."""
+        found = []
+        for old in olds:
+            try:
+                found.append(old.again())
+            except Exception as error:
+                self._on_event(
+                    "ERROR", old.name.lstrip("/"), f"cannot be started again: {in_one_line(error)}"
+                )
+        return found
+
+    def _not_run(self, nodes: list[HostedNode], file: NodeFile, error: NodeFileError) -> None:
+        """Say why the new text does not run."""
+        for hosted in nodes:
+            said = in_its_file(file, str(error))
+            hosted.state = hosted.state._replace(error=said, traceback=error.report)
+        self._on_event("ERROR", file.path.name, f"the saved text does not run: {error}")
+
+    def _set_again(self, hosted: HostedNode, kept: Mapping[str, Any]) -> None:
+        """Parameters of a node that does not spin yet; those that do not fit are said."""
+        for name, value in kept.items():
+            try:
+                result = run_limited(
+                    lambda name=name, value=value: hosted.node.set_parameters(  # type: ignore[misc]
+                        [Parameter(name, value=value)]
+                    )[0],
+                    CONSTRUCTION_TIME,
+                    hosted.name,
+                )
+                reason = "" if result.successful else result.reason or "refused"
+            except Exception as error:
+                reason = in_one_line(error)
+            if reason:
+                said = f"{name} {text_of(value)} was not set again: {reason}"
+                self._on_event("WARN", hosted.name.lstrip("/"), said)
+
+    def _left(self, old: HostedNode) -> str:
+        """Go on without a stuck node; returns what is left of it."""
+        if old.abandon():
+            return ", the one before did not return and was interrupted"
+        return ", the one before is stuck: its callback still runs"
+
+    def _spin(
+        self, make: Callable[[], HostedNode], said: str, instead_of: HostedNode | None = None
+    ) -> Outcome:
+        try:
+            new = make()
+        except Exception as error:  # whatever the node's constructor raises
+            return Outcome(Code.REFUSED, in_one_line(error))
+        kept = [hosted for hosted in self.nodes if hosted is not instead_of]
+        self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
+        new.start()
+        return Outcome(Code.DONE, said)
+
+    def _find(self, name: str) -> HostedNode:
+        return next(hosted for hosted in self.nodes if hosted.name == name)
+
+    def stop(self) -> list[str]:
+        """Stop every node; returns the names of those that did not end within END_TIMEOUT."""
+        end = time.monotonic() + END_TIMEOUT
+        changed = self._changing.acquire(timeout=END_TIMEOUT / 2)  # a file may hang in its import
+        try:
+            for hosted in self.nodes:
+                hosted.begin_to_stop()
+            return [n.name for n in self.nodes if not n.stop(max(end - time.monotonic(), 0.0))]
+        finally:
+            if changed:
+                self._changing.release()
+
+    def _crashed(self, hosted: HostedNode) -> None:
+        self._on_event("ERROR", hosted.name.lstrip("/"), f"crashed: {hosted.state.error}")
+
+
+class HostedFile:
+    """A node file that is watched: its nodes are restarted when it was saved."""
+
+    def __init__(
+        self, host: Host, file: NodeFile, kept: Callable[[str], Mapping[str, Any]]
+    ) -> None:
+        """`kept(node)` are the parameters that the operator has set."""
+        self._host, self._file, self._kept = host, file, kept
+
+    @property
+    def loaded(self) -> Stamps:
+        """Of the text that was last loaded, or tried."""
+        return self._file.loaded
+
+    def look(self) -> Stamps:
+        """As it is now, with what it imports from its folder."""
+        return self._file.look()
+
+    def reload(self) -> None:
+        """Run it as it is now."""
+        self._host.reload(self._file, self._kept)

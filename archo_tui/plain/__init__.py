@@ -1,0 +1,1 @@
+"""`archo-tui --plain`: the station line by line."""

@@ -1,0 +1,92 @@
+"""Values of our own types as JSON holds them, and back: strictly, for a file may say anything."""
+
+from __future__ import annotations
+
+import types
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import lru_cache
+from typing import Any, Union, get_args, get_origin, get_type_hints
+
+from archo_tui.robot.acts import bounded
+from archo_tui.robot.text import harmless
+
+_DEEPEST = 4  # of lists in a value of any type
+
+
+def to_data(value: Any) -> Any:
+    """A named tuple or a dataclass as an object of its fields; an Enum by its name."""
+    if isinstance(value, Enum):
+        return value.name
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return {name: to_data(part) for name, part in zip(value._fields, value, strict=True)}
+    if is_dataclass(value):
+        return {field.name: to_data(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {str(name): to_data(part) for name, part in value.items()}
+    if isinstance(value, frozenset):
+        return sorted(value)
+    if isinstance(value, (list, tuple)):
+        return [to_data(part) for part in value]
+    return value if value is None or isinstance(value, (str, bool)) else bounded({"": value})[""]
+
+
+def from_data(kind: Any, data: Any) -> Any:
+    """The value of that type; fields that are not there have their defaults.
+
+    Raises TypeError, ValueError or KeyError for data of another form. Texts are made harmless.
+    """
+    origin, inner = get_origin(kind), get_args(kind)
+    if kind is Any:
+        return _plain(data, 0)
+    if origin in (Union, types.UnionType):
+        return None if data is None else from_data(next(k for k in inner if k is not _NONE), data)
+    if origin is tuple and inner[-1] is Ellipsis:
+        return tuple([from_data(inner[0], part) for part in _of(list, data)])
+    if origin is tuple:
+        return tuple([from_data(*pair) for pair in zip(inner, _of(list, data), strict=True)])
+    if origin is frozenset:
+        return frozenset([from_data(inner[0], part) for part in _of(list, data)])
+    if origin is Mapping or (isinstance(origin, type) and issubclass(origin, Mapping)):
+        items = _of(dict, data).items()
+        return {harmless(name): from_data(inner[1], part) for name, part in items}
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return kind[_of(str, data)]
+    if kind in (str, int, bool, float):
+        return _scalar(kind, data)
+    hints = _hints(kind)
+    given = _of(dict, data)
+    return kind(**{name: from_data(hints[name], given[name]) for name in hints if name in given})
+
+
+_NONE = type(None)
+
+
+@lru_cache
+def _hints(kind: Any) -> Mapping[str, Any]:
+    return get_type_hints(kind)
+
+
+def _scalar(kind: type, data: Any) -> Any:
+    if kind is float and isinstance(data, int) and not isinstance(data, bool):
+        return float(data)
+    found = _of(kind, data)
+    return harmless(found) if kind is str else found
+
+
+def _of(kind: type, data: Any) -> Any:
+    if type(data) is not kind:
+        raise TypeError(f"{kind.__name__} expected")
+    return data
+
+
+def _plain(data: Any, depth: int) -> Any:
+    """A number, a text, or lists of them."""
+    if isinstance(data, str):
+        return harmless(data)
+    if isinstance(data, list) and depth < _DEEPEST:
+        return [_plain(part, depth + 1) for part in data]
+    if data is None or isinstance(data, (bool, int, float)):
+        return data
+    raise TypeError("a number, a text or a list expected")

@@ -1,0 +1,171 @@
+"""What no topic of the robot says, as `/archo_tui/state` has it. All times are Unix times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from archo_tui.robot.period import Pace
+from archo_tui.robot.state import (
+    Event,
+    Goal,
+    Hosted,
+    NodeState,
+    OpenStop,
+    Parameter,
+    Resource,
+)
+from archo_tui.robot_file.model import GoalKind
+from archo_tui.station.alarms import Alarm
+from archo_tui.station.station import View
+
+Names = Mapping[str, tuple[str, ...]]
+_GOAL_TIMES = ("sent", "heard", "started", "ended", "cancel_asked")
+
+
+class Called(NamedTuple):
+    """What an action is to the console: of the robot file's only the id counts."""
+
+    id: str
+    title: str
+    action: str
+    type: str
+    noun: str = ""
+
+
+class Wanted(NamedTuple):
+    """A goal that waits in the queue."""
+
+    kind: Called
+    values: Mapping[str, Any]
+
+
+class State(NamedTuple):
+    """At one moment."""
+
+    engine: str = ""
+    namespace: str = "/"
+    nodes: tuple[NodeState, ...] = ()
+    hosted: tuple[Hosted, ...] = ()
+    offered: frozenset[str] = frozenset()
+    parameters: tuple[Parameter, ...] = ()
+    faults: Mapping[str, str] = {}
+    publishers: Names = {}
+    twice: tuple[str, ...] = ()
+    several: Names = {}
+    has_clock: bool = False
+    elsewhere: tuple[str, ...] = ()
+    consoles: tuple[str, ...] = ()
+    actions: Names = {}
+    services: Names = {}
+    resources: tuple[Resource, ...] = ()
+    paces: Mapping[str, Pace] = {}
+    charge: tuple[tuple[float, float], ...] = ()
+    open_stop: OpenStop | None = None
+    outlived: tuple[str, ...] = ()
+    goal: Goal | None = None
+    running: int = 0
+    history: tuple[Goal, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
+    queue: tuple[Wanted, ...] = ()
+    held: str = ""
+    clients: tuple[str, ...] = ()
+    events: tuple[Event, ...] = ()  # in the first one of a recording only
+
+
+def times(state: State) -> Iterator[float | None]:
+    """All that are in it."""
+    for goal in (*state.history, *([state.goal] if state.goal else [])):
+        yield goal.time
+        yield from (getattr(goal, name) for name in _GOAL_TIMES)
+    for alarm in state.alarms:
+        yield from (alarm.since, alarm.until, alarm.shelved_until, alarm.shelf_ends)
+    for line in state.events:
+        yield from (line.time, line.first)
+    yield from (node.heard for node in state.nodes)
+    yield from (hosted.saved for hosted in state.hosted)
+    yield from (pace.heard for pace in state.paces.values())
+    yield from (time for time, _ in state.charge)
+    if state.open_stop:
+        yield state.open_stop.asked
+
+
+def parts(view: View) -> tuple[object, ...]:
+    """What of a view is kept when it changes; compared by what it is, and cheaply."""
+    snapshot = view.snapshot
+    goal = snapshot.goal
+    return (
+        tuple([node.name for node in snapshot.nodes]),
+        view.hosted,
+        snapshot.offered,
+        snapshot.parameters,
+        snapshot.faults,
+        snapshot.publishers,
+        snapshot.twice,
+        snapshot.several,
+        snapshot.has_clock,
+        snapshot.elsewhere,
+        snapshot.consoles,
+        snapshot.resources,
+        snapshot.open_stop,
+        snapshot.outlived,
+        None if goal is None else (goal.number, goal.phase, goal.length, goal.message),
+        snapshot.running,
+        tuple([(alarm.name, alarm.state, alarm.reason) for alarm in view.alarms]),
+        view.waiting,
+        view.held,
+        view.clients,
+    )
+
+
+def state(view: View, *, whole: bool) -> State:
+    """All of it; `whole`: with the events so far."""
+    snapshot, since = view.snapshot, view.time - view.now
+    stop, goal = snapshot.open_stop, snapshot.goal
+
+    def at(monotonic: float | None) -> float | None:
+        return None if monotonic is None else monotonic + since
+
+    return State(
+        engine=view.engine,
+        namespace=snapshot.namespace,
+        nodes=tuple(node._replace(heard=at(node.heard)) for node in snapshot.nodes),
+        hosted=view.hosted,
+        offered=snapshot.offered,
+        parameters=snapshot.parameters,
+        faults=snapshot.faults,
+        publishers=snapshot.publishers,
+        twice=snapshot.twice,
+        several=snapshot.several,
+        has_clock=snapshot.has_clock,
+        elsewhere=snapshot.elsewhere,
+        consoles=snapshot.consoles,
+        actions=snapshot.actions,
+        services=snapshot.services,
+        resources=snapshot.resources,
+        paces={
+            name: pace._replace(heard=pace.heard + since) for name, pace in snapshot.paces.items()
+        },
+        charge=tuple((time + since, percentage) for time, percentage in snapshot.charge),
+        open_stop=None if stop is None else stop._replace(asked=stop.asked + since),
+        outlived=snapshot.outlived,
+        goal=None if goal is None else _moved(goal, since),
+        running=snapshot.running,
+        history=tuple(_moved(ended, since) for ended in snapshot.history),
+        alarms=view.alarms,
+        queue=tuple(Wanted(_called(one.kind), one.values) for one in view.queue),
+        held=view.held,
+        clients=view.clients,
+        events=tuple(replace(event, act=None) for event in snapshot.events) if whole else (),
+    )
+
+
+def _moved(goal: Goal, since: float) -> Goal:
+    values = {name: getattr(goal, name) for name in _GOAL_TIMES}
+    moved = {name: None if time is None else time + since for name, time in values.items()}
+    return goal._replace(kind=_called(goal.kind), **moved)  # type: ignore[arg-type]
+
+
+def _called(kind: GoalKind) -> Called:
+    return Called(kind.id, kind.title, kind.action, kind.type, kind.noun)

@@ -1,0 +1,1 @@
+"""How other programs of the same user reach a console: its socket, the shell, Python."""

@@ -1,0 +1,181 @@
+"""What an assistant may do through the socket: look, say STOP, and ask a person for a goal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from archo_tui.remote.waits import RanOut, timeout_of, wait_for
+from archo_tui.robot import forms
+from archo_tui.robot.asker import Asker
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import WATCHING, values_text
+from archo_tui.robot.text import harmless
+from archo_tui.robot.values import text_of
+from archo_tui.station.queue import QueuedGoal
+from archo_tui.station.requests import EXPIRES, Request, Stand
+from archo_tui.station.station import Station
+from archo_tui.verbs import as_data
+from archo_tui.verbs.base import Verb
+from archo_tui.verbs.goals import GOALS, Go
+from archo_tui.verbs.parse import parse, schema
+
+_LOOKS = ("status", "events", "history", "params", "get")
+_LONGEST_TEXT = 300  # characters of a goal that a person has to read
+_LONGEST_WAIT = 50.0  # s: tools give up after a minute
+ASKED = "asked"  # in place of an outcome's code: a person has to decide
+
+
+class Assistants:
+    """Knows the requests of all; each assistant sees its own."""
+
+    def __init__(self, station: Station, verbs: Mapping[str, Verb]) -> None:
+        self._station, self._verbs = station, verbs
+
+    async def obey(self, asker: Asker, request: dict[str, Any]) -> dict[str, Any]:
+        """The result. Raises ValueError for what cannot be meant, and RanOut."""
+        number, words = request.get("id"), request.get("words")
+        if "ask" in request:
+            return {"id": number, **await self._ask(request["ask"])}
+        if not (isinstance(words, list) and words and all(isinstance(w, str) for w in words)):
+            raise ValueError('expected {"id": ..., "words": ["status"]}')
+        word, *rest = words
+        if word == "goals" and not rest:
+            return {"id": number, "code": "done", "text": "", "data": self._goals()}
+        if word == "wait" and rest[:1] == ["request"]:
+            return {"id": number, **await self._wait(asker, rest[1:], request)}
+        if words == ["cancel"]:
+            outcome = await self._cancel(asker)
+            return {"id": number, "code": outcome.code.value, "text": outcome.text}
+        if word not in _LOOKS:
+            said = f"an assistant has no {word[:40]}: a person does that at the console"
+            return {"id": number, "code": Code.REFUSED.value, "text": said}
+        verb = self._verbs[word]
+        values, _ = parse(verb, self._station, rest)
+        values = await verb.prepare(self._station, values)
+        outcome = await verb.run(self._station, values)
+        result = {"id": number, "code": outcome.code.value, "text": outcome.text}
+        data = verb.data(self._station, values) if outcome.ok else None
+        return result if data is None else {**result, "data": data}
+
+    def _goals(self) -> list[dict[str, Any]]:
+        """The kinds that can be asked for, each with the schema of its values by dotted path."""
+        snapshot, found = self._station.robot.snapshot, []
+        for verb in self._verbs.values():
+            if isinstance(verb, Go):
+                said = schema(verb, snapshot)
+                paths = [leaf.path for leaf in snapshot.forms.get(verb.kind.id, ())]
+                named = zip(paths, said["properties"].items(), strict=False)
+                said["properties"] = {path: {"title": label, **one} for path, (label, one) in named}
+                said["required"] = paths
+                found.append({"kind": verb.id, "title": verb.title, "schema": said})
+        return found
+
+    async def _ask(self, wanted: Any) -> dict[str, Any]:
+        kind = wanted.get("kind") if isinstance(wanted, dict) else None
+        verb = self._verbs.get(kind) if isinstance(kind, str) else None
+        if not isinstance(verb, Go):
+            kinds = ", ".join(v.id for v in self._verbs.values() if isinstance(v, Go)) or "none"
+            raise ValueError(f"kind: this robot has {kinds}")
+        if self._station.robot.watching:
+            return {"code": Code.REFUSED.value, "text": WATCHING}
+        values = self._values(verb, wanted.get("values"))
+        await verb.prepare(self._station, {GOALS: [values]})
+        refusal = verb.refusal(self._station)
+        if refusal:
+            return {"code": Code.REFUSED.value, "text": refusal}
+        title = verb.title.lower()
+        stopped = self._station.robot.snapshot.motion.stopped
+        if stopped or self._station.robot.snapshot.open_stop is not None:
+            said = "the robot is stopped: a person has to release it first"
+            return {"code": Code.REFUSED.value, "text": said}
+        text = " ".join(filter(None, (title, values_text(verb.kind, values))))
+        if len(text) > _LONGEST_TEXT or harmless(text) != text:  # else a person sees another goal
+            raise ValueError(f"values: more than {_LONGEST_TEXT} characters, or some that hide")
+        try:
+            one = self._station.request(QueuedGoal(verb.kind, values), text)
+        except ValueError as error:
+            return {"code": Code.REFUSED.value, "text": str(error)}
+        said = f"request {one.number} waits for a person: {text}"
+        return {
+            "code": ASKED,
+            "text": said,
+            "data": {"request": one.number, "expires_in": EXPIRES},
+        }
+
+    def _values(self, verb: Go, given: Any) -> dict[str, Any]:
+        """By dotted path, each of its type. Raises ValueError."""
+        leaves = self._station.robot.snapshot.forms.get(verb.kind.id)
+        if leaves is None:
+            raise ValueError(f"{verb.kind.type} is not installed here")
+        if not isinstance(given, dict):
+            raise ValueError("values: expected an object, by name")
+        paths = [leaf.path for leaf in leaves]
+        for name in given:
+            if name not in paths:
+                raise ValueError(f"values: no {name[:40]!r}; there are {', '.join(paths)}")
+        missing = [path for path in paths if path not in given]
+        if missing:
+            raise ValueError(f"values: {', '.join(missing)} is missing")
+        texts: dict[str, str] = {}
+        for path in paths:
+            if isinstance(given[path], (dict, list)) or given[path] is None:
+                raise ValueError(f"values: {path} is no number, text, true or false")
+            texts[path] = text_of(given[path])
+        return forms.parse_all(leaves, verb.kind.form, texts)
+
+    async def _wait(
+        self, asker: Asker, words: list[str], request: Mapping[str, Any]
+    ) -> dict[str, Any]:
+        one = self._own(asker, words)
+        timeout = timeout_of(request)
+        seconds = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
+
+        def over() -> Outcome | None:
+            now = self._own(asker, words)
+            if now.stand == Stand.WAITS:
+                return None
+            if now.stand == Stand.ALLOWED:
+                return now.end.result() if now.end is not None and now.end.done() else None
+            return Outcome(Code.CANCELLED, now.why)
+
+        try:
+            outcome = await wait_for(self._station, self._verbs, [], {"timeout": seconds}, over)
+        except RanOut:
+            raise RanOut(self._so_far(self._own(asker, words))) from None
+        one = self._own(asker, words)
+        if one.stand != Stand.ALLOWED:
+            text = f"request {one.number} is {one.stand.value}: {one.why}".removesuffix(": ")
+            return {"code": one.stand.name.lower(), "text": text}
+        goal = one.ended
+        said = {"code": outcome.code.value, "text": outcome.text}
+        return said if goal is None else {**said, "data": as_data.goal(goal, self._now)}
+
+    def _so_far(self, one: Request) -> str:
+        if one.stand == Stand.WAITS:
+            left = f"{one.left(self._now):.0f} s left"
+            return f"request {one.number} still waits for a person, {left}"
+        goal = self._station.robot.snapshot.running_goal
+        left = "" if goal is None or goal.remaining is None else f", {goal.remaining:.1f} left"
+        return f"request {one.number} was allowed; its goal has not ended yet{left}"
+
+    @property
+    def _now(self) -> float:
+        return self._station.clock.monotonic()
+
+    def _own(self, asker: Asker, words: list[str]) -> Request:
+        number = words[0] if len(words) == 1 else ""
+        is_number = number.isascii() and number.isdecimal() and len(number) < 10
+        one = self._station.requests.get(int(number)) if is_number else None
+        if one is None or one.asker is not asker:
+            raise ValueError(f"no request {number[:20]!r} of this assistant")
+        return one
+
+    async def _cancel(self, asker: Asker) -> Outcome:
+        withdrawn = self._station.withdraw(asker)
+        if withdrawn:
+            return Outcome(Code.DONE, f"withdrawn: {withdrawn}")
+        if all(end.done() for end in asker.ends):
+            said = "no goal of this assistant runs; say stop to stop the robot"
+            return Outcome(Code.REFUSED, said)
+        return await self._station.robot.cancel()  # while it waits or runs, no other one does

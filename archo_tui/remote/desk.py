@@ -1,0 +1,304 @@
+"""Carries out what comes through the socket, on the loop of the console."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections import deque
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+from archo_tui import __version__
+from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.remote.assistants import Assistants
+from archo_tui.remote.follow import follow
+from archo_tui.remote.protocol import GONE, LOST, PROTOCOL, is_stop
+from archo_tui.remote.server import Guest
+from archo_tui.remote.waits import LOOK, RanOut, wait_for
+from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.stops import NOT_SENT, Void
+from archo_tui.station.station import CALLED_OFF, Station
+from archo_tui.verbs import as_data, verbs
+from archo_tui.verbs.base import Question, Verb
+from archo_tui.verbs.parse import YES, named, parse
+from archo_tui.verbs.speak import speak
+
+_APART = 0.05  # s between two STOPs, of however many clients
+_MOST_STOPS = 1000  # that are answered: of a flood the last ones
+_PATIENCE = 60.0  # s for a person at a shell to answer
+RAN_OUT = "ran_out"  # in place of an outcome's code: the time that was waited for is over
+
+
+class Desk:
+    """One for each console; knows each client by what it does."""
+
+    def __init__(self, station: Station, domain: int | None) -> None:
+        """`domain` is ROS's, where one was chosen."""
+        self._station, self._domain = station, domain
+        self._robot = station.robot
+        self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
+        self._assistants = Assistants(station, self.verbs)
+        self._visits: dict[Guest, _Visit] = {}
+        # STOPs that wait to be answered, and whether one is on its way to the loop
+        self._stops: deque[tuple[Guest, Any, bool]] = deque(maxlen=_MOST_STOPS)
+        self._comes = False
+        self._is_stopping = False
+
+    # on the server's thread
+
+    def hello(self) -> dict[str, Any]:
+        """What every client is told first."""
+        station = self._station
+        return {
+            "protocol": PROTOCOL,
+            "version": __version__,
+            "robot": self._robot.file.name,
+            "namespace": station.view.namespace,
+            "engine": station.view.engine,
+            "domain": self._domain,
+            "pid": os.getpid(),
+            "watching": self._robot.watching,
+        }
+
+    def serve(self, client: Guest, request: dict[str, Any], stops: int) -> None:
+        """Begin to carry it out; STOP at once, the others when they are due."""
+        if is_stop(request):
+            is_assistant = request.get("assistant") is True
+            self._stops.append((client, request.get("id"), is_assistant))
+            if not self._comes:  # else a flood would be as many tasks
+                self._comes = True
+                self._station.post(self._stop)
+        else:
+            self._station.post(partial(self._serve, client, request, stops))
+
+    def answer(self, client: Guest, answer: dict[str, Any], stops: int) -> None:
+        """What a client says while its request is carried out."""
+        self._station.post(partial(self._answered, client, answer))
+
+    def gone(self, client: Guest) -> None:
+        """It has left: what it waits for is called off."""
+        self._station.post(partial(self._leave, client))
+
+    # on the console's loop
+
+    async def _stop(self) -> None:
+        """All that have come while one was being answered are answered by the next."""
+        self._comes = False
+        if self._is_stopping:
+            return
+        self._is_stopping, now = True, []
+        try:
+            while self._stops:
+                self._station.ask_no_more()
+                now = [self._stops.popleft() for _ in range(len(self._stops))]
+                with asked_by(self._asker(*now[0][::2])):
+                    outcome = await self._stopped()
+                for client, number, _ in now:
+                    client.tell(_result(number, outcome))
+                now = []
+                if self._stops:
+                    await self._station.clock.sleep(_APART)
+        finally:
+            self._is_stopping = False
+            if now or self._stops:  # the screen ends: the next one answers them
+                self._stops.extendleft(reversed(now))
+                self._station.post(self._stop)
+
+    def _asker(self, client: Guest, is_assistant: bool) -> Asker:
+        visit = self._visits.get(client)
+        return _asker(client, assistant=is_assistant) if visit is None else visit.asker
+
+    async def _stopped(self) -> Outcome:
+        try:
+            return await self.verbs["stop"].run(self._station, {})
+        except Exception as error:  # whatever it is, whoever said it is answered
+            return Outcome(Code.REFUSED, in_one_line(error))
+
+    def _visit(self, client: Guest) -> _Visit:
+        if client not in self._visits:
+            self._visits[client] = _Visit(client)
+            self._list_clients()
+        return self._visits[client]
+
+    def _list_clients(self) -> None:
+        self._station.clients = tuple(visit.asker.source for visit in self._visits.values())
+        self._station.look()
+
+    async def _leave(self, client: Guest) -> None:
+        visit = self._visits.pop(client, None)
+        if visit is None:  # it said nothing
+            return
+        visit.has_gone = True
+        self._list_clients()
+        await self._call_off(visit)
+
+    async def _call_off(self, visit: _Visit) -> None:
+        """Its goals leave the queue, the one that runs is cancelled: so ends what it waits for."""
+        if visit.asked is not None and not visit.asked.done():
+            visit.asked.set_result(False)
+        ends_with_it = visit.is_assistant and visit.has_gone  # also what it does not wait for
+        if visit.task is not None and visit.only_looks:
+            visit.is_off = True
+            visit.task.cancel()
+        elif visit.is_waiting and not visit.leaves:
+            ends_with_it = True
+        if ends_with_it:
+            visit.asker.has_left = True
+            with asked_by(visit.asker):
+                if self._station.take_out(visit.asker):
+                    await self._robot.cancel()
+
+    async def _answered(self, client: Guest, answer: dict[str, Any]) -> None:
+        visit = self._visit(client)
+        if answer.get("give_up") and visit.task is None:
+            client.tell(_result(None, Outcome(Code.DONE, "it had ended")))
+        elif answer.get("give_up"):
+            asker = visit.asker
+            asker.has_left = asker.has_left or not asker.ends  # nothing was sent, nothing will be
+            await self._call_off(visit)
+        elif visit.asked is not None and not visit.asked.done():
+            visit.asked.set_result(answer.get("answer") is True)
+
+    async def _serve(self, client: Guest, request: dict[str, Any], stops: int) -> None:
+        visit, number = self._visit(client), request.get("id")
+        visit.begin(request)
+        if visit.is_assistant:
+            self._list_clients()
+        visit.task = asyncio.current_task()
+        try:
+            with self._robot.stops.at(stops), asked_by(visit.asker):
+                result = await self._obey(visit, request)
+        except Void:
+            result = _result(number, Outcome(Code.CANCELLED, NOT_SENT))
+        except _Declined as error:
+            result = _result(number, Outcome(Code.CANCELLED, str(error)))
+        except RanOut as error:
+            result = {"id": number, "code": RAN_OUT, "text": str(error)}
+        except (ArchoError, ValueError) as error:
+            result = _result(number, Outcome(Code.MISUSE, str(error)))
+        except Exception as error:  # whatever it is, the console goes on
+            said = in_one_line(error)
+            self._robot.note("ERROR", "console", f"{visit.asker.source}: {said}")
+            result = _result(number, Outcome(Code.REFUSED, said))
+        except asyncio.CancelledError:
+            result = _result(number, Outcome(Code.CANCELLED, CALLED_OFF))
+            if not visit.is_off:  # the screen ends, or was restarted: its goal is the console's
+                result = {"id": number, "code": LOST, "text": GONE}
+        finally:
+            visit.task, visit.is_waiting = None, False
+            client.tell(result)
+            client.done()
+
+    async def _obey(self, visit: _Visit, request: dict[str, Any]) -> dict[str, Any]:
+        words, number = request.get("words"), request.get("id")
+        if visit.is_assistant:
+            return await self._assistants.obey(visit.asker, request)
+        if request.get("follow"):
+            await follow(self._station, visit.client.tell, number)
+        if not (isinstance(words, list) and words and all(isinstance(w, str) for w in words)):
+            raise ValueError('expected {"id": ..., "words": ["status"]}')
+        if any("\ud800" <= char <= "\udfff" for word in words for char in word):
+            raise ValueError("words: half a character, a lone surrogate, is in them")
+        word, *rest = words
+        if word == "wait":
+            sent = visit.sent if rest == ["arrived"] else []
+            waited = self._arrived(sent) if sent else None
+            return _result(number, await wait_for(self._station, self.verbs, rest, request, waited))
+        verb = named(self.verbs, word)
+        if "--help" in rest:
+            return _result(number, Outcome(Code.DONE, verb.explained))
+        values, yes = parse(verb, self._station, rest)
+        person = request.get("person") is True
+        ask = None if yes else partial(self._ask, visit, number, person)
+        visit.is_waiting, asker = request.get("wait") is True, visit.asker
+        outcome = await speak(self._station, verb, values, partial(self._until, asker), ask)
+        self._station.look()
+        if asker.ends:
+            visit.sent = asker.ends
+        if visit.is_waiting and outcome.ok and asker.ends:
+            visit.client.tell({"id": number, "said": outcome.text})
+            outcome = await _ended(asker.ends)
+        result = {**_result(number, outcome), "tells": verb.tells}
+        told = verb.data(self._station, values) if outcome.ok else None
+        if visit.is_waiting and asker.goal is not None:
+            told = as_data.goal(asker.goal, self._station.clock.monotonic())
+        return result if told is None else {**result, "data": told}
+
+    @staticmethod
+    def _arrived(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
+        return lambda: _outcome(ends) if all(end.done() for end in ends) else None
+
+    async def _ask(self, visit: _Visit, number: Any, person: bool, question: Question) -> None:
+        """Have the person at the shell answer; raises _Declined when it is not yes."""
+        text = " ".join(question.text.split())
+        if not person:
+            raise ArchoError(f"{text} (add {YES} to do it)")
+        visit.asked = asyncio.get_running_loop().create_future()
+        visit.client.tell({"id": number, "ask": text, "safe": question.safe, "go": question.go})
+        try:
+            answer = await self._station.clock.wait_for(visit.asked, _PATIENCE)
+        except TimeoutError:
+            answer = False
+        finally:
+            visit.asked = None
+        if not answer:
+            raise _Declined(question.safe.lower())
+
+    async def _until(self, asker: Asker, holds: Callable[[], object], seconds: float) -> None:
+        clock = self._station.clock
+        end = clock.monotonic() + seconds
+        while not (holds() or asker.has_left) and clock.monotonic() < end:
+            await clock.sleep(LOOK)
+
+
+class _Declined(ArchoError):
+    """Whoever was asked did not say yes."""
+
+
+class _Visit:
+    """What one client does."""
+
+    def __init__(self, client: Guest) -> None:
+        self.client = client
+        self.sent: list[asyncio.Future[Outcome]] = []  # the ends of its last goals
+        self.asked: asyncio.Future[bool] | None = None
+        self.task: asyncio.Task[None] | None = None
+        self.is_assistant = self.has_gone = False
+        self.begin({})
+
+    def begin(self, request: Mapping[str, Any]) -> None:
+        """This is what it asks for now."""
+        words = request.get("words")
+        if not self.is_assistant:  # which is one from its first word on, and the same to its end
+            self.is_assistant = request.get("assistant") is True
+            self.asker = _asker(self.client, assistant=self.is_assistant)
+        self.is_waiting = False  # for the end of its goals
+        self.leaves = request.get("leave") is True  # and they go on without it
+        is_wait = isinstance(words, list) and words[:1] == ["wait"]
+        self.only_looks = is_wait or bool(request.get("follow"))  # it commands nothing
+        self.is_off = False  # was called off
+
+
+def _asker(client: Guest, *, assistant: bool = False) -> Asker:
+    number = str(client.pid) if client.pid else "unknown"
+    return Asker("AI", f"{ASSISTANT} {number}") if assistant else Asker("SHELL", f"pid {number}")
+
+
+async def _ended(ends: list[asyncio.Future[Outcome]]) -> Outcome:
+    """How goals ended, when all have."""
+    for end in ends:
+        await end
+    return _outcome(ends)
+
+
+def _outcome(ends: list[asyncio.Future[Outcome]]) -> Outcome:
+    """The first that did not arrive, else the last."""
+    outcomes = [end.result() for end in ends]
+    bad = [outcome for outcome in outcomes if outcome.code != Code.ARRIVED]
+    return bad[0] if bad else outcomes[-1]
+
+
+def _result(number: Any, outcome: Outcome) -> dict[str, Any]:
+    return {"id": number, "code": outcome.code.value, "text": outcome.text}

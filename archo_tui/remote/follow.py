@@ -1,0 +1,27 @@
+"""A stream of what happens, for as long as somebody reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NoReturn
+
+from archo_tui.station.station import Station
+from archo_tui.verbs.as_data import event, state
+
+PERIOD = 0.2  # s between two looks: 5 a second, as the screen
+
+
+async def follow(station: Station, tell: Callable[[dict[str, Any]], None], number: Any) -> NoReturn:
+    """Tell events and, when it changed, the state, until it is cancelled: its client has left."""
+    seen = {event.number: event.count for event in station.robot.snapshot.events}
+    line = ""
+    while True:
+        for found in station.robot.snapshot.events:
+            if seen.get(found.number) != found.count:
+                tell({"id": number, "event": event(found)})
+        seen = {found.number: found.count for found in station.robot.snapshot.events}
+        told = state(station)
+        if told["line"] != line:
+            line = told["line"]
+            tell({"id": number, "state": told})
+        await station.clock.sleep(PERIOD)

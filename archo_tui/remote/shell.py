@@ -1,0 +1,282 @@
+"""`archo-tui VERB ...`: sends the words to the console that runs here, and ends as it says."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+
+from archo_tui.remote.client import Unreached, chosen, described, fits, greeted, nobody, one
+from archo_tui.remote.protocol import EXITS, FAILED, GONE, INTERRUPTED, MISUSED, UNREACHED, is_stop
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from contextlib import AbstractContextManager
+    from types import FrameType
+    from typing import Any, Protocol
+
+    class Speaks(Protocol):
+        """A connection to a console, or what stands for one."""
+
+        def request(self, **asked: Any) -> Iterator[dict[str, Any]]:
+            """Yields all that is said to it, the result last."""
+
+        def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+            """What else is said. Raises Unreached when nothing is, for so many s."""
+
+        def send(self, said: dict[str, Any]) -> None:
+            """Say something more to what is being carried out."""
+
+
+_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
+_VALUES = ("--to", "--timeout")
+_CONFIRMED = 3.0  # s in which a goal that is called off is seen to end
+_STOPPED = 15.0  # s: longer than any STOP is waited for in a console that lives
+
+
+class _Words:
+    """What is meant for us, taken out of what is meant for the console."""
+
+    def __init__(self, words: Sequence[str]) -> None:
+        """Raises ValueError with one line."""
+        self.flags: set[str] = set()
+        self.values: dict[str, str] = {}
+        self.rest: list[str] = []
+        given = iter(words)
+        for word in given:
+            if any("\ud800" <= char <= "\udfff" for char in word):  # bytes that are no text
+                raise ValueError(f"not UTF-8: {word!r}")
+            name, equals, value = word.partition("=")
+            if word in _FLAGS:
+                self.flags.add(word)
+            elif name in _VALUES:
+                self.values[name] = value if equals else next(given, "")
+                if not self.values[name]:
+                    raise ValueError(f"{name} needs a value")
+            else:
+                self.rest.append(word)
+
+    @property
+    def timeout(self) -> float | None:
+        """Raises ValueError."""
+        text = self.values.get("--timeout")
+        try:
+            seconds = None if text is None else float(text)
+        except ValueError:
+            seconds = -1.0
+        if seconds is not None and not 0 <= seconds < 1e9:
+            raise ValueError(f"--timeout: not a time in s: {text}")
+        return seconds
+
+
+class _Interrupted(Exception):
+    """ctrl+c, or SIGTERM."""
+
+
+def run(
+    words: Sequence[str],
+    others: Iterable[str],
+    attach: Callable[[], AbstractContextManager[Speaks]] | None = None,
+) -> int:
+    """Returns the exit code; `others` are what is no verb, for a word that nobody can look up.
+
+    `attach` makes what is spoken to where no console runs.
+    """
+    try:
+        given = _Words(words)
+        timeout = given.timeout
+        to = given.values.get("--to", "")
+        if attach is not None and not _runs(to):
+            with attach() as robot:
+                return _ask(robot, given, timeout)
+        if is_stop({"words": given.rest}):
+            return _stop(to, given)
+        console = one(to)
+        try:
+            return _ask(console, given, timeout)
+        finally:
+            console.close()
+    except ValueError as error:
+        _complain(str(error))
+        return MISUSED
+    except Unreached as error:
+        near = _nearest(words[0], others)
+        if near:
+            _complain(f"no command {words[0]!r} (nearest: {near}), and {error}")
+            return MISUSED
+        _complain(str(error))
+        return UNREACHED
+
+
+def _runs(to: str) -> bool:
+    """True when a console is there to take it."""
+    try:
+        found = chosen(to)
+    except Unreached:
+        return False
+    for console in found:
+        console.close()
+    return True
+
+
+def _nearest(word: str, others: Iterable[str]) -> str:
+    import difflib
+
+    return next(iter(difflib.get_close_matches(word, others, n=1)), "")
+
+
+def consoles(words: Sequence[str]) -> int:
+    """List those that run here."""
+    from archo_tui.remote.client import consoles as find
+
+    try:
+        found = find()
+    except Unreached as error:
+        _complain(str(error))
+        return UNREACHED
+    for console in found:
+        if "--json" in words:
+            _print(json.dumps(console.hello))
+        else:
+            _print(described(console))
+        console.close()
+    return 0 if found else UNREACHED
+
+
+def _stop(to: str, given: _Words) -> int:
+    """To every console that fits, before any is waited for.
+
+    Each answer is printed, the worst is the exit code.
+    """
+    told, codes = [], []
+    faults: list[str] = []
+    for console in greeted(faults):
+        if not fits(console, to):
+            console.close()
+            continue
+        try:
+            console.send({"id": 1, "words": given.rest})
+            told.append(console)
+        except Unreached as error:
+            faults.append(f"{described(console)}: {error}")
+    for fault in faults if told else ():
+        _complain(fault)
+        codes.append(UNREACHED)
+    if not told:
+        raise Unreached(faults[0] if faults else nobody(to))
+    for console in told:
+        try:
+            result = next(said for said in console.rest(_STOPPED) if "code" in said)
+        except Unreached as error:
+            _complain(f"{described(console)}: {error}")
+            codes.append(UNREACHED)
+            continue
+        finally:
+            console.close()
+        if len(told) > 1:
+            result = {**result, "text": f"{described(console)}: {result['text']}"}
+        codes.append(_end(result, given))
+    return max(codes)
+
+
+def _ask(console: Speaks, given: _Words, timeout: float | None) -> int:
+    asked: dict[str, Any] = {"words": given.rest, "person": _has_person(), "timeout": timeout}
+    if "--follow" in given.flags:
+        asked = {"words": given.rest, "follow": True}
+    if "--wait" in given.flags:
+        asked |= {"wait": True, "leave": "--leave" in given.flags}
+    try:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, _interrupt)
+    except ValueError:  # not the main thread, which alone hears of them
+        pass
+    try:
+        return _end(_result(console, asked, given), given)
+    except _Interrupted:
+        for number in (signal.SIGINT, signal.SIGTERM):  # the next one ends it at once
+            signal.signal(number, signal.SIG_DFL)
+        return INTERRUPTED if asked.get("leave") else _give_up(console)
+
+
+def _result(console: Speaks, asked: dict[str, Any], given: _Words) -> dict[str, Any]:
+    """The last thing that is said; what comes before it is printed, or answered."""
+    for said in console.request(**asked):
+        if "code" in said:
+            return said
+        if "ask" in said:
+            console.send({"answer": _answer(f"{said['ask']} [y/N] ")})
+        elif "--json" in given.flags:
+            _print_json(said)
+        elif "event" in said:
+            event = said["event"]
+            _print(f"{event['level']} {event['source']}: {event['text']}")
+        elif "said" in said:
+            _complain(said["said"], prefix="")
+    raise Unreached(GONE)
+
+
+def _end(result: dict[str, Any], given: _Words) -> int:
+    """Print the result; returns the exit code."""
+    code = EXITS.get(result["code"], FAILED)
+    data = result.get("data")
+    if "--json" in given.flags:
+        _print_json(result)
+    elif code:
+        _complain(f"{given.rest[0] if given.rest else ''}: {result['text']}".lstrip(": "))
+    elif "--line" in given.flags and isinstance(data, dict) and "line" in data:
+        _print(data["line"])
+    elif result.get("tells"):
+        _print(result["text"])
+    elif result["text"]:
+        _complain(result["text"], prefix="")
+    return code
+
+
+def _give_up(console: Speaks) -> int:
+    """Call off what was asked for, and wait until that is confirmed."""
+    try:
+        console.send({"give_up": True})
+        for said in console.rest(_CONFIRMED):
+            if "code" in said:
+                _complain(said["text"], prefix="")
+                break
+    except Unreached as error:
+        _complain(str(error))
+    return INTERRUPTED
+
+
+def _interrupt(_number: int, _frame: FrameType | None) -> None:
+    raise _Interrupted
+
+
+def _has_person() -> bool:
+    return sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def _answer(question: str) -> bool:
+    print(question, end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip().lower() in ("y", "yes")
+
+
+def _print(text: str) -> None:
+    print(_safe(text), flush=True)
+
+
+def _print_json(said: dict[str, Any]) -> None:
+    """Without the number of the request, which is ours."""
+    _print(json.dumps({name: value for name, value in said.items() if name != "id"}))
+
+
+def _complain(text: str, prefix: str = "archo-tui: ") -> None:
+    if sys.stderr is not None:
+        print(f"{prefix}{_safe(text)}", file=sys.stderr)
+
+
+def _safe(text: str) -> str:
+    """Lines that no terminal acts on: what a robot says is in them."""
+    if text.isprintable():
+        return text
+    return "".join(
+        char if char.isprintable() or char == "\n" else "\N{REPLACEMENT CHARACTER}" for char in text
+    )

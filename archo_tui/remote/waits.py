@@ -1,0 +1,101 @@
+"""What a program can wait for: `wait idle`, `arrived`, `ready`, `battery 50`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Goal
+from archo_tui.robot.values import parse_number
+from archo_tui.station.station import Station
+from archo_tui.verbs.base import Verb
+
+WAITS = "idle, arrived, ready or battery N"
+LOOK = 0.05  # s between two looks
+_LONGEST = 1e9  # s
+_Look = Callable[[], Outcome | None]  # None: not yet
+
+
+async def wait_for(
+    station: Station,
+    verbs: Mapping[str, Verb],
+    words: Sequence[str],
+    request: Mapping[str, Any],
+    waited: Callable[[], Outcome | None] | None = None,
+) -> Outcome:
+    """Ends when it is so, or can no longer become so. Raises ValueError for other words.
+
+    `waited` tells the end of goals that are known to whoever waits.
+    """
+    look = waited or _looks(station, verbs, words)
+    timeout, clock = timeout_of(request), station.clock
+    end = None if timeout is None else clock.monotonic() + timeout
+    while (outcome := look()) is None:
+        if end is not None and clock.monotonic() >= end:
+            moves = station.robot.snapshot.running_goal is not None
+            raise RanOut("the robot still drives" if moves else "not yet")
+        await clock.sleep(LOOK)
+    return outcome
+
+
+def timeout_of(request: Mapping[str, Any]) -> float | None:
+    """How long is waited, in s; None: for ever. Raises ValueError."""
+    timeout = request.get("timeout")
+    is_number = isinstance(timeout, (int, float)) and not isinstance(timeout, bool)
+    if timeout is not None and not (is_number and 0 <= timeout <= _LONGEST):
+        raise ValueError(f"timeout: not a time in s: {str(timeout)[:40]}")
+    return timeout
+
+
+class RanOut(ValueError):
+    """The time is over."""
+
+
+def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Look:
+    robot = station.robot
+
+    def idle() -> Outcome | None:
+        busy = robot.snapshot.running_goal is not None or station.queue.is_going
+        return None if busy else Outcome(Code.DONE, "idle")
+
+    def ready() -> Outcome | None:
+        why = verbs["go"].refusal(station) if "go" in verbs else "the robot file names no goal"
+        if not why:
+            return Outcome(Code.DONE, "ready")
+        return Outcome(Code.REFUSED, why) if robot.watching or "go" not in verbs else None
+
+    running = robot.snapshot.running_goal
+
+    def arrived() -> Outcome | None:
+        if running is None:
+            return Outcome(Code.REFUSED, "no goal is running")
+        goal = _same(station, running)
+        if goal is None or goal.code is None:
+            return None if goal is not None else Outcome(Code.REFUSED, "the goal is not known")
+        return Outcome(goal.code, goal.message or goal.word.lower())
+
+    if list(words) in (["idle"], ["ready"], ["arrived"]):
+        return {"idle": idle, "ready": ready, "arrived": arrived}[words[0]]
+    if len(words) == 2 and words[0] == "battery":
+        try:
+            wanted = parse_number(words[1])
+        except ValueError:
+            raise ValueError(f"battery: not a number of percent: {words[1]}") from None
+        if robot.file.battery is None:
+            raise ValueError("the robot file names no battery")
+
+        def charged() -> Outcome | None:
+            charge = robot.snapshot.battery.percentage
+            if charge is None or charge < wanted:
+                return None
+            return Outcome(Code.DONE, f"{charge:.1f} %")
+
+        return charged
+    raise ValueError(f"wait needs {WAITS}")
+
+
+def _same(station: Station, wanted: Goal) -> Goal | None:
+    snapshot = station.robot.snapshot
+    known = (goal for goal in (snapshot.goal, *snapshot.history) if goal is not None)
+    return next((goal for goal in known if goal.number == wanted.number), None)

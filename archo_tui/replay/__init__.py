@@ -1,0 +1,1 @@
+"""Recordings played back: the same panels on a recorded robot."""

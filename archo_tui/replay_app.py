@@ -1,0 +1,51 @@
+"""The console on a recorded robot: it shows what was, and does nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from archo_tui.app import ArchoApp
+from archo_tui.commands.base import Command
+from archo_tui.commands.replay import of_replay
+from archo_tui.replay.robot import RecordedStation
+from archo_tui.robot.state import Snapshot
+from archo_tui.screens.main import MainScreen
+from archo_tui.terminal.app import begin
+from archo_tui.widgets.time_line import TimeLine
+
+_FRAME = 0.1  # s between two looks while it plays, or is read
+
+
+class ReplayApp(ArchoApp):
+    """The same panels, and a time line below them."""
+
+    def __init__(
+        self, station: RecordedStation, keys: Mapping[str, str] | None = None, theme: str = ""
+    ) -> None:
+        self._player = station.player
+        super().__init__(station, keys, theme)
+
+    def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
+        """Those that act are not there."""
+        return of_replay(self._player, super().commands(snapshot))
+
+    def main_screen(self, snapshot: Snapshot) -> MainScreen:
+        """With the time line over the footer."""
+        return MainScreen(snapshot, self.size, TimeLine(self._player))
+
+    def on_mount(self) -> None:
+        begin(self, self._play, "play")
+
+    async def _play(self) -> None:
+        showed_all = False
+        while True:
+            whole = self._player.is_whole  # a jump may begin to read another hour
+            if self._player.is_playing or not (whole and showed_all):
+                self.look()
+            showed_all = whole
+            await self.station.clock.sleep(_FRAME)
+
+    def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
+        """There are no events to say it in."""
+        message.prevent_default()
+        self.notify(message.said, severity="error", markup=False)

@@ -1,0 +1,163 @@
+"""Checks of a robot file beyond the types of its values. Pure."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from archo_tui.robot_file import reserved
+from archo_tui.robot_file.model import GoalKind, Limit, Link, MessageField, RobotFile, Service, Stop
+
+_NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as rclpy takes them
+_TYPE = re.compile(r"\w+/(msg|srv|action)/\w+", re.ASCII)
+_ID = re.compile(r"[a-z][a-z0-9_]*")
+_READINGS = ("battery.charging", "motion.moving", "motion.stopped")
+
+Faults = Iterator[tuple[str, str]]  # file and line, and what is wrong there
+
+
+def of(robot: RobotFile) -> Faults:
+    """All that is wrong with a robot as its file describes it."""
+    yield from _names(robot)
+    yield from _types(robot)
+    yield from _titles(robot)
+    yield from _words(robot)
+    yield from _readings(robot)
+    yield from _gauges(robot)
+    for goal in robot.goals:
+        yield from _goal(goal)
+    if robot.stop is not None:
+        yield from _stop(robot.stop)
+    for command in robot.commands:
+        yield from _toggle(command)
+
+
+def _names(robot: RobotFile) -> Faults:
+    heard = [topic for topic in (robot.battery, robot.motion) if topic is not None]
+    names = [(topic.where, topic.topic) for topic in (*heard, *robot.gauges)]
+    names += [(goal.where, goal.action) for goal in robot.goals]
+    names += [(command.where, command.service) for command in robot.commands]
+    if robot.stop is not None:
+        names.append((robot.stop.where, robot.stop.service))
+        if robot.stop.release:
+            names.append((robot.stop.where, robot.stop.release))
+    for where, name in names:
+        if not _NAME.fullmatch(name):
+            yield where, f"{name!r} is not a name of a topic, service or action"
+
+
+def _types(robot: RobotFile) -> Faults:
+    heard = [topic for topic in (robot.battery, robot.motion) if topic is not None]
+    types = [(topic.where, kind, "msg") for topic in heard for kind in topic.types]
+    types += [(gauge.where, gauge.type, "msg") for gauge in robot.gauges]
+    types += [(goal.where, goal.type, "action") for goal in robot.goals]
+    for where, kind, of in types:
+        if not _TYPE.fullmatch(kind) or kind.split("/")[1] != of:
+            yield where, f"{kind!r} is not a type: expected package/{of}/Name"
+
+
+def _titles(robot: RobotFile) -> Faults:
+    titles = [(goal.where, goal.title) for goal in robot.goals]
+    titles += [(command.where, command.title) for command in robot.commands]
+    titles += [(gauge.where, gauge.title) for gauge in robot.gauges]
+    for where, title in titles:
+        if not title.strip():
+            yield where, "title is empty: say what it is in a word or two"
+
+
+def _words(robot: RobotFile) -> Faults:
+    """Each is typed, or names a line of a keymap: it means one thing."""
+    found = [("id", goal.id, goal.where) for goal in robot.goals]
+    found += [("id", command.id, command.where) for command in robot.commands]
+    found += [("word", one.off_word, one.where) for one in robot.commands if one.off_word]
+    used: set[str] = set()
+    for what, word, where in found:
+        if not _ID.fullmatch(word):
+            yield where, f"{word!r} is not a valid {what}: small letters, digits and _"
+        if word in reserved.RESERVED:
+            yield where, f"the {what} {word} is the console's own: choose another"
+        if word in used:
+            yield where, f"duplicate {what} {word}: choose another"
+        used.add(word)
+
+
+def _readings(robot: RobotFile) -> Faults:
+    for topic in (robot.battery, robot.motion):
+        if topic is None:
+            continue
+        if not topic.types:
+            yield topic.where, f"types is empty: name the type of {topic.topic}"
+        if topic.period is not None and topic.period <= 0:
+            yield topic.where, f"period is {topic.period:g}: a time in s, above 0"
+        for fields in topic.types.values():
+            for field in vars(fields).values():
+                yield from _field(field)
+    low = None if robot.battery is None else robot.battery.low
+    if low is not None and low.otherwise is not None and not 0 <= low.otherwise <= 100:
+        yield low.where, f"otherwise is {low.otherwise:g}: a charge is within 0 .. 100"
+
+
+def _field(field: MessageField | None) -> Faults:
+    if field is None:
+        return
+    if field.scale == 0:
+        yield field.where, "scale is 0: every reading would be the same"
+    if field.equals is not None and field.beyond is not None:
+        yield field.where, "equals and beyond exclude each other: give one of them"
+    if field.beyond is not None and field.beyond < 0:
+        yield field.where, f"beyond is {field.beyond:g}: it must not be negative"
+
+
+def _gauges(robot: RobotFile) -> Faults:
+    titles = set()
+    for gauge in robot.gauges:
+        if gauge.title in titles:  # an alarm is known by it
+            yield gauge.where, f"duplicate title {gauge.title}: choose another"
+        titles.add(gauge.title)
+        yield from _field(gauge.field)
+        yield from _order(gauge.where, "low", gauge.low, "high", gauge.high)
+        below, above = gauge.warn_below, gauge.warn_above
+        yield from _order(gauge.where, "warn_below", below, "warn_above", above)
+
+
+def _order(where: str, name: str, low: float | None, other: str, high: float | None) -> Faults:
+    if low is not None and high is not None and low > high:
+        yield where, f"{name} {low:g} is above {other} {high:g}: swap them"
+
+
+def _number(limit: Limit) -> float | None:
+    """What is known of a limit without the robot."""
+    return limit.otherwise if isinstance(limit, Link) else limit
+
+
+def _goal(goal: GoalKind) -> Faults:
+    labels = set()
+    for path, given in goal.form.items():
+        yield from _order(given.where, "low", _number(given.low), "high", _number(given.high))
+        label = given.label or path
+        if label.lower() in labels:  # `--plain` takes `label=value`
+            yield given.where, f"duplicate label {label}: choose another"
+        labels.add(label.lower())
+        for other in (*goal.form, *goal.fixed):
+            if other != path and other.startswith(f"{path}."):
+                yield given.where, f"{other} is a part of {path}: give one of them"
+        if path in goal.fixed:
+            yield given.where, f"{path} is both in the form and fixed: give one of them"
+    length: Link | None = None if goal.remaining is None else goal.remaining.length
+    if length is not None and length.otherwise is not None and length.otherwise <= 0:
+        yield length.where, f"otherwise is {length.otherwise:g}: a length is above 0"
+
+
+def _stop(stop: Stop) -> Faults:
+    if stop.release.lstrip("/") == stop.service.lstrip("/"):
+        yield stop.where, f"release is the service that stops, {stop.service}: name its own or none"
+
+
+def _toggle(command: Service) -> Faults:
+    if command.off and not command.toggle:
+        yield command.where, f"off is for a toggle: {command.id} has none"
+    if len(command.toggle) > 1:
+        yield command.where, "toggle takes one field of the request"
+    for reading in command.toggle.values():
+        if reading not in _READINGS:
+            yield command.where, f"toggle inverts one of {', '.join(_READINGS)}, not {reading}"

@@ -1,0 +1,241 @@
+"""What a robot file says: what a robot offers, under which names, and what it means.
+
+Everything is optional: what a robot lacks is left out of its file, and greyed on the screen.
+`where` is the file and line that a message about it names. What a key means stands beside its type:
+the table in docs/own_robot.md and config/robots/schema.json are made of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
+
+NO_STOP = "has no STOP: use the hardware stop"  # of a robot whose file names none
+
+Scalar = bool | int | float | str
+
+
+def _where() -> Any:
+    return field(default="", compare=False, repr=False)
+
+
+@dataclass(frozen=True)
+class MessageField:
+    """Where a reading stands in a message, and what to make of the value there."""
+
+    field: Annotated[str, "its dotted path in the message"]
+    scale: Annotated[float, "factor that makes it a value of the unit"] = 1.0
+    offset: Annotated[float, "added after scaling"] = 0.0
+    equals: Annotated[Scalar | None, "true when the value is this"] = None
+    beyond: Annotated[float | None, "true when the value's size is larger"] = None
+    unit: Annotated[str, "what is shown behind it"] = ""
+    where: str = _where()
+
+
+@dataclass(frozen=True)
+class Link:
+    """A number that a node of the robot holds as a parameter."""
+
+    node: Annotated[str, "the node's name"]
+    parameter: Annotated[str, "the parameter's name"]
+    otherwise: Annotated[float | None, "the number while the node does not report it"] = None
+    where: str = _where()
+
+
+Limit = float | Link | None  # of what may be typed; None: there is none
+
+
+@dataclass(frozen=True)
+class BatteryFields:
+    """The fields of one message type about the battery."""
+
+    percentage: Annotated[MessageField, "the charge: 0 .. 100 %"]
+    voltage: Annotated[MessageField | None, "V"] = None
+    charging: Annotated[MessageField | None, "true while it charges"] = None
+    health: Annotated[
+        MessageField | None, "the battery's own word; what it means is in `health`"
+    ] = None
+
+
+@dataclass(frozen=True)
+class MotionFields:
+    """The fields of one message type about the motion."""
+
+    count: Annotated[MessageField | None, "a whole number that is counted: encoder ticks"] = None
+    speed: Annotated[MessageField | None, "the speed, in its own unit"] = None
+    moving: Annotated[MessageField | None, "true while it moves"] = None
+    stopped: Annotated[MessageField | None, "true while the software stop is latched"] = None
+
+
+@dataclass(frozen=True)
+class BatteryTopic:
+    """The topic that tells the charge."""
+
+    topic: Annotated[str, "the topic's name"]
+    types: Annotated[
+        Mapping[str, BatteryFields],
+        "the fields, by message type; a topic of another type is not used",
+    ]
+    low: Annotated[Link | None, "%; a charge below it is low"] = None
+    health: Annotated[
+        Mapping[str, Literal["good", "low", "replace"]], "what the battery's words mean"
+    ] = field(default_factory=dict)
+    period: Annotated[float | None, "s between two messages; measured when left out"] = None
+    where: str = _where()
+
+
+@dataclass(frozen=True)
+class MotionTopic:
+    """The topic that tells how the robot moves."""
+
+    topic: Annotated[str, "the topic's name"]
+    types: Annotated[
+        Mapping[str, MotionFields],
+        "the fields, by message type; a topic of another type is not used",
+    ]
+    title: Annotated[str, "of the panel"] = "Motion"
+    period: Annotated[float | None, "s between two messages; measured when left out"] = None
+    where: str = _where()
+
+
+@dataclass(frozen=True)
+class FormField:
+    """One field of a goal's form."""
+
+    label: Annotated[str, "what it is called on the screen and in a shell; else its path"] = ""
+    low: Annotated[
+        Limit, "the least value that is taken; or a parameter: `{node, parameter, otherwise}`"
+    ] = None
+    high: Annotated[
+        Limit, "the greatest value that is taken; or a parameter: `{node, parameter, otherwise}`"
+    ] = None
+    unit: Annotated[str, "what is shown behind it"] = ""
+    convert: Annotated[
+        Literal["yaw"] | None, "`yaw`: degrees are typed, and a quaternion is sent"
+    ] = None
+    where: str = _where()
+
+
+@dataclass(frozen=True)
+class Remaining:
+    """The field of the feedback that says how much is left."""
+
+    field: Annotated[str, "its dotted path in the feedback"]
+    unit: Annotated[str, "what is shown behind it"] = ""
+    length: Annotated[Link | None, "of the whole way; without it the first remainder"] = None
+    where: str = _where()
+
+
+@dataclass(frozen=True)
+class GoalKind:
+    """One action of the robot, with the form to fill in."""
+
+    id: Annotated[str, "what is typed in a shell; the first goal is `go`"]
+    title: Annotated[str, "what it is called on the screen"]
+    action: Annotated[str, "the action's name"]
+    type: Annotated[str, "its type: `package/action/Name`"]
+    noun: Annotated[
+        str, "what a goal leads to: `12 m before shelf 12`; empty: it leads nowhere"
+    ] = ""
+    key: Annotated[str, "its key; the first goal has `g`"] = ""
+    form: Annotated[Mapping[str, FormField], "what is typed, by dotted path in the goal"] = field(
+        default_factory=dict
+    )
+    fixed: Annotated[Mapping[str, Any], "what is always sent, by dotted path in the goal"] = field(
+        default_factory=dict
+    )
+    remaining: Annotated[Remaining | None, "how much is left"] = None
+    message: Annotated[str, "the result's field with the robot's own words for the end"] = ""
+    refusals: Annotated[
+        str, "log lines of the action's node that begin so hold the reason of a refusal"
+    ] = ""
+    where: str = _where()
+
+
+@dataclass(frozen=True)
+class Stop:
+    """The services of the software stop."""
+
+    service: Annotated[str, "the service that stops; its request has no field"]
+    release: Annotated[str, "the service that releases the stop"] = ""
+    where: str = _where()
+
+
+@dataclass(frozen=True)
+class Service:
+    """A command: a service whose request has no field, or one bool that is toggled."""
+
+    id: Annotated[str, "what is typed in a shell"]
+    title: Annotated[str, "what it is called on the screen"]
+    service: Annotated[str, "the service's name"]
+    key: Annotated[str, "its key"] = ""
+    help: Annotated[str, "one sentence for the help; else the title"] = ""
+    ask: Annotated[
+        Literal["moving", "always", "never"],
+        "when a question comes first; `moving`: while a goal runs",
+    ] = "never"
+    # nothing on the graph says so
+    moves: Annotated[bool, "false: it never sets the robot in motion"] = True
+    toggle: Annotated[
+        Mapping[str, str],
+        "the request's bool, and the reading that it inverts: "
+        "`battery.charging`, `motion.moving` or `motion.stopped`",
+    ] = field(default_factory=dict, metadata={"filled": True})  # where it is given it is not empty
+    off: Annotated[str, "what a toggle is called, and typed, when it sends false"] = ""
+    where: str = _where()
+
+    @property
+    def off_word(self) -> str:
+        """What is typed for a toggle to send false; empty when it is not a toggle."""
+        return (self.off or f"{self.id}_off") if self.toggle else ""
+
+    def is_about(self, topic: Literal["battery", "motion"]) -> bool:
+        """True when it toggles a reading of that topic."""
+        return any(reading.startswith(f"{topic}.") for reading in self.toggle.values())
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """A further number of the robot's."""
+
+    title: Annotated[str, "what it is called on the screen"]
+    topic: Annotated[str, "the topic's name"]
+    type: Annotated[str, "its type: `package/msg/Name`"]
+    field: Annotated[MessageField, "where the number stands"]
+    unit: Annotated[str, "what is shown behind it"] = ""
+    low: Annotated[float | None, "what is below is no reading"] = None
+    high: Annotated[float | None, "what is above is no reading"] = None
+    warn_below: Annotated[float | None, "what is below is an alarm"] = None
+    warn_above: Annotated[float | None, "what is above is an alarm"] = None
+    where: str = _where()
+
+
+@dataclass(frozen=True)
+class RobotFile:
+    """A robot file."""
+
+    version: Annotated[Literal[1], "of this form of file"] = 1
+    name: Annotated[str, "what the robot is called"] = "robot"
+    battery: Annotated[BatteryTopic | None, "the topic that tells the charge"] = None
+    motion: Annotated[MotionTopic | None, "the topic that tells how the robot moves"] = None
+    goals: Annotated[
+        tuple[GoalKind, ...], "the actions; the first one has its form on the screen"
+    ] = ()
+    stop: Annotated[Stop | None, "the services of the software stop; `none`: it has no STOP"] = None
+    commands: Annotated[tuple[Service, ...], "services with a key and a word of their own"] = ()
+    gauges: Annotated[tuple[Gauge, ...], "further numbers, with alarms"] = ()
+
+    @property
+    def topics(self) -> tuple[str, ...]:
+        """Every topic that is listened to."""
+        heard = (self.battery, self.motion)
+        named = [topic.topic for topic in heard if topic] + [gauge.topic for gauge in self.gauges]
+        return tuple(dict.fromkeys(named))
+
+    @property
+    def services(self) -> tuple[str, ...]:
+        """Every service that is called."""
+        stop = () if self.stop is None else (self.stop.service, self.stop.release)
+        named = [*stop, *(command.service for command in self.commands)]
+        return tuple(name for name in dict.fromkeys(named) if name)

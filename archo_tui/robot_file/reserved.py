@@ -1,0 +1,38 @@
+"""The console's own words: no goal or command of a robot file may be called by one of them.
+
+Else one typed word, or one line of a keymap, would mean two things.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+RESERVED = frozenset(
+    {
+        # verbs, as they are typed
+        *("go", "cancel", "continue", "skip", "stop", "release", "get", "set", "undo", "params"),
+        *("save", "load", "nodes", "start", "halt", "copy", "alarms", "ack", "shelve"),
+        *("status", "events", "history", "keep", "help", "quit"),
+        *("send_goal", "call", "give_up_stop", "log_level"),
+        # subcommands of archo-tui
+        *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
+        *("recordings", "replay", "rewind"),
+        # what only the screen has, as in a keymap
+        *("cancel_all", "keep_robot"),
+        *(f"panel_{number}" for number in range(1, 9)),
+        *("edit", "restore", "switch", "only_changed", "ros_own", "filter"),
+        *("start_stop", "details", "resource"),
+        *("level", "search", "copy_command", "full_screen", "whole_event", "save_events"),
+        *("shorter", "longer"),
+        *("help_everywhere", "palette", "quiet_alarms", "suspend", "quit_everywhere"),
+    }
+)
+
+
+def free(word: str, used: Collection[str]) -> str:
+    """The word, or the first of `word_2`, `word_3` ... that is neither reserved nor used."""
+    numbered, number = word, 1
+    while numbered in RESERVED or numbered in used:
+        number += 1
+        numbered = f"{word}_{number}"
+    return numbered

@@ -1,0 +1,99 @@
+"""One node: how it is doing, what it has on the graph, and the level of its log."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import partial
+
+from textual.app import ComposeResult
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.markup import escape
+from textual.widgets import Button, Static
+
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state import LEVELS, NodeInfo
+from archo_tui.screens.dialog import Dialog
+from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.widgets.styled import content
+from archo_tui.words.nodes import on_graph
+
+_GROUP = "node"  # of workers: the end does not wait for what is only looked at
+
+
+class NodeDialog(Dialog[None]):
+    """The arrows scroll; tab leads to the levels, enter sets one. Escape, enter or q closes it."""
+
+    BINDINGS = [
+        ("escape,enter,q", "close", "Close"),
+        ("left", "app.focus_previous", "The level before"),
+        ("right", "app.focus_next", "The next level"),
+    ]
+
+    def __init__(
+        self,
+        name: str,
+        text: str,
+        describe: Callable[[], Awaitable[NodeInfo | Outcome]],
+        set_level: Callable[[str], Awaitable[Outcome]],
+        refused: str,
+    ) -> None:
+        """`text` is what is known already; `refused` says why no level can be set."""
+        super().__init__()
+        self._node, self._text, self._refused = name, text, refused
+        self._describe, self._set_level = describe, set_level
+        self._sending = False
+
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog reading node") as box:
+            box.border_title = escape(self._node)
+            box.border_subtitle = "esc close"
+            with VerticalScroll(classes="question", id="node-text"):
+                yield Static(Content(self._text))
+                yield Static(Content("asking the graph ..."), id="node-graph")
+            yield Static(classes="level")
+            with Horizontal(classes="answers", id="levels") as levels:
+                levels.display = False
+                for level in LEVELS:
+                    yield Button(level.capitalize(), id=level.lower(), compact=True)
+            yield Static("", classes="error")
+
+    def on_mount(self) -> None:
+        self.set_focus(self.query_one("#node-text"))
+        begin(self, self._ask, _GROUP)
+
+    async def _ask(self) -> None:
+        self._show(await self._describe())
+
+    def _show(self, found: NodeInfo | Outcome) -> None:
+        info = found if isinstance(found, NodeInfo) else None
+        what = Content(found.text) if isinstance(found, Outcome) else content(on_graph(found))
+        self.write("#node-graph", Content.assemble("\n", what.rstrip()))
+        level = None if info is None else info.level
+        said = "" if info is None else info.no_level if level is None else level.text
+        self.write(".level", Content(f"log level   {said}" if said else ""))
+        for line in self.query(".level"):
+            line.display = said != ""
+        for box in self.query(".node"):
+            keys = ("tab log level",) if level is not None and not self._refused else ()
+            box.border_subtitle = "   ".join((*keys, "esc close"))
+        for levels in self.query("#levels"):
+            levels.display = level is not None
+        for button in self.query(Button):
+            button.set_class(level is not None and button.id == level.own.lower(), "-chosen")
+            button.set_class(bool(self._refused), "-blocked")
+
+    def on_button_pressed(self, event: Button.Pressed) -> None:
+        if not self._sending and event.button.id is not None:
+            self._sending = True
+            self.say("asking the node ...")
+            begin(self.app, partial(self._set, event.button.id.upper()), COMMANDS)
+
+    async def _set(self, level: str) -> None:
+        outcome = await self._set_level(level)
+        self._sending = False
+        if not outcome.ok:
+            self.say(outcome.text)
+            return
+        self.say("")
+        self._show(await self._describe())

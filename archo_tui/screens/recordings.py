@@ -1,0 +1,68 @@
+"""The recordings: when, why, how long, how large; one can be deleted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from textual.app import ComposeResult
+from textual.binding import Binding
+from textual.containers import Vertical
+
+from archo_tui.recording.listing import line
+from archo_tui.recording.store import Recording
+from archo_tui.screens.dialog import Dialog
+from archo_tui.widgets.rows import Columns, Rows, Text
+
+
+def recording_lines(recording: Recording, _width: int, _columns: Columns) -> list[Text]:
+    """`2026-11-22_03-12-07_STOP   65 s   0.2 MB   STOP`."""
+    return [(line(recording, len(recording.name)), "")]
+
+
+class RecordingList(Dialog[None]):
+    """`enter` copies the command that plays one back, `d` deletes it; escape closes it."""
+
+    BINDINGS = [
+        Binding("enter,y", "copy", "Copy the command", priority=True),
+        Binding("d,delete", "delete", "Delete", priority=True),
+        Binding("escape,q", "close", "Close"),
+    ]
+
+    def __init__(
+        self,
+        recordings: Sequence[Recording],
+        copy: Callable[[Recording], None],
+        delete: Callable[[Recording], None],
+    ) -> None:
+        """The newest first."""
+        super().__init__()
+        self._recordings, self._copy, self._delete = recordings, copy, delete
+        self._rows: Rows[Recording] = Rows(
+            recording_lines, lambda one: one.name, id="recordings", empty="No recordings."
+        )
+
+    def body(self) -> ComposeResult:
+        with Vertical(classes="dialog reading") as box:
+            box.border_title = "Recordings"
+            box.border_subtitle = "enter copy the command that plays it   d delete   esc close"
+            box.styles.height = max(len(self._recordings), 1) + 2  # with its border
+            yield self._rows
+
+    def on_mount(self) -> None:
+        self.set_focus(self._rows)
+        self._rows.show_cursor()
+        self.show(self._recordings)
+
+    def show(self, recordings: Sequence[Recording]) -> None:
+        """Show these."""
+        self._rows.show(recordings)
+
+    def action_copy(self) -> None:
+        """How to play back the one under the cursor."""
+        if self._rows.item is not None:
+            self._copy(self._rows.item)
+
+    def action_delete(self) -> None:
+        """Delete the one under the cursor."""
+        if self._rows.item is not None:
+            self._delete(self._rows.item)

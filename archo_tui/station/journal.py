@@ -1,0 +1,117 @@
+"""The operator's log: JSON lines in the state folder, appended and flushed one by one.
+
+Commands, how goals ended, what other consoles did: each with its text, and as data (`verb`,
+`arguments`, `code`, see robot/acts.py). Alarms, warnings and worse. A disk that is full or
+read-only is an alarm while it lasts, and tried again with every line.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import json
+import os
+import queue
+import threading
+import time
+from collections.abc import Iterator
+from datetime import datetime, timezone
+from pathlib import Path
+
+from archo_tui.paths import make_folder
+from archo_tui.regular_files import open_regular
+from archo_tui.system import lock, user_name
+
+MAX_BYTES = 1_000_000  # then it is renamed to journal.jsonl.1, which replaces the older one
+VERSION = 1  # of a line's form: it grows when what a name means changes
+_WAITING = 1000  # lines that may wait for the disk
+_STOP_TIMEOUT = 2.0  # s
+_LOCK_TIMEOUT = 1.0  # s that another console may take to write a line, and more than it takes
+_LOOK = 0.005  # s between two looks whether it has
+
+
+class Journal:
+    """Takes entries from any thread without waiting; a thread of its own writes them."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        self.failure = ""  # why the last entry could not be written
+        self._who = {
+            "user": user_name(),
+            "from": os.environ.get("SSH_CLIENT", "").partition(" ")[0],
+        }
+        self._entries: queue.Queue[dict[str, object] | None] = queue.Queue(_WAITING)
+        self._lost = 0
+        self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
+        self._thread.start()
+
+    def write(self, unix_time: float, kind: str, **what: object) -> None:
+        """Add an entry; it is counted as lost when too many wait for the disk."""
+        at = datetime.fromtimestamp(unix_time, timezone.utc).isoformat(timespec="milliseconds")
+        try:
+            self._entries.put_nowait({"v": VERSION, "time": at, "kind": kind, **self._who, **what})
+        except queue.Full:
+            self._lost += 1
+
+    def close(self) -> None:
+        """Write what is queued, but do not wait long for a disk that hangs."""
+        try:
+            self._entries.put(None, timeout=_STOP_TIMEOUT)
+        except queue.Full:
+            return
+        self._thread.join(_STOP_TIMEOUT)
+
+    def _run(self) -> None:
+        while (entry := self._entries.get()) is not None:
+            lost, self._lost = self._lost, 0
+            if lost:
+                entry |= {"lost_before": lost}
+            try:
+                self._append(json.dumps(entry, ensure_ascii=False))
+            except OSError as error:
+                self.failure = f"{error.strerror}: {error.filename or self._file}"
+                self._lost += lost + 1
+            else:
+                self.failure = ""
+
+    def _append(self, line: str) -> None:
+        make_folder(self._file)
+        with _locked(self._file.parent):  # other consoles write here too, and rotate
+            if self._file.exists() and self._file.stat().st_size > MAX_BYTES:
+                self._file.replace(self._file.with_name(f"{self._file.name}.1"))
+            descriptor = open_regular(self._file, os.O_RDWR | os.O_APPEND | os.O_CREAT)
+            try:
+                _write_line(descriptor, line.encode("utf-8", "replace") + b"\n")
+            finally:
+                os.close(descriptor)
+
+
+def _write_line(descriptor: int, line: bytes) -> None:
+    """Append a line whole or not at all; one that something else left broken is ended first."""
+    size = os.fstat(descriptor).st_size
+    if size:
+        os.lseek(descriptor, size - 1, os.SEEK_SET)
+        if os.read(descriptor, 1) != b"\n":
+            line = b"\n" + line
+    try:
+        while line:
+            line = line[os.write(descriptor, line) :]
+    except OSError:
+        with contextlib.suppress(OSError):  # a device has no end to go back to
+            os.ftruncate(descriptor, size)
+        raise
+
+
+@contextlib.contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    path = folder / "journal.lock"
+    descriptor = open_regular(path, os.O_RDWR | os.O_CREAT)
+    try:
+        end = time.monotonic() + _LOCK_TIMEOUT
+        while not lock(descriptor):
+            if time.monotonic() > end:
+                raise OSError(errno.EAGAIN, "held by another process", str(path))
+            time.sleep(_LOOK)
+        yield
+    finally:
+        os.close(descriptor)

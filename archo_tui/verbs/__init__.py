@@ -1,0 +1,44 @@
+"""What an operator can do to the robot, once: keys, `--plain` and other programs speak it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from archo_tui.robot.state import Leaf
+from archo_tui.robot_file.model import RobotFile
+from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
+from archo_tui.verbs.base import Verb
+from archo_tui.verbs.goals import Cancel, Continue, Go, SendGoal, Skip
+from archo_tui.verbs.keep import Keep
+from archo_tui.verbs.nodes import Copy, Halt, LogLevel, Nodes, Start
+from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
+from archo_tui.verbs.services import Call, Give
+from archo_tui.verbs.stop import GiveUpStop, Release, StopNow
+from archo_tui.verbs.tell import Events, Past, Status
+
+
+def verbs(robot: RobotFile, forms: Mapping[str, Sequence[Leaf]]) -> dict[str, Verb]:
+    """All of them by what is typed, the commonest first.
+
+    `forms` are the fields of the robot file's goals, by their ids.
+    """
+    return {verb.id: verb for verb in _all(robot, forms)}
+
+
+def _all(robot: RobotFile, forms: Mapping[str, Sequence[Leaf]]) -> Iterator[Verb]:
+    ask = ""
+    for number, kind in enumerate(robot.goals):
+        go = Go(kind, forms.get(kind.id), "" if number else "go")
+        ask = ask or f"Type {go.id} {go.usage} to give one.".replace("  ", " ")
+        yield go
+    yield from (Cancel(), Continue(), Skip())
+    yield from (StopNow(robot.stop), Release(robot.stop), GiveUpStop())
+    for command in robot.commands:
+        yield Give(command)
+        if command.toggle:
+            yield Give(command, on=False)
+    yield from (Status(ask, robot), Past(), Events(), Keep())
+    yield from (Alarms(), Acknowledge(), Shelve())
+    yield from (Params(), Get(), Set(), Undo(), Save(), Load())
+    yield from (Nodes(), Start(), Halt(), Copy(), LogLevel())
+    yield from (SendGoal(), Call())

@@ -1,0 +1,82 @@
+"""Alarms: told, acknowledged, shelved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.errors import ArchoError
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
+from archo_tui.station.station import Station
+from archo_tui.verbs.as_data import state
+from archo_tui.verbs.base import Argument, Values, Verb
+from archo_tui.words.alarm import times
+
+ALL = "all"
+_FOR = f"shelved for {SHELF_TIME / 60:.0f} min"
+
+
+class Alarms(Verb):
+    id, title, tells = "alarms", "Alarms", True
+    help = "List the alarms"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        station.look()
+        lines = [
+            f"{alarm.name}: {alarm.state.value} {times(alarm)}: {alarm.text}"
+            for alarm in station.view.alarms
+        ]
+        return Outcome(Code.DONE, "\n".join(lines) or "No alarms: nothing needs attention.")
+
+    def data(self, station: Station, values: Values) -> Any:
+        return state(station)["alarms"]
+
+
+class _OfAlarm(Verb):
+    """Of one alarm, by its name or the beginning of it."""
+
+    def found(self, station: Station, name: str) -> Alarm:
+        """Raises ArchoError when no alarm, or more than one, is called so."""
+        alarms, wanted = station.view.alarms, name.lower()
+        exact = [alarm for alarm in alarms if alarm.name.lower() == wanted]
+        fitting = exact or [alarm for alarm in alarms if alarm.name.lower().startswith(wanted)]
+        if len(fitting) != 1:
+            names = ", ".join(alarm.name for alarm in fitting or alarms)
+            raise ArchoError(f"{name!r} is {'several' if fitting else 'none'} of these: {names}")
+        return fitting[0]
+
+
+class Acknowledge(_OfAlarm):
+    id, title, tells = "ack", "Acknowledge", True
+    help = "Acknowledge the alarm that comes first, another by its name, or all"
+    arguments = (Argument("alarm", rest=True, optional=True),)
+
+    def blocked(self, station: Station) -> str:
+        unseen = any(not alarm.acknowledged for alarm in station.view.alarms)
+        return "" if unseen else "no alarm to acknowledge"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        name, alarms = values.get("alarm", ""), station.view.alarms
+        if name and name != ALL:
+            alarms = (self.found(station, name),)
+        elif not name:
+            alarms = alarms[:1]
+        station.acknowledge(alarms)
+        return Outcome(Code.DONE, f"acknowledged: {', '.join(alarm.name for alarm in alarms)}")
+
+
+class Shelve(_OfAlarm):
+    id, title, tells = "shelve", "Shelve", True
+    help = f"Silence an alarm for {SHELF_TIME / 60:.0f} min and say why; of a shelved one: end that"
+    arguments = (Argument("alarm"), Argument("reason", rest=True, optional=True))
+
+    def blocked(self, station: Station) -> str:
+        return "" if station.view.alarms else "no alarm to shelve"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        alarm, reason = self.found(station, values["alarm"]), values.get("reason", "")
+        shelved = alarm.state == State.SHELVED
+        if alarm.priority == Priority.HIGH and not shelved and not reason.strip():
+            return Outcome(Code.MISUSE, "type a reason: it goes into the journal")
+        station.shelve(alarm, reason.strip())
+        return Outcome(Code.DONE, f"{alarm.name}: {_FOR if not shelved else 'no longer shelved'}")

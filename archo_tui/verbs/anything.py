@@ -1,0 +1,74 @@
+"""What is typed for an action or a service that no robot file names."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any
+
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.embedded import bounded_yaml
+from archo_tui.embedded.core_schema import YamlFault
+from archo_tui.robot import forms
+from archo_tui.robot.state import Leaf, Snapshot, in_namespace
+from archo_tui.robot_file import check
+from archo_tui.robot_file.model import FormField
+from archo_tui.station.station import Station
+
+
+def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
+    """What is meant by a name that may lack its first `/`, or the robot's namespace."""
+    bare = name.lstrip("/")
+    inside = in_namespace(snapshot.namespace, bare)
+    return next((full for full in (name, f"/{bare}", inside) if full in found), inside)
+
+
+def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
+    """The type that it has on the graph. Raises ValueError when there is none, or several."""
+    if name not in found:
+        near = difflib.get_close_matches(name, found, n=1)
+        hint = f" (nearest: {near[0]})" if near else ""
+        raise ValueError(f"no {what} {name} is on the graph{hint}")
+    kinds = found[name]
+    if len(kinds) != 1:
+        raise ValueError(f"{name} has several types: {', '.join(kinds)}")
+    return kinds[0]
+
+
+async def fields_of(
+    station: Station, name: str, type_name: str, words: Sequence[str]
+) -> dict[str, Any]:
+    """The values of `field=value ...`, or of one YAML mapping, by dotted path.
+
+    Fields that are left out keep what the message has by itself. Raises ValueError.
+    """
+    leaves = await in_daemon(station.robot.form, type_name)  # reads files
+    if leaves is None:
+        raise ValueError(check.missing(name, type_name))
+    if len(words) == 1 and words[0].startswith("{"):
+        return _mapping(words[0])
+    by_path = {leaf.path: leaf for leaf in leaves}
+    found: dict[str, Any] = {}
+    for word in words:
+        path, equals, text = word.partition("=")
+        if not equals or path not in by_path or path in found:
+            raise ValueError(f"expected {_expected(leaves)}, not {word[:_SHOWN]}")
+        found[path] = forms.parse(by_path[path], FormField(), text)
+    return found
+
+
+_SHOWN = 40  # characters of a wrong word that are shown
+
+
+def _mapping(text: str) -> dict[str, Any]:
+    try:
+        values = bounded_yaml.load(text)
+    except YamlFault as fault:
+        raise ValueError(str(fault)) from None
+    if not isinstance(values, dict):
+        raise ValueError("expected {field: value, ...}")
+    return values
+
+
+def _expected(leaves: Sequence[Leaf]) -> str:
+    return " ".join(f"{leaf.path}=..." for leaf in leaves) or "no values"

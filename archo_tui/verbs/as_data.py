@@ -1,0 +1,136 @@
+"""The state of the robot as JSON has it, each reading with its age."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from archo_tui.robot.acts import bounded
+from archo_tui.robot.state import Event, Goal, Parameter, Snapshot
+from archo_tui.station.station import Station
+from archo_tui.words.goal import doing, way_left
+from archo_tui.words.spoken import in_words
+from archo_tui.words.state import battery_word, motion_word
+
+
+def state(station: Station) -> dict[str, Any]:
+    """All that `status --json` tells; None: not heard, or not reported by this robot."""
+    snapshot, now = station.robot.snapshot, station.clock.monotonic()
+    battery, motion = snapshot.battery, snapshot.motion
+    return {
+        "robot": snapshot.file.name,
+        "namespace": snapshot.namespace,
+        "watching": station.robot.watching,
+        "battery": {
+            "percentage": _number(battery.percentage),  # %
+            "voltage": _number(battery.voltage),  # V
+            "charging": battery.charging,
+            "word": battery_word(snapshot)[1],
+            "age": _age(battery.received, now),  # s
+            "source": "measured",
+        },
+        "motion": {
+            "moving": motion.moving,
+            "stopped": motion.stopped,
+            "speed": _number(motion.speed),
+            "word": _word(snapshot, now, 80),
+            "age": _age(motion.received, now),
+            "source": "measured",
+        },
+        "goal": None if snapshot.goal is None else goal(snapshot.goal, now),
+        "queue": {
+            "waiting": [wanted.text for wanted in station.queue.waiting],
+            "held": station.queue.held,
+        },
+        "alarms": [
+            {
+                "name": alarm.name,
+                "text": alarm.text,
+                "priority": alarm.priority.name,
+                "state": alarm.state.value,
+                "since": alarm.since,  # Unix time
+            }
+            for alarm in station.view.alarms
+        ],
+        "stop": "open" if snapshot.open_stop is not None else "",
+        "line": in_line(station),
+    }
+
+
+def in_line(station: Station) -> str:
+    """`ARCHO 87 % MOVING to 12, 9.0 m left`: for a status line."""
+    snapshot, now = station.robot.snapshot, station.clock.monotonic()
+    charge, goal = snapshot.battery.percentage, snapshot.running_goal
+    parts = [snapshot.file.name]
+    if snapshot.file.battery is not None:
+        old = charge is None or snapshot.battery.is_old(now)
+        parts.append("-- %" if old else f"{charge:.0f} %")
+    stopped = snapshot.motion.stopped or snapshot.open_stop is not None
+    if goal is not None and not stopped:
+        left = way_left(goal)
+        parts.append(f"{doing(goal)}, {left}" if left else doing(goal))
+    else:
+        parts.append(_word(snapshot, now, 40))
+    if station.queue.held:
+        parts.append(f"held: {', '.join(wanted.text for wanted in station.queue.waiting)}")
+    return " ".join(parts)
+
+
+def _word(snapshot: Snapshot, now: float, width: int) -> str:
+    """What the robot does, without the mark before it."""
+    return in_words(motion_word(snapshot, now, width))
+
+
+def goal(found: Goal, now: float) -> dict[str, Any]:
+    """A goal; the values of another client's are not known."""
+    return {
+        "kind": found.kind.id,
+        "values": bounded(found.fields),
+        "name": found.name,
+        "phase": found.phase.value,
+        "code": None if found.code is None else found.code.value,
+        "mine": found.mine,
+        "remaining": _number(found.remaining),
+        "length": _number(found.length),
+        "message": found.message,
+        "age": _age(found.heard, now),
+        "source": "commanded" if found.mine else "measured",
+    }
+
+
+def event(found: Event) -> dict[str, Any]:
+    """One event, with what was done as data where it was a verb."""
+    told: dict[str, Any] = {
+        "time": found.time,
+        "level": found.level,
+        "source": found.source,
+        "text": found.text,
+        "count": found.count,
+    }
+    if found.command:
+        told["command"] = found.command
+    if found.act is not None:
+        told |= found.act.bounded()._asdict()
+    return told
+
+
+def parameter(found: Parameter) -> dict[str, Any]:
+    """One parameter."""
+    values = bounded({"value": found.value, "initial": found.initial})
+    return {
+        "node": found.node,
+        "name": found.name,
+        "type": found.type,
+        **values,
+        "low": found.low,
+        "high": found.high,
+        "read_only": found.read_only,
+    }
+
+
+def _age(received: float | None, now: float) -> float | None:
+    return None if received is None else round(max(now - received, 0.0), 3)
+
+
+def _number(value: float | None) -> float | None:
+    return value if value is None or math.isfinite(value) else None

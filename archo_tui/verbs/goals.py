@@ -1,0 +1,168 @@
+"""Goals: of the kinds in the robot file, of any action, cancelled, continued and left out."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Sequence
+
+from archo_tui.robot import forms
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state import Leaf, Phase, Snapshot, in_namespace
+from archo_tui.robot.values import text_of
+from archo_tui.robot_file import check
+from archo_tui.robot_file.model import FormField, GoalKind, Link
+from archo_tui.station.queue import QueuedGoal
+from archo_tui.station.station import Station
+from archo_tui.verbs.anything import fields_of, full_name, type_of
+from archo_tui.verbs.base import Argument, Question, Values, Verb
+from archo_tui.verbs.parameters import are_reported
+
+# the values of these verbs: the kind, and one mapping a goal, of values by dotted path
+KIND, GOALS = "kind", "goals"
+
+
+class Go(Verb):
+    """A goal of one kind, or several behind each other: `go 12 7`, `pose x=1.5 y=2`."""
+
+    acts = moves = True
+
+    def __init__(self, kind: GoalKind, leaves: Sequence[Leaf] | None, verb: str = "") -> None:
+        """`leaves` are the fields that the operator fills in; None: its type is not installed."""
+        self.kind, self._leaves = kind, leaves
+        self.id = verb or kind.id
+        self.title = self.help = kind.title
+        self.service = kind.action
+        several = leaves is not None and len(leaves) == 1 and forms.is_number(leaves[0])
+        self.arguments = tuple(_argument(kind, leaf, several) for leaf in leaves or ())
+
+    @property
+    def usage(self) -> str:
+        if len(self.arguments) == 1:
+            return "N ..." if self.arguments[0].many else self.arguments[0].name.upper()
+        return " ".join(f"{argument.name.lower()}=..." for argument in self.arguments)
+
+    def values(self, words: Sequence[str]) -> Values:
+        if self._leaves is None:
+            raise ValueError(check.missing(self.kind.action, self.kind.type))
+        several = any(argument.many for argument in self.arguments) and "=" not in "".join(words)
+        rows = [[word] for word in words] if several and words else [list(words)]
+        form = self.kind.form
+        texts = [forms.named(self._leaves, form, row) for row in rows]
+        return {GOALS: [forms.parse_all(self._leaves, form, row) for row in texts]}
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        """Also what the robot says of its limits was heard, or had time enough."""
+        limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
+        links = [limit for limit in limits if isinstance(limit, Link)]
+        known = all(station.robot.snapshot.limit(link) is not None for link in links)
+        return super().is_ready(station, values) and (known or are_reported(station))
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        """Raises ValueError for a number beyond a limit that the robot holds now."""
+        form = station.robot.snapshot.form(self.kind)
+        numbers = [leaf for leaf in self._leaves or () if forms.is_number(leaf)]
+        for goal in values[GOALS]:
+            for leaf in numbers:
+                given, value = form.get(leaf.path, FormField()), goal[leaf.path]
+                forms.check_range(leaf, given, value, text_of(value))
+        return values
+
+    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
+        return station.drive([QueuedGoal(self.kind, given) for given in values[GOALS]])
+
+
+def _argument(kind: GoalKind, leaf: Leaf, several: bool) -> Argument:
+    given = kind.form.get(leaf.path, FormField())
+    label = given.label or leaf.path
+    return Argument(label, leaf.type, several, low=given.low, high=given.high, unit=given.unit)
+
+
+class SendGoal(Verb):
+    """A goal to any action on the graph, whether the robot file names it or not."""
+
+    id, title = "send_goal", "Send a goal"
+    help = "Send a goal to any action on the graph"
+    arguments = (Argument("action"), Argument("field=value", many=True, optional=True))
+    acts = moves = True
+
+    def blocked(self, station: Station) -> str:
+        return "" if station.robot.snapshot.actions else "no action is on the graph"
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        found = station.robot.snapshot.actions
+        return full_name(station.robot.snapshot, values["action"], found) in found
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        snapshot = station.robot.snapshot
+        name = full_name(snapshot, values["action"], snapshot.actions)
+        known = kind_of(snapshot, name)
+        if known is not None:  # with the labels and the fixed values of the robot file
+            go = Go(known, snapshot.forms.get(known.id))
+            return {KIND: known, **await go.prepare(station, go.values(values["field=value"]))}
+        type_name = type_of("action", name, snapshot.actions)
+        fields = await fields_of(station, name, type_name, values["field=value"])
+        short = name.rpartition("/")[2]
+        return {KIND: GoalKind(self.id, short, name, type_name), GOALS: [fields]}
+
+    def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
+        return station.drive([QueuedGoal(values[KIND], given) for given in values[GOALS]])
+
+
+def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:
+    """The goal of the robot file that has this action, by its full name."""
+    names = ((kind, kind.action.lstrip("/")) for kind in snapshot.file.goals)
+    return next((k for k, name in names if in_namespace(snapshot.namespace, name) == action), None)
+
+
+class Cancel(Verb):
+    id, title = "cancel", "Cancel"
+    help = "Cancel the running goal, or every one; what waits behind it is held"
+    arguments = (Argument("--all", "boolean", optional=True),)
+    acts = may_ask = survives_stop = True
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        return bool(station.robot.snapshot.offered)
+
+    def asks(self, station: Station, values: Values) -> Question | None:
+        goal = station.robot.snapshot.running_goal
+        if "--all" in values:
+            text = "Cancel every goal of the robot's actions, other clients' too?"
+            return Question("Cancel every goal", text, "No", "Cancel all")
+        if goal is None or goal.mine:
+            return None
+        return Question("Cancel", "Another client sent this goal. Cancel it?", "No", "Cancel it")
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        if "--all" in values:
+            return await station.robot.cancel_all()
+        goal = station.robot.snapshot.running_goal
+        return await station.robot.cancel(another=goal is not None and not goal.mine)
+
+
+class Continue(Verb):
+    id, title = "continue", "Continue the queue"
+    help = "Continue the queue of goals that is held"
+    acts = moves = True
+
+    def blocked(self, station: Station) -> str:
+        return "" if station.queue.held else "no queue is held"
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        """What ends the goal that holds the queue may have been asked for, and not be heard yet."""
+        goal = station.robot.snapshot.goal
+        ends = goal is not None and (goal.phase == Phase.CANCELLING or not goal.is_running)
+        return bool(station.queue.held) or not (station.queue.waiting and ends)
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return station.resume()
+
+
+class Skip(Verb):
+    id, title = "skip", "Skip a goal"
+    help = "Leave out the next goal of the queue"
+    acts = survives_stop = True
+
+    def blocked(self, station: Station) -> str:
+        return "" if station.queue.waiting else "no goal waits in the queue"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return station.skip()

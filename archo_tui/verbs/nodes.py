@@ -1,0 +1,187 @@
+"""The nodes: told, and those of this process started, halted and copied."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from typing import Any
+
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
+from archo_tui.robot.acts import Act
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import LEVELS, Hosted, Life
+from archo_tui.robot.stops import NOT_SENT
+from archo_tui.station.station import Station
+from archo_tui.verbs.anything import full_name
+from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+from archo_tui.words.goal import way
+from archo_tui.words.nodes import node_rows
+
+
+class Nodes(Verb):
+    id, title, tells = "nodes", "Nodes", True
+    help = "List the nodes: how each is doing, and whether it runs in this process"
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        return bool(station.robot.snapshot.nodes)
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        station.look()
+        lines = []
+        for row in node_rows(station.view):
+            _, word, _ = row.word()
+            here = " (in this process)" if row.hosted else ""
+            lines.append(f"{row.name.lstrip('/')} {word or 'up'}{here}")
+        return Outcome(Code.DONE, "\n".join(lines))
+
+    def data(self, station: Station, values: Values) -> Any:
+        return [
+            {
+                "name": row.name,
+                "word": row.word()[1] or "up",
+                "here": row.hosted is not None,
+                "rate": row.state.rate,
+            }
+            for row in node_rows(station.view)
+        ]
+
+
+class _OfNode(Verb):
+    """Of one node of this process."""
+
+    arguments = (Argument("node"),)
+    acts = True
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        return {"node": self.found(station, values["node"]).name}
+
+    def found(self, station: Station, name: str) -> Hosted:
+        """By its name, with or without the namespace. Raises ArchoError when it is none of ours."""
+        hosted = {one.name: one for one in station.host.states()}
+        full = full_name(station.robot.snapshot, name, hosted)
+        if full in hosted:
+            return hosted[full]
+        near = difflib.get_close_matches(full, hosted, 1)
+        hint = f" (nearest: {near[0].lstrip('/')})" if near else ""
+        raise ArchoError(f"{name} does not run in this process{hint}")
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        name: str = values["node"]
+        if station.robot.stops.gate().is_shut:
+            outcome = Outcome(Code.CANCELLED, NOT_SENT)
+        else:
+            outcome = await in_daemon(self.work(station), name)  # it waits for the node's thread
+        act = Act(self.id, {"node": name}, outcome.code)
+        said = f"{self.title.lower()} {name}: {outcome.text}"
+        station.robot.note("YOU", "console", said, act=act)
+        station.look()
+        return outcome
+
+    def work(self, station: Station) -> Callable[[str], Outcome]:
+        """What is done, on a thread of its own."""
+        raise NotImplementedError
+
+
+class Start(_OfNode):
+    id, title = "start", "Start"
+    help = "Start a node of this process that was stopped or has crashed"
+
+    def work(self, station: Station) -> Callable[[str], Outcome]:
+        return station.host.start_node
+
+
+class Halt(_OfNode):
+    id, title = "halt", "Stop"
+    help = "Stop a node of this process; asks first when the robot needs it now"
+    may_ask = True
+
+    def work(self, station: Station) -> Callable[[str], Outcome]:
+        return station.host.stop_node
+
+    def asks(self, station: Station, values: Values) -> Question | None:
+        goal, hosted = station.robot.snapshot.running_goal, self.found(station, values["node"])
+        if goal is None or hosted.life != Life.UP:
+            return None
+        grave = (_last(goal.kind.action), _stop(station))
+        needed = " and ".join(name for name in _served(hosted) if name in grave)
+        if not needed:
+            return None
+        text = f"The robot is {way(goal)}, and {hosted.name} serves {needed}. Stop the node?"
+        return Question("Stop a node", text, "Leave it", "Stop it")
+
+
+class Copy(_OfNode):
+    id, title = "copy", "Copy"
+    help = "Run another copy of a node of this process"
+    may_ask = True
+
+    def work(self, station: Station) -> Callable[[str], Outcome]:
+        return station.host.copy_node
+
+    def asks(self, station: Station, values: Values) -> Question | None:
+        hosted = self.found(station, values["node"])
+        if not hosted.serves:
+            return None
+        served = _served(hosted)
+        stop = " STOP must then be confirmed by both." if _stop(station) in served else ""
+        text = (
+            f"{hosted.name} serves {', '.join(served)}: a call reaches both, and both act.{stop} "
+            "Run another copy?"
+        )
+        return Question("Another copy", text, "No", "Run it")
+
+
+class LogLevel(Verb):
+    id, title, tells = "log_level", "Log level", True
+    help = f"Show what a node logs, or set it: {', '.join(LEVELS).lower()}"
+    arguments = (Argument("node"), Argument("level", optional=True))
+    acts = True
+
+    def acts_with(self, values: Values) -> bool:
+        return "level" in values
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        return self._name(station, values) in self._nodes(station) or station.age >= PATIENCE
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        name, nodes = self._name(station, values), self._nodes(station)
+        if name not in nodes:
+            near = difflib.get_close_matches(name, nodes, 1)
+            hint = f" (nearest: {near[0].lstrip('/')})" if near else ""
+            raise ArchoError(f"no node {name} is on the graph{hint}")
+        given = {"node": name}
+        if "level" in values:
+            given["level"] = values["level"].upper()
+            if given["level"] not in LEVELS:
+                words = ", ".join(LEVELS).lower()
+                raise ArchoError(f"{values['level']} is not a log level: one of {words}")
+        return given
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        if "level" in values:
+            return await station.robot.set_log_level(values["node"], values["level"])
+        return await station.robot.log_level(values["node"])
+
+    @staticmethod
+    def _nodes(station: Station) -> list[str]:
+        return [node.name for node in station.robot.snapshot.nodes]
+
+    def _name(self, station: Station, values: Values) -> str:
+        """Its full name, where it was typed without the namespace."""
+        return full_name(station.robot.snapshot, values["node"], self._nodes(station))
+
+
+def _served(hosted: Hosted) -> list[str]:
+    """What a node serves, without the namespace."""
+    return [_last(name) for name in hosted.serves]
+
+
+def _last(name: str) -> str:
+    return name.rpartition("/")[2]
+
+
+def _stop(station: Station) -> str:
+    """The service of the robot's STOP, without the namespace."""
+    stop = station.robot.file.stop
+    return "" if stop is None else _last(stop.service)

@@ -1,0 +1,253 @@
+"""Parameters: told, set, undone, saved to a file and loaded from one."""
+
+from __future__ import annotations
+
+import os.path
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
+from archo_tui.parameters import save_load
+from archo_tui.robot.acts import Act
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.parameter_values import parse, range_text
+from archo_tui.robot.state import Parameter
+from archo_tui.robot.values import text_of
+from archo_tui.station.station import Station
+from archo_tui.verbs import as_data
+from archo_tui.verbs.anything import full_name
+from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
+
+_NODE, _NAME = Argument("node"), Argument("name")
+_FILE = Argument("file")
+SAME = "All parameters already have the values in the file."
+NOBODY = "no node has reported its parameters yet"
+
+
+def are_reported(station: Station) -> bool:
+    """True when every node of the robot has reported its parameters, or had time enough."""
+    snapshot = station.robot.snapshot
+    nodes = {node.name for node in snapshot.nodes}
+    reported = {parameter.node for parameter in snapshot.parameters}
+    return (bool(nodes) and nodes <= reported) or station.age >= PATIENCE
+
+
+class _OfOne(Verb):
+    """Of one parameter."""
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        return self.found(station, values) is not None or are_reported(station)
+
+    def node(self, station: Station, values: Values) -> str:
+        """Its full name, where it was typed without the namespace."""
+        snapshot = station.robot.snapshot
+        return full_name(snapshot, values["node"], {p.node for p in snapshot.parameters})
+
+    def found(self, station: Station, values: Values) -> Parameter | None:
+        wanted = self.node(station, values), values["name"]
+        known = station.robot.snapshot.parameters
+        return next((p for p in known if (p.node, p.name) == wanted), None)
+
+    def missing(self, station: Station, values: Values) -> Outcome:
+        node = self.node(station, values)
+        return Outcome(Code.MISUSE, f"{node} has no parameter {values['name']}")
+
+
+class Get(_OfOne):
+    id, title, tells = "get", "Get a parameter", True
+    help = "Show a parameter"
+    arguments = (_NODE, _NAME)
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        parameter = self.found(station, values)
+        if parameter is None:
+            return self.missing(station, values)
+        return Outcome(Code.DONE, line(parameter))
+
+    def data(self, station: Station, values: Values) -> Any:
+        parameter = self.found(station, values)
+        return None if parameter is None else as_data.parameter(parameter)
+
+
+class Set(_OfOne):
+    id, title, acts = "set", "Set a parameter", True
+    help = "Set a parameter; quotes as in a shell: 'a  b', ''"
+    arguments = (_NODE, _NAME, Argument("value", rest=True))
+
+    def hint(self, station: Station, words: Sequence[str]) -> str:
+        """The line with the node, when just that is missing."""
+        known = station.robot.snapshot.parameters
+        nodes = [p.node.lstrip("/") for p in known if len(words) == 2 and p.name == words[0]]
+        return f": set {nodes[0]} {shlex.join(words)}" if len(nodes) == 1 else ""
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        parameter = self.found(station, values)
+        if parameter is None:
+            return values
+        try:
+            value = parse(parameter, values["value"])
+        except ValueError as error:
+            raise ArchoError(f"{values['node']} {values['name']}: {error}") from None
+        return {**values, "value": value}
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        parameter = self.found(station, values)
+        if parameter is None:
+            return self.missing(station, values)
+        changed = {parameter.name: values["value"]}
+        return await station.set_parameters(parameter.node, changed)
+
+
+class Undo(Verb):
+    id, title = "undo", "Undo"
+    help = "Undo your last change of a parameter"
+    acts = may_ask = True
+
+    def blocked(self, station: Station) -> str:
+        return station.edits.blocked(station.robot.snapshot)
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        return not station.edits.is_changing
+
+    def asks(self, station: Station, values: Values) -> Question | None:
+        edits = station.edits
+        others = edits.changed_since(station.robot.snapshot)
+        if edits.last is None or not others:
+            return None
+        text = " ".join(
+            f"{name} has since changed to {text_of(value)}. "
+            f"Restore {text_of(edits.last.before[name])}?"
+            for name, value in others.items()
+        )
+        return Question("Undo", text, "Leave it", "Restore")
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return await station.undo()
+
+
+class Params(Verb):
+    id, title, tells = "params", "Parameters", True
+    help = "List the parameters"
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        return are_reported(station)
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return Outcome(Code.DONE, "\n".join(map(line, station.robot.snapshot.parameters)))
+
+    def data(self, station: Station, values: Values) -> Any:
+        return [as_data.parameter(found) for found in station.robot.snapshot.parameters]
+
+
+def line(parameter: Parameter) -> str:
+    """`motor_controller max_speed is 0.5, was 0.8 at the start, double, allowed 0.05 .. 2`."""
+    parts = [f"{parameter.node.lstrip('/')} {parameter.name} is {text_of(parameter.value)}"]
+    if parameter.is_changed:
+        parts.append(f"was {text_of(parameter.initial)} at the start")
+    parts.append(parameter.type)
+    allowed = range_text(parameter)
+    if allowed:
+        parts.append(allowed if parameter.read_only else f"allowed {allowed}")
+    return ", ".join(parts)
+
+
+class _File(Verb):
+    """With a file that is looked at before anything is asked."""
+
+    arguments = (_FILE,)
+    may_ask = True
+
+    def blocked(self, station: Station) -> str:
+        return "" if station.robot.snapshot.parameters else NOBODY
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        return are_reported(station)
+
+    def path(self, values: Values) -> Path:
+        """Raises ArchoError when that is the name of no file."""
+        typed: str = values["file"]
+        if not typed.strip() or "\0" in typed:
+            raise ArchoError("type the name of a file")
+        try:
+            return Path(typed).expanduser()
+        except RuntimeError:
+            raise ArchoError(f"no home folder is known for {typed.partition('/')[0]}") from None
+
+
+class Save(_File):
+    id, title = "save", "Save parameters"
+    help = "Save all parameters to a ROS parameter file"
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        path = self.path(values)
+        return {"file": path, "exists": await in_daemon(os.path.exists, path)}
+
+    def asks(self, station: Station, values: Values) -> Question | None:
+        if not values["exists"]:
+            return None
+        text = f"{values['file']} already exists. Overwrite it?"
+        return Question("Save parameters", text, "Keep it", "Overwrite")
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        text, left_out = save_load.dump(station.robot.snapshot.parameters)
+        try:
+            await in_daemon(save_load.write, values["file"], text)
+        except ArchoError as error:
+            return Outcome(Code.REFUSED, str(error))
+        said = f"saved to {values['file']}"
+        act = Act(self.id, {"file": str(values["file"])}, Code.DONE)
+        station.robot.note("YOU", "console", f"save parameters: {said}", act=act)
+        for what in left_out:
+            why = f"not saved, a parameter file cannot hold it: {what}"
+            station.robot.note("WARN", "console", why)
+        return Outcome(Code.DONE, said)
+
+
+class Load(_File):
+    id, title = "load", "Load parameters"
+    help = "Load a ROS parameter file; first shows what would change"
+    acts = tells = True
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        path, parameters = self.path(values), station.robot.snapshot.parameters
+        plan = await in_daemon(save_load.plan, path, parameters)
+        return {"file": path, "plan": plan}
+
+    def asks(self, station: Station, values: Values) -> Question | None:
+        """Also when nothing can be changed: why is in the text, and there is one answer."""
+        plan = values["plan"]
+        go = f"Change {len(plan.changes)}" if plan.changes and not plan.problems else ""
+        return Question("Load parameters", "\n".join(preview(values["file"], plan)), "Cancel", go)
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        plan = values["plan"]
+        if plan.problems:
+            return Outcome(Code.MISUSE, f"nothing was changed: {'; '.join(plan.problems)}")
+        by_node: dict[str, dict[str, Any]] = {}
+        for parameter, value in plan.changes:
+            by_node.setdefault(parameter.node, {})[parameter.name] = value
+        outcomes = [await station.set_parameters(*changes) for changes in by_node.items()]
+        refused = [outcome for outcome in outcomes if not outcome.ok]
+        if refused:
+            return Outcome(refused[0].code, "; ".join(outcome.text for outcome in refused))
+        said = f"{len(plan.changes)} changed" if plan.changes else SAME
+        return Outcome(Code.DONE, "\n".join((said, *_left_out(plan))))
+
+
+def preview(path: Path, plan: save_load.Plan) -> Sequence[str]:
+    """What loading the file would change."""
+    lines = [str(path), ""]
+    if plan.problems:
+        return [*lines, "Nothing was changed, because of:", *plan.problems]
+    changes = [
+        f"{p.node.lstrip('/')} {p.name}: {text_of(p.value)} -> {text_of(value)}"
+        for p, value in plan.changes
+    ]
+    return [*lines, *(changes or [SAME]), *_left_out(plan)]
+
+
+def _left_out(plan: save_load.Plan) -> list[str]:
+    return [f"left out: {line}" for line in plan.left_out]

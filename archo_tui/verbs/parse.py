@@ -1,0 +1,68 @@
+"""Words as the values of a verb, and what a program may give instead."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from archo_tui.robot.fields import INTEGERS, element_of
+from archo_tui.robot.state import Snapshot
+from archo_tui.station.station import Station
+from archo_tui.verbs.base import Argument, Values, Verb
+
+YES = "--yes"  # the answer to what a verb asks
+_TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
+
+
+def named(verbs: Mapping[str, Verb], word: str) -> Verb:
+    """The verb of that name. Raises ValueError that names the nearest."""
+    if word in verbs:
+        return verbs[word]
+    near = difflib.get_close_matches(word, verbs, n=1)
+    hint = f" (nearest: {near[0]})" if near else " (help lists them)"
+    raise ValueError(f"no command {word!r}{hint}")
+
+
+def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
+    """What the words behind a verb mean, and whether they answer what it asks.
+
+    Raises ValueError with one line.
+    """
+    yes = verb.may_ask and YES in words
+    words = [word for word in words if not (yes and word == YES)]
+    try:
+        return verb.values(words), yes
+    except ValueError as error:
+        raise ValueError(f"{error}{verb.hint(station, words)}") from None
+
+
+def schema(verb: Verb, snapshot: Snapshot) -> dict[str, Any]:
+    """The values of a verb as JSON Schema; of one that may be given many, a single one.
+
+    Limits that the robot holds are as in the snapshot, and left out while it does not report them.
+    """
+    limit = snapshot.limit
+    arguments = [a._replace(low=limit(a.low), high=limit(a.high)) for a in verb.arguments]
+    return {
+        "type": "object",
+        "properties": {a.name.lstrip("-"): _schema_of(a) for a in arguments},
+        "required": [a.name for a in verb.arguments if not (a.optional or a.is_flag)],
+        "additionalProperties": False,
+    }
+
+
+def _schema_of(argument: Argument) -> dict[str, Any]:
+    element = element_of(argument.type)
+    if element is not None:
+        return {"type": "array", "items": _schema_of(Argument(argument.name, element))}
+    if argument.type in INTEGERS:
+        low, high = INTEGERS[argument.type]
+        found: dict[str, Any] = {"type": "integer", "minimum": low, "maximum": high}
+    else:
+        found = {"type": _TYPES.get(argument.type, "string")}
+    if argument.low is not None:
+        found["minimum"] = argument.low
+    if argument.high is not None:
+        found["maximum"] = argument.high
+    return {**found, "description": f"in {argument.unit}"} if argument.unit else found

@@ -1,0 +1,67 @@
+"""The commands of the robot file, and any service."""
+
+from __future__ import annotations
+
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot_file.model import Service
+from archo_tui.station.station import Station
+from archo_tui.verbs.anything import fields_of, full_name, type_of
+from archo_tui.verbs.base import Argument, Question, Values, Verb
+from archo_tui.words.goal import way
+
+ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; asks first"}
+
+
+class Give(Verb):
+    """A command of the robot file; a toggle is two, one for each way."""
+
+    acts = True
+
+    def __init__(self, given: Service, on: bool = True) -> None:
+        self.given, self._on = given, on
+        self.id = given.id if on else given.off_word
+        self.title = given.title if on else given.off or f"{given.title} off"
+        if given.toggle:  # the file's help is of a key, which does both
+            does = given.title if on else f"Switch {given.title.lower()} off"
+        else:
+            does = given.help or given.title
+        self.help = f"{does}{ASKS[given.ask]}"
+        self.service, self.moves = given.service, given.moves
+        self.may_ask = given.ask != "never"
+
+    def asks(self, station: Station, values: Values) -> Question | None:
+        goal, given = station.robot.snapshot.running_goal, self.given
+        if given.ask == "never" or (given.ask == "moving" and goal is None):
+            return None
+        now = f"The robot is {way(goal)}. " if goal is not None else ""
+        title = self.title[0].upper() + self.title[1:]
+        return Question(title, f"{now}{title} now?", "Leave it", title.split()[0])
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return await station.robot.command(self.given, self._on)
+
+
+class Call(Verb):
+    """Any service on the graph; the outcome is what it answers."""
+
+    id, title = "call", "Call a service"
+    help = "Call any service on the graph"
+    arguments = (Argument("service"), Argument("field=value", many=True, optional=True))
+    acts = moves = True
+
+    def blocked(self, station: Station) -> str:
+        return "" if station.robot.snapshot.services else "no service is on the graph"
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        snapshot = station.robot.snapshot
+        return full_name(snapshot, values["service"], snapshot.services) in snapshot.services
+
+    async def prepare(self, station: Station, values: Values) -> Values:
+        snapshot = station.robot.snapshot
+        name = full_name(snapshot, values["service"], snapshot.services)
+        kind = type_of("service", name, snapshot.services)
+        fields = await fields_of(station, name, kind, values["field=value"])
+        return {"service": name, "type": kind, "fields": fields}
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return await station.robot.call(values["service"], values["type"], values["fields"])

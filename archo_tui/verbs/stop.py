@@ -1,0 +1,68 @@
+"""STOP, and what comes after it."""
+
+from __future__ import annotations
+
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot_file import model
+from archo_tui.station.station import Station
+from archo_tui.verbs.base import Question, Values, Verb
+
+
+class StopNow(Verb):
+    id, title = "stop", "STOP"
+    help = "STOP: software stop, at once and latched; does not replace the hardware one"
+    acts = urgent = True
+
+    def __init__(self, stop: model.Stop | None) -> None:
+        self.service = "" if stop is None else stop.service
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return await station.robot.emergency_stop()
+
+
+class Release(Verb):
+    id, title = "release", "Release"
+    help = "Release the stop (asks first); nothing resumes by itself"
+    acts = moves = may_ask = True
+
+    def __init__(self, stop: model.Stop | None) -> None:
+        self.service = "" if stop is None else stop.release
+
+    def blocked(self, station: Station) -> str:
+        snapshot = station.robot.snapshot
+        if not self.service:
+            return f"{snapshot.file.name} has no service to release a stop"
+        released = snapshot.motion.stopped is False  # None: the robot does not say
+        return super().blocked(station) or ("the robot is not stopped" if released else "")
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        """What the robot says of itself comes a little behind its answer to a STOP."""
+        stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
+        says = described is not None and any(t.stopped for t in described.types.values())
+        is_said = stopped is not None or not says
+        behind = stopped is False and station.robot.stops.count > 0
+        return super().is_ready(station, values) and is_said and not behind
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return await station.robot.release_emergency_stop()
+
+    def asks(self, station: Station, values: Values) -> Question:
+        text = "Release the stop? Moves are allowed again; nothing resumes by itself."
+        return Question("Release", text, "Stay stopped", "Release")
+
+
+class GiveUpStop(Verb):
+    id, title = "give_up_stop", "Give up STOP"
+    help = "Give up a STOP that the robot does not confirm; it is sent no more (asks first)"
+    acts = may_ask = True
+
+    def blocked(self, station: Station) -> str:
+        stop = station.robot.snapshot.open_stop
+        return "" if stop is not None else "no STOP is waiting to be confirmed"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        return await station.robot.give_up_stop()
+
+    def asks(self, station: Station, values: Values) -> Question:
+        text = "The robot has not confirmed the STOP and may be driving. Send it no more?"
+        return Question("Give up STOP", text, "Keep sending", "Give up")

@@ -1,0 +1,108 @@
+"""What is going on: the state, the events, the goals before and the last hour."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.clock import time_of_day
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot_file.model import RobotFile
+from archo_tui.station.alarms import advice, ways
+from archo_tui.station.history import SPANS, Quantity, readings
+from archo_tui.station.station import Station
+from archo_tui.verbs.as_data import event, state
+from archo_tui.verbs.base import PATIENCE, Argument, Values, Verb
+from archo_tui.words.event import event_text
+from archo_tui.words.goal import ended, goal_line
+from archo_tui.words.spoken import bare, battery, in_words, motion, queue
+from archo_tui.words.state import gauge_line
+
+_THERE = 2.0  # s from the start in which all of its topics are on the graph
+_EVENTS = 20
+
+
+class Status(Verb):
+    id, title, tells = "status", "Status", True
+    help = "Show the state of the robot"
+
+    def __init__(self, ask: str, robot: RobotFile) -> None:
+        """`ask` says how a goal is given."""
+        self.ask = ask
+        names = ("release", *(command.id for command in robot.commands))
+        self.ways = ways(robot, {name: f"type {name}" for name in names})
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        """True when battery and motion were heard, as far as the robot has them."""
+        snapshot, robot = station.robot.snapshot, station.robot.file
+        missing = []
+        if robot.battery is not None and snapshot.battery.received is None:
+            missing.append(robot.battery.topic)
+        if robot.motion is not None and snapshot.motion.received is None:
+            missing.append(robot.motion.topic)
+        there = station.age >= _THERE  # what is not by then may never be
+        comes = any(topic in snapshot.offered or not there for topic in missing)
+        return not comes or station.age >= PATIENCE
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        snapshot, now = station.robot.snapshot, station.clock.monotonic()
+        title = snapshot.file.motion.title.lower() if snapshot.file.motion else "motion"
+        waiting = queue([wanted.text for wanted in station.queue.waiting], station.queue.held)
+        lines = [
+            f"battery {battery(snapshot, now)}",
+            f"{title} {motion(snapshot, now)}",
+            *(in_words(gauge_line(reading, now)) for reading in snapshot.gauges),
+            f"goal {in_words(goal_line(snapshot, now, self.ask))}",
+            *([f"queue {waiting}"] if waiting else []),
+            *(f"alarm {a.state.value}: {advice(a, self.ways)}" for a in station.view.alarms),
+        ]
+        return Outcome(Code.DONE, "\n".join(lines))
+
+    def data(self, station: Station, values: Values) -> Any:
+        return state(station)
+
+
+class Events(Verb):
+    id, title, tells = "events", "Events", True
+    help = f"Show the last {_EVENTS} events, or as many as are asked for"
+    arguments = (Argument("n", "int32", optional=True, low=1),)
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        given = values.get("n", str(_EVENTS))
+        if not given.isdecimal() or not int(given):
+            return Outcome(Code.MISUSE, f"not a count of events: {given}")
+        last = station.robot.snapshot.events[-int(given) :]
+        lines = [f"{time_of_day(found.time)} {event_text(found)}" for found in last]
+        return Outcome(Code.DONE, "\n".join(lines) or "no events yet")
+
+    def data(self, station: Station, values: Values) -> Any:
+        last = int(values.get("n", _EVENTS))
+        return [event(found) for found in station.robot.snapshot.events[-last:]]
+
+
+class Past(Verb):
+    """The last hour: what is drawn on the screen, as numbers."""
+
+    id, title, tells = "history", "History", True
+    help = "Show the numbers of the last hour, and how the last goals ended"
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        lines = [_hour(station, quantity) for quantity in _NAMES]
+        lines += [bare(ended(goal)) for goal in station.robot.snapshot.history]
+        return Outcome(Code.DONE, "\n".join(filter(None, lines)) or "nothing yet")
+
+
+_NAMES: dict[Quantity, str] = {"charge": "charge (%)", "speed": "speed", "left": "way left"}
+_PARTS = 60  # of a span, of which the oldest is told
+
+
+def _hour(station: Station, quantity: Quantity) -> str:
+    """`speed: now 0.80, 1 min ago 0.00, 10 min ago unknown ...`; empty: nothing was heard."""
+    now, history = station.clock.monotonic(), station.history
+    told = [("now", readings(station.robot.snapshot, now)[quantity])]
+    for span in SPANS:
+        then = history.columns(quantity, span, _PARTS, now)[0]
+        told.append((f"{span / 60:.0f} min ago", then))
+    if all(value is None for _, value in told):
+        return ""
+    texts = (f"{when} {'unknown' if value is None else f'{value:.2f}'}" for when, value in told)
+    return f"{_NAMES[quantity]}: {', '.join(texts)}"

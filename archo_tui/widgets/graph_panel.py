@@ -1,0 +1,88 @@
+"""Panel 8: topics, services and actions, and who has them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from textual.app import ComposeResult
+from textual.widget import Widget
+
+from archo_tui.widgets.panel import Panel
+from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
+from archo_tui.widgets.shown import NONE_RECORDED, Shown
+from archo_tui.words.graph import ResourceRow, resource_rows
+
+_KIND = 8  # cells of `service` and a blank
+_GAP = 2
+
+
+def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
+    """Of names, types, nodes and rates where all of a line has room; else of rates alone."""
+    names = column((row.resource.name for row in rows), 0, width)
+    types = column((row.types for row in rows), 0, width)
+    nodes = column((row.who for row in rows), 0, width)
+    often = column((row.often for row in rows), 0, width)
+    room = width - _KIND - names - types - often - 3 * _GAP
+    return (names, types, room, often) if nodes <= room else (often,)
+
+
+def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
+    """`topic   /battery_level  archo_interfaces/msg/BatteryStatus  battery_monitor  1.0 Hz`.
+
+    Where that has no room, two lines, with the type's last name.
+    """
+    kind, name = f"{row.resource.kind:<{_KIND}}", row.resource.name
+    style = "" if row.resource.nodes else QUIET
+    if len(columns) > 1:
+        names, types, nodes, often = columns
+        rate = f"{row.often:>{often}}"
+        return [(f"{kind}{name:<{names}}  {row.types:<{types}}  {row.who:<{nodes}}  {rate}", style)]
+    room = width - _KIND - (columns[0] + _GAP if columns[0] else 0)
+    rate = f"  {row.often:>{columns[0]}}" if columns[0] else ""
+    below = f"  {row.short_types}  {row.who}"
+    return [(f"{kind}{pad(name, max(room, 1))}{rate}", style), (crop(below, width), QUIET)]
+
+
+class GraphPanel(Panel):
+    """The list; drawn once a second, and only while it is shown and something differs."""
+
+    number, title_text = 8, "Graph"
+    keys = (("resource", "open"),)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._rows: Rows[ResourceRow] = Rows(
+            resource_lines,
+            lambda row: (row.resource.kind, row.resource.name),
+            id="graph",
+            empty="? nothing on the graph",
+            action="app.command('resource')",
+            wraps=True,
+            columns=resource_columns,
+        )
+        self._drawn: object = None
+
+    def compose(self) -> ComposeResult:
+        yield self._rows
+
+    @property
+    def selected(self) -> ResourceRow | None:
+        """What the cursor is on."""
+        return self._rows.item
+
+    @property
+    def operated(self) -> Widget:
+        return self._rows
+
+    def show(self, view: Shown) -> None:
+        if not self.display and self._rows.items:  # once, for the keys behind the one that opens it
+            return
+        self.show_keys(view)
+        if view.replay:
+            self._rows.empty = NONE_RECORDED
+        drawn = view.second, view.snapshot.resources
+        if drawn != self._drawn:
+            self._drawn = drawn
+            rows = resource_rows(view)
+            known = {row: row for row in self._rows.items}  # what is the same is not laid out again
+            self._rows.show([known.get(row, row) for row in rows])

@@ -1,0 +1,1 @@
+"""What is said of the robot: every state as glyph, word and tone. Pure."""

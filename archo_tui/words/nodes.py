@@ -1,0 +1,100 @@
+"""How a node is doing: on the graph, in this process, or both. Pure."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from archo_tui.robot.state import Hosted, Life, NodeInfo, NodeState, Snapshot
+from archo_tui.station.alarms import CONTACT_LOST
+from archo_tui.station.station import View
+from archo_tui.words.state import OLD, PLAIN, STRONG, Spans, age
+
+
+class NodeRow(NamedTuple):
+    """One line of the panel: a node that is on the graph, runs here, or both."""
+
+    state: NodeState
+    hosted: Hosted | None
+    second: float  # monotonic s of the last tick, 0 without an age: ages need not be livelier
+    is_lost: bool = False  # nothing of the robot is heard
+
+    @property
+    def name(self) -> str:
+        """Fully qualified."""
+        return self.state.name
+
+    @property
+    def is_faulty(self) -> bool:
+        """True when there is a traceback of it."""
+        hosted = self.hosted
+        crashed = hosted is not None and hosted.life == Life.CRASHED
+        return crashed or (hosted is not None and hosted.life == Life.UP and bool(hosted.error))
+
+    def word(self) -> tuple[str, str, str]:
+        """Glyph, what is wrong, and tone; nothing is said while nothing is wrong."""
+        life = Life.UP if self.hosted is None else self.hosted.life
+        if life == Life.CRASHED and self.hosted is not None:
+            return "✗", f"crashed: {self.hosted.error}", STRONG
+        if life == Life.UP and self.hosted is not None and self.hosted.error:
+            return "✗", f"not restarted: {self.hosted.error}", STRONG
+        if life == Life.STUCK:
+            return "✗", life.value, STRONG
+        if life == Life.STOPPED:
+            return "○", life.value, OLD
+        if self.state.is_silent(self.second) and self.state.heard is not None:
+            return "?", f"silent for {age(self.second - self.state.heard)}", OLD
+        if self.is_lost and self.hosted is None:  # that it is on the graph says nothing then
+            return "?", "contact lost", OLD
+        return "●", "", PLAIN
+
+    def details(self, now: float, snapshot: Snapshot) -> str:
+        """Everything that is known of the node, for reading."""
+        glyph, word, _ = self.word()
+        heard, rate = self.state.heard, self.state.rate
+        often = "--" if rate is None else f"{rate:.1f} Hz"
+        runs = self.hosted is None or self.hosted.life == Life.UP
+        if rate is not None and (self.state.is_silent(now) or not runs):
+            often = f"nothing now, {often} before"
+        parameters, own = sum(p.node == self.name for p in snapshot.parameters), "the console's"
+        lines = [
+            f"{glyph} {word or 'up'}",
+            f"where       in {'another' if self.hosted is None else own} process",
+            f"last heard  {'--' if heard is None else age(now - heard) + ' ago'}",
+            f"publishes   {often}",
+            f"parameters  {parameters}",
+        ]
+        if self.hosted is not None and self.hosted.traceback:
+            lines += ["", self.hosted.traceback.rstrip()]
+        return "\n".join(lines)
+
+
+def on_graph(info: NodeInfo) -> Spans:
+    """What a node publishes, hears, serves and calls, each with its type."""
+    parts = {
+        "topics published": info.publishes,
+        "topics subscribed": info.subscribes,
+        "services": info.serves,
+        "services called": info.calls,
+        "actions": info.actions,
+        "goals sent to": info.sends,
+    }
+    width = max((len(name) for names in parts.values() for name, _ in names), default=0)
+    spans: list[tuple[str, str]] = []
+    for title, names in parts.items():
+        if names:
+            lines = "".join(f"  {name:<{width}}  {kind}\n" for name, kind in names)
+            spans += [(f"{title}\n", OLD), (lines, PLAIN)]
+    return tuple(spans) or (("nothing on the graph but what every node has", PLAIN),)
+
+
+def node_rows(view: View) -> tuple[NodeRow, ...]:
+    """The nodes of the graph and of this process, by name."""
+    hosted = {node.name: node for node in view.hosted}
+    states = {node.name: node for node in view.snapshot.nodes}
+    lost = any(alarm.name == CONTACT_LOST and not alarm.is_over for alarm in view.alarms)
+
+    def row(name: str) -> NodeRow:
+        state = states.get(name, NodeState(name))
+        return NodeRow(state, hosted.get(name), 0.0 if state.heard is None else view.second, lost)
+
+    return tuple(map(row, sorted(states.keys() | hosted.keys())))

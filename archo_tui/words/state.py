@@ -1,0 +1,181 @@
+"""Every state of battery and motor as glyph, word and tone, in that order of importance.
+
+Pure: state in, text out. A text is a row of spans; what a tone looks like is the screen's to say.
+"""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from archo_tui.robot.state import Reading, Snapshot
+from archo_tui.station.alarms import health, is_low, stop_texts
+
+PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # tones
+ACTIVE, EDGE = "active", "edge"  # of what is filled or driven, and of what is not yet
+Spans = tuple[tuple[str, str], ...]  # (text, tone)
+STOPPED: Spans = (("✗ STOPPED", BAD),)
+
+
+def on_bar(tone: str) -> str:
+    """The tone of a mark on a bar that has this one."""
+    return f"on {tone}"
+
+
+def plain(spans: Spans) -> str:
+    """The text alone."""
+    return "".join(text for text, _ in spans)
+
+
+def number(value: float | None, form: str) -> str:
+    """A number in its fixed form, or `--` in the same width."""
+    text = format(0.0, form)
+    return "--".rjust(len(text)) if value is None else format(value, form)
+
+
+def thousands(value: int | None) -> str:
+    """`15 420`."""
+    return "--" if value is None else f"{value:,}".replace(",", " ")
+
+
+def age(seconds: float) -> str:
+    """`0.4 s`, `12 s`, `3 min`, `0.2 h`: at most five characters up to 99 hours."""
+    if seconds < 9.95:
+        return f"{max(seconds, 0.0):.1f} s"
+    if seconds < 600:
+        return f"{seconds:.0f} s" if seconds < 120 else f"{seconds // 60:.0f} min"
+    return f"{seconds / 3600:.1f} h" if seconds < 35_000 else f"{seconds / 3600:.0f} h"
+
+
+def seconds_text(seconds: float) -> str:
+    """`1.5 s`."""
+    return f"{max(seconds, 0.0):.1f} s"
+
+
+def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
+    """Glyph, word and tone for the battery."""
+    battery = snapshot.battery
+    if battery.received is None:
+        return "?", "NO DATA", OLD
+    if health(snapshot) == "replace":
+        return "✗", "REPLACE", BAD
+    if battery.unreadable:
+        return "?", f"UNREADABLE {battery.unreadable}", WARN
+    if battery.percentage is not None and battery.percentage <= 0:
+        return "✗", "EMPTY", BAD
+    if battery.charging:
+        return "↯", "CHARGING", STRONG
+    if is_low(snapshot):
+        return "▲", "LOW", WARN
+    if battery.health and not health(snapshot):
+        return "?", battery.health, WARN
+    return "●", "GOOD", PLAIN
+
+
+def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
+    """`▲ LOW       18.0 % 21.3 V`: the word, then each number in a span of its own.
+
+    Old ones are dimmed, with their age when that fits into `width` cells.
+    """
+    glyph, word, tone = battery_word(snapshot)
+    battery = snapshot.battery
+    charge = f"{number(battery.percentage, '5.1f')} %"
+    if battery.received is not None and battery.is_old(now):
+        text = f"{glyph} {word:<8}"
+        old = f" (old, {now - battery.received:.0f} s)"
+        old = old if len(f"{text} {charge}{old}") <= width else " (old)"
+        return (text, OLD), (f" {charge}", OLD), (old, OLD)
+    if battery.unreadable:
+        return ((f"{glyph} {word}", tone),)
+    volts = f" {number(battery.voltage, '4.1f')} V"
+    return (f"{glyph} {word:<8}", tone), (f" {charge}", PLAIN), (volts, PLAIN)
+
+
+def gauge(percentage: float | None, threshold: float | None, width: int, tone: str) -> Spans:
+    """A bar of `width` cells with eighths in that tone, with the threshold's mark drawn on it."""
+    filled = 0.0 if percentage is None else percentage / 100 * width
+    whole, rest = int(filled), filled - int(filled)
+    cells = ["█"] * whole
+    if len(cells) < width:
+        cells.append(" ▏▎▍▌▋▊▉"[int(rest * 8)] if int(rest * 8) else "░")
+    cells += ["░"] * (width - len(cells))
+    tones = [tone if cell != "░" else EDGE for cell in cells]
+    if threshold is not None:
+        mark = min(int(threshold / 100 * width), width - 1)
+        tones[mark] = on_bar(tone if cells[mark] == "█" else EDGE)
+        cells[mark] = "╎"
+    runs = groupby(zip(cells, tones, strict=True), lambda pair: pair[1])
+    return tuple(("".join(cell for cell, _ in run), tone) for tone, run in runs)
+
+
+def motion_line(snapshot: Snapshot, now: float) -> Spans:
+    """`15 420 ticks 0.80 m/s`: what of it the robot file names, a span each."""
+    motion, parts = snapshot.motion, []
+    count, speed = motion_unit(snapshot, "count"), motion_unit(snapshot, "speed")
+    if count is not None:
+        parts.append(f"{thousands(motion.count):>9} {count}".rstrip())
+    if speed is not None:
+        parts.append(f"{number(motion.speed, '4.2f')} {speed}".rstrip())
+    tone = OLD if motion.received is None or motion.is_old(now) else PLAIN
+    return tuple((f"{' ' if number else ''}{part}", tone) for number, part in enumerate(parts))
+
+
+def motion_unit(snapshot: Snapshot, name: str) -> str | None:
+    """The unit of one of the motion's readings; None: the robot file does not name it."""
+    types = {} if snapshot.file.motion is None else snapshot.file.motion.types
+    fields = [getattr(given, name) for given in types.values()]
+    return next((field.unit for field in fields if field is not None), None)
+
+
+def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
+    """IDLE, MOVING, STOPPED, or a STOP that the robot has not confirmed."""
+    motion, described = snapshot.motion, snapshot.file.motion
+    if snapshot.open_stop is not None:
+        texts = stop_texts(snapshot.open_stop, now)
+        text = next((text for text in texts if len(text) <= width), texts[-1])
+        return ((text[:width], BAD),)
+    if described is None:
+        return (("the robot file names no motion", OLD),)
+    if motion.received is None:
+        if described.topic in snapshot.faults:
+            return ((snapshot.faults[described.topic], WARN),)
+        offered = described.topic in snapshot.offered
+        return (("? NO DATA" if offered else "not offered by any node", OLD),)
+    if motion.is_old(now):
+        return ((f"? silent, {age(now - motion.received)}", OLD),)
+    if motion.stopped:
+        return STOPPED
+    word = ("▶ MOVING" if motion.moving else "● IDLE", PLAIN)
+    if motion.moving is None:
+        word = ("? not reported", OLD)
+    stop = snapshot.file.stop
+    no_stop = "" if stop is None else snapshot.unavailable(stop.service)
+    return (word, (f"   no STOP: {no_stop}", BAD)) if no_stop else (word,)
+
+
+def gauge_line(reading: Reading, now: float) -> Spans:
+    """`Temperature 41.2 °C`: what it is, then the number in a span of its own.
+
+    Marked when it is beyond a limit, old or no number.
+    """
+    name, unit = reading.gauge.title, reading.gauge.unit
+    if reading.received is None:
+        return (name, OLD), (f" -- {unit}".rstrip(), OLD)
+    if reading.unreadable:
+        return ((f"? {name} UNREADABLE {reading.unreadable}", WARN),)
+    text = f" {reading.value:g} {unit}".rstrip()
+    if reading.is_old(now):
+        return (name, OLD), (f"{text} (old, {age(now - reading.received)})", OLD)
+    if reading.warns:
+        return (f"▲ {name}", WARN), (f"{text}, {reading.warns}", WARN)
+    return (name, PLAIN), (text, PLAIN)
+
+
+def battery_source(snapshot: Snapshot) -> str:
+    """Why there is no reading yet."""
+    described = snapshot.file.battery
+    if described is None:
+        return "the robot file names no battery"
+    topic = described.topic
+    if topic in snapshot.faults:
+        return snapshot.faults[topic]
+    return f"waiting for {topic}" if topic in snapshot.offered else "not offered by any node"

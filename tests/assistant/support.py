@@ -1,0 +1,155 @@
+"""An assistant's client over stdio, and a console that says what the test wants."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import sys
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from mcp import Client, StdioServerParameters
+from mcp.client.stdio import stdio_client
+
+from tests.support.shells import until
+from tests.support.waiting import DEADLINE
+
+Request = dict[str, Any]
+SCHEMA = {
+    "type": "object",
+    "properties": {"shelf_number": {"type": "integer", "minimum": 1, "maximum": 40}},
+    "required": ["shelf_number"],
+    "additionalProperties": False,
+}
+GOALS = [{"kind": "go", "title": "Go to shelf", "schema": SCHEMA}]
+
+
+class Said(NamedTuple):
+    """What a tool answered."""
+
+    failed: bool
+    data: dict[str, Any]
+
+    @property
+    def robot(self) -> Any:
+        """What the robot said."""
+        return self.data["from_the_robot"]
+
+
+class Assistant:
+    """A client of the protocol, and the process that it has started."""
+
+    def __init__(self, client: Client) -> None:
+        self.client = client
+
+    async def call(self, name: str, /, **given: Any) -> Said:
+        """Call a tool; what it says as text and as data is the same."""
+        result = await asyncio.wait_for(self.client.call_tool(name, given), DEADLINE)
+        (content,) = result.content
+        data: dict[str, Any] = result.structured_content
+        assert json.loads(content.text) == data  # type: ignore[union-attr]
+        return Said(result.is_error, data)
+
+    async def tools(self) -> dict[str, Any]:
+        """All tools by name."""
+        listed = await asyncio.wait_for(self.client.list_tools(), DEADLINE)
+        return {tool.name: tool for tool in listed.tools}
+
+
+def parameters(*words: str, code: str = "") -> StdioServerParameters:
+    """How a client starts it; `code` is Python that runs before."""
+    words = ("mcp", *words)
+    program = f"import sys\n{code}\nfrom archo_tui.cli import main\nsys.exit(main({words!r}))"
+    given = {name: os.environ[name] for name in os.environ if name.startswith(("XDG_", "PYTHON"))}
+    return StdioServerParameters(command=sys.executable, args=["-c", program], env=given)
+
+
+@asynccontextmanager
+async def assistant(*words: str, **more: Any) -> AsyncIterator[Assistant]:
+    """One that runs, `--allow goals` among its words or not."""
+    async with Client(stdio_client(parameters(*words, **more))) as client:
+        yield Assistant(client)
+
+
+class FakeConsole:
+    """Speaks the protocol on a socket, answers by `answers`, and keeps what it was asked."""
+
+    def __init__(self, pid: int) -> None:
+        self.pid = pid
+        self.asked: list[Request] = []  # but for `goals`: a client lists the tools when it likes
+        self.listings = self.connections = self.closed = 0
+        self.answers: dict[str, Callable[[Request], Awaitable[Request | None]]] = {}
+        self.answer("goals", "done", data=GOALS)
+        self._writers: list[asyncio.StreamWriter] = []
+
+    def answer(self, word: str, code: str, text: str = "", **more: Any) -> None:
+        """Always answer so to requests that begin with this word."""
+
+        async def same(_: Request) -> Request:
+            return {"code": code, "text": text, **more}
+
+        self.answers[word] = same
+
+    async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.connections += 1
+        self._writers.append(writer)
+        hello = {"protocol": 1, "version": "0", "robot": "ARCHO", "namespace": f"/r{self.pid}"}
+        more = {"engine": "embedded", "domain": None, "pid": self.pid, "watching": False}
+        self._say(writer, {**hello, **more})
+        tasks = []
+        while data := await reader.readline():
+            tasks.append(asyncio.ensure_future(self._answer(json.loads(data), writer)))
+        self.closed += 1
+        for task in tasks:
+            task.cancel()
+        writer.close()
+
+    async def _answer(self, request: Request, writer: asyncio.StreamWriter) -> None:
+        word = request["words"][0] if "words" in request else "ask"
+        if word == "goals":
+            self.listings += 1
+        else:
+            self.asked.append(request)
+        said = await self.answers[word](request) if word in self.answers else None
+        if said is not None:
+            self._say(writer, {"id": request["id"], **said})
+
+    def _say(self, writer: asyncio.StreamWriter, said: Any) -> None:
+        writer.write(json.dumps(said).encode() + b"\n")
+
+    def say(self, said: Any) -> None:
+        """Say this to everybody."""
+        self.write(json.dumps(said).encode() + b"\n")
+
+    def write(self, data: bytes) -> None:
+        """The same, and it need not be JSON."""
+        for writer in self._writers:
+            writer.write(data)
+
+    def drop(self) -> None:
+        """Close every connection, as a console that ends does."""
+        for writer in self._writers:
+            writer.transport.abort()
+
+    def words(self) -> list[Any]:
+        """What it was asked, without numbers."""
+        return [request.get("words", request.get("ask")) for request in self.asked]
+
+
+@asynccontextmanager
+async def fake_console(pid: int = 7) -> AsyncIterator[FakeConsole]:
+    """One that listens where consoles do."""
+    folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "archo-tui"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    console = FakeConsole(pid)
+    server = await asyncio.start_unix_server(console.serve, folder / f"{pid}.sock")
+    try:
+        yield console
+    finally:
+        server.close()
+        console.drop()
+        (folder / f"{pid}.sock").unlink()
+        await until(lambda: console.closed == console.connections)

@@ -1,0 +1,204 @@
+"""Goals: asked for and never promised, waited for, cancelled; and STOP, ahead of everything."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+
+from tests.assistant.support import GOALS, SCHEMA, Request, assistant, fake_console
+from tests.support.shells import until
+
+pytestmark = pytest.mark.real_time
+
+ASKED: dict[str, Any] = {
+    "code": "asked",
+    "text": "request 3 waits for a person",
+    "data": {"request": 3, "expires_in": 60.0},
+}
+
+
+async def test_the_form_of_a_goal_is_that_of_the_robot() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        schema = (await model.tools())["go"].input_schema
+        assert schema["properties"]["kind"]["enum"] == ["go"]
+        assert schema["properties"]["values"]["properties"] == SCHEMA["properties"]
+        pose = {"kind": "pose", "title": "Go to pose", "schema": {"type": "object"}}
+        console.answer("goals", "done", data=[*GOALS, pose])
+        values = (await model.tools())["go"].input_schema["properties"]["values"]
+        titles = [form["title"] for form in values["anyOf"]]
+        assert titles == ["go: Go to shelf", "pose: Go to pose"]
+
+
+NO_FORMS: list[Any] = [
+    None,
+    "go",
+    [7, {"kind": 7}, {"title": "no kind"}],
+    [{"kind": "\x1b[31m", "title": "red", "schema": SCHEMA}],
+    [{"kind": f"k{n}", "title": "x" * 500, "schema": SCHEMA} for n in range(99)],
+]
+
+
+async def test_without_a_sensible_form_go_takes_any_object() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        for data in NO_FORMS:
+            console.answer("goals", "done", data=data)
+            properties = (await model.tools())["go"].input_schema["properties"]
+            assert "enum" not in properties["kind"]
+            assert set(properties["values"]) == {"type", "description"}
+
+
+async def test_half_of_a_form_is_none() -> None:
+    many = {"type": "object", "properties": {f"p{n}": {"type": "number"} for n in range(200)}}
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        console.answer("goals", "done", data=[{"kind": "go", "title": "Go", "schema": many}])
+        properties = (await model.tools())["go"].input_schema["properties"]
+        assert properties["kind"]["enum"] == ["go"]
+        assert "properties" not in properties["values"]
+
+
+async def test_the_list_of_tools_waits_for_no_silent_console() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        del console.answers["goals"]
+        assert "go" in await model.tools()
+        assert console.listings
+
+
+async def test_go_answers_at_once_with_a_number_and_no_word_of_success() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        console.answer("ask", **ASKED)
+        said = await model.call("go", kind="go", values={"shelf_number": 12})
+        assert (said.failed, said.data["code"]) == (False, "asked")
+        assert said.data["summary"] == (
+            "Request 3 waits for a person at the console. Nothing moves yet. "
+            "Call `wait` with request 3."
+        )
+        assert said.robot["data"] == {"request": 3, "expires_in": 60.0}
+        asked = {"kind": "go", "values": {"shelf_number": 12}}
+        assert console.asked == [{"id": 1, "assistant": True, "ask": asked}]
+
+
+NOT_ASKED = [
+    ("refused", "three requests wait already"),
+    ("watching", "this console only watches"),
+    ("lost", "the screen was restarted"),
+]
+
+
+async def test_what_is_not_asked_says_why_and_is_a_failure() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        for code, text in NOT_ASKED:
+            console.answer("ask", code, text)
+            said = await model.call("go", kind="go", values={})
+            assert (said.failed, said.data["code"]) == (True, code)
+            assert said.data["summary"].startswith("Nothing was asked, and nothing moves")
+            assert said.robot["said"] == [text]
+        for code in ("asked", "done", "accepted", "arrived"):  # without the number of a request
+            console.answer("ask", code, "as you wish")
+            said = await model.call("go", kind="go", values={})
+            assert (said.failed, said.data["code"]) == (True, "not_confirmed")
+            assert said.data["summary"].startswith("This answer is not understood")
+
+
+async def test_a_goal_that_cannot_be_meant_is_answered_with_those_there_are() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        console.answer("ask", "misuse", "shelf_number: 1 .. 40")
+        said = await model.call("go", kind="go", values={"shelf_number": 99})
+        assert (said.failed, said.data["code"]) == (True, "misuse")
+        assert said.robot == {"said": ["shelf_number: 1 .. 40"], "goals": GOALS}
+
+
+ENDS = [
+    ("arrived", "The goal arrived: the robot's own result says so.", False),
+    ("denied", "A person said no, and this request moved nothing", True),
+    ("expired", "Nobody answered in time", True),
+    ("void", "The request became void", True),
+    ("aborted", "The goal ended without arriving", True),
+    ("cancelled", "The goal was cancelled", True),
+    ("timeout", "It is not known to have arrived", True),
+    ("misuse", "Nothing is known of such a request", True),
+    ("done", "It is not known to have arrived", True),  # only the action's result is a success
+]
+
+
+async def test_wait_tells_the_end_and_success_only_of_an_arrival() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        for code, words, failed in ENDS:
+            console.answer("wait", code, "as it ended", data={"kind": "go"})
+            said = await model.call("wait", request=3)
+            assert (said.failed, said.data["code"]) == (failed, code)
+            assert said.data["summary"].startswith(words)
+            assert said.robot == {"said": ["as it ended"], "data": {"kind": "go"}}
+            assert console.words()[-1] == ["wait", "request", "3"]
+        assert len(console.asked) == len(ENDS)
+
+
+async def test_a_wait_that_runs_out_is_no_failure_and_says_what_is_waited_for() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        console.answer("wait", "ran_out", "waits for a person, 55 s are left")
+        said = await model.call("wait", request=3, seconds=0)
+        assert (said.failed, said.data["code"]) == (False, "ran_out")
+        assert said.robot["said"] == ["waits for a person, 55 s are left"]
+        assert len(console.asked) == 1
+        assert 0 < console.asked[0]["timeout"] < 1
+
+
+async def test_another_call_does_not_wait_for_a_wait() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        ended = asyncio.Event()
+
+        async def a_while(request: Request) -> Request:
+            try:
+                await asyncio.wait_for(ended.wait(), request["timeout"])
+            except asyncio.TimeoutError:
+                return {"code": "ran_out", "text": "the goal runs"}
+            return {"code": "cancelled", "text": "Cancelled mid-route"}
+
+        console.answers["wait"] = a_while
+        console.answer("cancel", "accepted", "accepted")
+        waits = asyncio.ensure_future(model.call("wait", request=3))
+        await until(lambda: ["wait", "request", "3"] in console.words())
+        said = await model.call("cancel")
+        assert (said.failed, said.data["code"]) == (False, "accepted")
+        assert said.data["summary"].startswith("The robot accepts the cancel")
+        assert not waits.done()
+        ended.set()
+        assert (await waits).data["code"] == "cancelled"
+        assert console.connections == 1
+        assert all(request["timeout"] <= 1.0 for request in console.asked if "timeout" in request)
+
+
+async def test_stop_waits_for_nothing_that_is_in_flight() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        console.answer("stop", "done", "confirmed")
+        console.answer("status", "done", data={})
+        waits = asyncio.ensure_future(model.call("wait", request=3))  # never answered
+        looks = asyncio.ensure_future(model.call("status"))  # behind it
+        await until(lambda: console.asked)
+        said = await model.call("stop")
+        assert said.data["summary"].startswith("STOP is confirmed by the robot. Only a person")
+        assert not waits.done()
+        assert not looks.done()
+        assert console.words() == [["wait", "request", "3"], ["stop"]]
+        assert console.connections == 1
+        console.drop()
+        assert (await waits).failed
+        assert "news" in (await looks).data  # on another connection: its turn had not come
+
+
+async def test_a_stop_that_is_not_confirmed_is_a_failure_that_names_the_hardware_stop() -> None:
+    async with fake_console() as console, assistant() as model:
+        for code in ("not_offered", "not_confirmed", "timeout", "refused", "lost"):
+            console.answer("stop", code, "the robot does not answer")
+            said = await model.call("stop")
+            assert (said.failed, said.data["code"]) == (True, code)
+            assert "hardware stop" in said.data["summary"]
+
+
+async def test_a_cancel_that_is_not_done_says_why() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        console.answer("cancel", "refused", "no goal of the assistant runs")
+        said = await model.call("cancel")
+        assert said.failed
+        assert said.robot["said"] == ["no goal of the assistant runs"]

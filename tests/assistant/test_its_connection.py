@@ -1,0 +1,116 @@
+"""One connection for the life of the process: it ends with it, however that is."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+
+import pytest
+from mcp import Client
+from mcp.client.stdio import stdio_client
+
+from tests.assistant.support import FakeConsole, assistant, fake_console, parameters
+from tests.support.shells import until
+from tests.support.waiting import DEADLINE
+
+pytestmark = pytest.mark.real_time
+
+INITIALIZE = (
+    b'{"jsonrpc": "2.0", "id": 0, "method": "initialize", "params": {"protocolVersion": '
+    b'"2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "0"}}}\n'
+    b'{"jsonrpc": "2.0", "method": "notifications/initialized"}\n'
+)
+WAIT = (
+    b'{"jsonrpc": "2.0", "id": 1, "method": "tools/call", "params": '
+    b'{"name": "wait", "arguments": {"request": 3}}}\n'
+)
+
+
+async def test_all_calls_go_through_one_connection_that_closes_at_the_end() -> None:
+    async with fake_console() as console:
+        console.answer("status", "done", data={})
+        async with assistant() as model:
+            for _ in range(3):
+                assert not (await model.call("status")).failed
+            both = asyncio.gather(*(model.call("status") for _ in range(5)))
+            assert not any(said.failed for said in await both)
+            assert (console.connections, console.closed) == (1, 0)
+        await until(lambda: console.closed == 1)
+        numbers = [request["id"] for request in console.asked]
+        assert len(set(numbers)) == len(numbers) == 8
+
+
+async def waiting(console: FakeConsole) -> asyncio.subprocess.Process:
+    """The process, while a call of it waits for a request."""
+    words = parameters("--allow", "goals")
+    process = await asyncio.create_subprocess_exec(
+        words.command, *words.args, env=words.env, stdin=-1, stdout=-1, stderr=-1
+    )
+    assert process.stdin is not None
+    process.stdin.write(INITIALIZE + WAIT)
+    await until(lambda: console.asked)
+    return process
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL, signal.SIGINT])
+async def test_killed_in_the_middle_its_connection_closes(number: signal.Signals) -> None:
+    async with fake_console() as console:
+        process = await waiting(console)
+        process.send_signal(number)
+        await until(lambda: console.closed == 1)
+        out, err = await asyncio.wait_for(process.communicate(), DEADLINE)
+        assert process.returncode == -number
+        assert (out.count(b"\n"), err) == (1, b"")  # the answer to initialize
+
+
+async def test_closed_in_the_middle_it_ends_without_a_word() -> None:
+    async with fake_console() as console:
+        process = await waiting(console)
+        _, err = await asyncio.wait_for(process.communicate(b""), DEADLINE)
+        assert (process.returncode, err) == (0, b"")
+        await until(lambda: console.closed == 1)
+
+
+async def test_a_client_that_no_longer_reads_ends_it() -> None:
+    async with fake_console() as console:
+        process = await waiting(console)
+        transport = process._transport  # type: ignore[attr-defined]
+        transport.get_pipe_transport(1).close()
+        assert process.stdin is not None
+        process.stdin.write(WAIT.replace(b'"wait"', b'"no_such"').replace(b'"id": 1', b'"id": 2'))
+        process.stdin.close()
+        await asyncio.wait_for(process.wait(), DEADLINE)
+        await until(lambda: console.closed == 1)
+
+
+async def test_a_console_that_was_restarted_is_found_again_and_that_is_said() -> None:
+    async with assistant() as model:
+        async with fake_console(7) as first:
+            first.answer("status", "done", data={})
+            assert "news" not in (await model.call("status")).data
+        said = await model.call("status")
+        assert said.data["summary"].startswith("no console runs here")
+        async with fake_console(8) as second:
+            second.answer("status", "done", data={})
+            said = await model.call("status")
+            assert not said.failed
+            assert said.data["news"].startswith("The console was restarted")
+            assert "news" not in (await model.call("status")).data
+
+
+async def test_a_console_that_goes_in_the_middle_is_said() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        waits = asyncio.ensure_future(model.call("wait", request=3))
+        await until(lambda: console.asked)
+        console.drop()
+        said = await waits
+        assert said.failed
+        assert said.data["summary"] == "the console is gone; the robot may still be moving"
+
+
+async def test_an_old_client_that_shakes_hands_is_served_too() -> None:
+    async with fake_console() as console:
+        console.answer("status", "done", data={})
+        async with Client(stdio_client(parameters()), mode="legacy") as client:
+            assert len((await client.list_tools()).tools) == 5
+            assert not (await client.call_tool("status", {})).is_error

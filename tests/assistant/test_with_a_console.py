@@ -1,0 +1,116 @@
+"""The whole way: a client of the protocol, the assistant's process, and a console that runs."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+
+from archo_tui.remote import place
+from archo_tui.station.requests import READ
+from tests.assistant.support import Assistant, assistant
+from tests.support.shells import until
+from tests.support.terminal import Terminal
+from tests.support.waiting import DEADLINE, Waited
+
+pytestmark = pytest.mark.real_time
+
+
+@asynccontextmanager
+async def beside(terminal: Terminal) -> AsyncIterator[Assistant]:
+    """An assistant beside a console whose output is read meanwhile."""
+
+    async def read_on() -> None:
+        while True:
+            terminal.read(0.0)
+            await asyncio.sleep(0.01)
+
+    terminal.until(lambda: place.sockets())
+    reading = asyncio.ensure_future(read_on())
+    try:
+        async with assistant("--allow", "goals") as model:
+            yield model
+    finally:
+        reading.cancel()
+
+
+async def told(model: Assistant, tool: str, holds: Callable[[Any], object], **given: Any) -> Any:
+    """What the robot says as soon as that holds."""
+    waited = Waited(DEADLINE)
+    while not holds(robot := (await model.call(tool, **given)).robot):
+        assert not waited.too_long(), robot
+    return robot
+
+
+async def read() -> None:
+    """As long as a person needs until an answer counts."""
+    end = time.monotonic() + 1.5 * READ
+    await until(lambda: time.monotonic() > end)
+
+
+async def test_a_console_is_read_and_stopped(terminals: list[Terminal]) -> None:
+    terminals.append(Terminal("--plain"))
+    async with beside(terminals[0]) as model:
+        status = await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
+        assert status["robot"] == "ARCHO"
+        assert status["battery"]["source"] == "measured"
+        assert 0 <= status["battery"]["age"] < 60
+        assert status["motion"]["word"] == "IDLE"
+
+        robot = await told(model, "events", lambda robot: "Dashboard sees" in str(robot))
+        events = robot["events"]
+        assert all(0 <= event["age"] < 600 for event in events)
+        assert (await model.call("events", level="FATAL")).robot["events"] == []
+
+        charge = (await model.call("history", minutes=1)).robot["values"]["charge (%)"]
+        assert [value["age"] for value in charge] == [0.0, 60.0]
+        assert charge[0]["value"] == pytest.approx(status["battery"]["percentage"], abs=5)
+
+        found = (await model.call("parameters", node="motor_controller")).robot["parameters"]
+        assert {"max_speed", "shelf_count"} <= {one["name"] for one in found}
+        one = await model.call("parameters", node="motor_controller", name="max_speed")
+        assert one.robot["parameters"][0]["value"] == 0.8
+        said = await model.call("parameters", node="motor_controller", name="no_such")
+        assert (said.failed, said.data["code"]) == (True, "misuse")
+
+        said = await model.call("stop")
+        assert said.data["summary"].startswith("STOP is confirmed by the robot")
+        status = (await model.call("status")).robot
+        assert status["motion"]["stopped"] is True
+        await until(lambda: "STOP: confirmed" in terminals[0].text)
+
+
+async def test_a_goal_is_driven_when_a_person_at_the_terminal_has_allowed_it(
+    terminals: list[Terminal],
+) -> None:
+    fast = ("--ros-args", "-p", "time_scale:=75.0", "-p", "feedback_period:=0.05")
+    terminals.append(Terminal("--plain", *fast))
+    async with beside(terminals[0]) as model:
+        await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
+        said = await model.call("go", kind="go", values={"shelf_number": 12})
+        assert (said.failed, said.data["code"]) == (False, "asked")
+        assert "Request 1 waits for a person" in said.data["summary"]
+        waits = await model.call("wait", request=1, seconds=0)
+        assert waits.data["code"] == "ran_out"
+        await until(lambda: "wants: go to shelf 12 (allow 1" in terminals[0].text)
+        await read()
+        terminals[0].write("allow 1\r")
+        await until(lambda: "allowed request 1" in terminals[0].text)
+        ended = await model.call("wait", request=1, seconds=50)
+        assert (ended.failed, ended.data["code"]) == (False, "arrived")
+
+
+async def test_its_goal_is_cancelled_when_its_process_ends(terminals: list[Terminal]) -> None:
+    terminals.append(Terminal("--plain", "--ros-args", "-p", "route_length:=1000.0"))
+    async with beside(terminals[0]) as model:
+        await told(model, "status", lambda robot: robot["battery"]["age"] is not None)
+        await model.call("go", kind="go", values={"shelf_number": 12})
+        await until(lambda: "wants: go to shelf 12 (allow 1" in terminals[0].text)
+        await read()
+        terminals[0].write("allow 1\r")
+        await until(lambda: "MOVING to 12" in terminals[0].text)
+    terminals[0].until("CANCELLED")

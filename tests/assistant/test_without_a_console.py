@@ -1,0 +1,167 @@
+"""The tools as they are listed, odd arguments, and no console to answer."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import subprocess
+import sys
+from typing import Any
+
+import pytest
+from mcp import Client
+from mcp.client.stdio import stdio_client
+
+from tests.assistant.support import assistant, fake_console, parameters
+from tests.support.waiting import DEADLINE
+
+pytestmark = pytest.mark.real_time
+
+LOOKING = {"status", "events", "history", "parameters"}
+NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
+
+
+async def test_it_looks_and_stops_unless_goals_are_allowed() -> None:
+    async with assistant() as model:
+        assert set(await model.tools()) == LOOKING | {"stop"}
+        said = await model.call("go", kind="go", values={"shelf_number": 1})
+        assert said.failed
+        assert said.data["summary"].startswith("no tool 'go': the tools are status, events")
+
+
+async def test_its_tools_say_what_they_do_to_the_robot() -> None:
+    async with assistant("--allow", "goals") as model:
+        listed = await model.tools()
+    hints = {
+        name: (
+            tool.annotations.read_only_hint,
+            tool.annotations.destructive_hint,
+            tool.annotations.idempotent_hint,
+            tool.annotations.open_world_hint,
+        )
+        for name, tool in listed.items()
+    }
+    assert hints == {
+        **dict.fromkeys([*LOOKING, "wait"], (True, False, True, False)),
+        **dict.fromkeys(["stop", "cancel"], (False, False, True, False)),
+        "go": (False, True, False, True),
+    }
+    for name, tool in listed.items():
+        assert tool.input_schema["additionalProperties"] is False, name
+        assert len(tool.description or "") < 500, name
+    assert "NOTHING MOVES until a person allows it" in listed["go"].description
+
+
+async def test_without_a_console_every_tool_says_how_to_start_one() -> None:
+    given: dict[str, dict[str, Any]] = {
+        "go": {"kind": "go", "values": {"shelf_number": 12}},
+        "wait": {"request": 1},
+    }
+    async with assistant("--allow", "goals") as model:
+        for name in await model.tools():
+            said = await model.call(name, **given.get(name, {}))
+            assert said.failed, name
+            assert NOBODY in said.data["summary"], name
+            assert "from_the_robot" not in said.data
+        assert "hardware stop" in (await model.call("stop")).data["summary"]
+
+
+async def test_of_several_consoles_none_is_guessed() -> None:
+    async with fake_console(7) as first, fake_console(8) as second:
+        async with assistant() as model:
+            said = await model.call("status")
+            assert said.failed
+            assert said.data["summary"].startswith("several consoles run here, --to PID")
+            assert [line.strip()[:5] for line in said.robot["said"]] == ["pid 7", "pid 8"]
+        async with assistant("--to", "/r8") as model:
+            second.answer("status", "done", data={})
+            assert not (await model.call("status")).failed
+        assert (first.words(), second.words()) == ([], [["status"]])
+
+
+async def test_stop_goes_to_every_console_that_may_be_meant() -> None:
+    async with fake_console(7) as first, fake_console(8) as second, assistant() as model:
+        first.answer("stop", "done", "confirmed")
+        second.answer("stop", "not_confirmed", "no answer yet")
+        said = await model.call("stop")
+        assert said.failed
+        assert "NOT confirmed" in said.data["summary"]
+        assert [one["said"] for one in said.robot["consoles"]] == [["confirmed"], ["no answer yet"]]
+        assert first.words() == second.words() == [["stop"]]
+        assert first.asked[0]["assistant"] is True
+
+
+ODD: list[tuple[str, dict[str, Any], str]] = [
+    ("go", {}, "kind is missing: which kind of goal, as the robot offers it"),
+    ("go", {"kind": "go"}, "values is missing: the values of the goal by name"),
+    ("go", {"kind": "x" * 1_000_000, "values": {}}, "kind: at most 200 characters, not 1000000"),
+    ("go", {"kind": 5, "values": {}}, "kind: expected a text, not 5"),
+    ("go", {"kind": "go", "values": [12]}, "values: expected an object, not a list"),
+    ("go", {"kind": "go", "values": {"n": "x" * 5000}}, "values: at most 4096 bytes of JSON"),
+    ("go", {"kind": "go", "values": {}, "yes": True}, "unknown argument 'yes': this tool takes"),
+    ("wait", {"request": "3"}, "request: expected a whole number, not '3'"),
+    ("wait", {"request": True}, "request: expected a whole number, not true"),
+    ("wait", {"request": 1.5}, "request: expected a whole number, not 1.5"),
+    ("wait", {"request": 10**300}, "request: 1 to 1000000000, not a number of that size"),
+    ("wait", {"request": 1, "seconds": 51}, "seconds: 0 to 50.0, not 51"),
+    ("wait", {"request": 1, "seconds": -1}, "seconds: 0 to 50.0, not -1"),
+    ("wait", {"request": 1, "seconds": math.nan}, "seconds: expected a number"),
+    ("events", {"level": "LOUD"}, "level: one of DEBUG, INFO, WARN, ERROR, FATAL, not 'LOUD'"),
+    ("history", {"minutes": 7}, "minutes: one of 1, 10, 60, not 7"),
+    ("parameters", {"name": "max_speed"}, "name takes a node too"),
+    ("status", {"\x1b[31m": 1}, "unknown argument '\\x1b[31m': this tool takes no arguments"),
+    ("release", {}, "no tool 'release': the tools are status"),
+    ("allow", {"request": 1}, "no tool 'allow'"),
+    ("set", {"node": "n", "name": "n", "value": 1}, "no tool 'set'"),
+]
+
+
+async def test_odd_arguments_are_one_clear_line_and_reach_no_console() -> None:
+    async with fake_console() as console, assistant("--allow", "goals") as model:
+        for name, given, words in ODD:
+            said = await model.call(name, **given)
+            assert said.failed, given
+            assert said.data["code"] == "misuse"
+            assert said.data["summary"].startswith(words)
+            assert len(said.data["summary"]) < 200
+            assert said.data["summary"].isprintable()
+        assert console.asked == []
+
+
+async def test_it_ends_when_its_client_closes_and_prints_nothing_else() -> None:
+    words = parameters("--allow", "goals")
+    process = await asyncio.create_subprocess_exec(
+        words.command, *words.args, env=words.env, stdin=-1, stdout=-1, stderr=-1
+    )
+    out, err = await asyncio.wait_for(process.communicate(b""), DEADLINE)
+    assert (process.returncode, out, err) == (0, b"", b"")
+
+
+async def test_what_is_printed_in_its_process_never_reaches_the_client() -> None:
+    code = "import archo_tui.assistant.tools as t; was = t.tools\n"
+    code += "t.tools = lambda **given: (print('stray', flush=True), was(**given))[1]"
+    async with Client(stdio_client(parameters(code=code))) as client:
+        assert len((await client.list_tools()).tools) == 5
+
+
+def test_without_the_extra_it_is_one_line() -> None:
+    code = (
+        "import sys; sys.modules['mcp'] = None; sys.modules['mcp_types'] = None;"
+        "from archo_tui.cli import main; sys.exit(main(['mcp']))"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "archo-tui: mcp needs another package: pip install 'archo-tui[mcp]'\n"
+
+
+def test_nothing_but_its_own_process_imports_it() -> None:
+    code = (
+        "import sys, archo_tui.cli, archo_tui.app, archo_tui.plain.plain, archo_tui.session;"
+        "import archo_tui.remote.api, archo_tui.remote.desk, archo_tui.remote.shell;"
+        "found = {'mcp', 'mcp_types', 'pydantic', 'anyio', 'archo_tui.assistant'};"
+        "sys.exit(f'imported: {found & set(sys.modules)}' if found & set(sys.modules) else 0)"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr

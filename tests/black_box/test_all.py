@@ -1,0 +1,107 @@
+"""`--record`: everything that is heard, in bags of ten minutes."""
+
+from __future__ import annotations
+
+import errno
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rosbags.highlevel import AnyReader
+from std_msgs.msg import String
+
+from archo_tui import cli
+from archo_tui.paths import state_file
+from archo_tui.recording import bag, store
+from archo_tui.recording.box import BlackBox
+from tests.support import clock
+from tests.support.console import FAST, console
+from tests.support.stub import StandingClock
+from tests.support.waiting import DEADLINE
+
+SLOW = ("-p", "publish_period:=1.0")
+
+
+async def test_all_is_written_at_the_end(tmp_path: Path) -> None:
+    path = tmp_path / "shift"
+    async with console(*FAST, *SLOW, record=path) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("✓ ARRIVED")
+        await op.at(clock.seconds() + 20)
+        assert not path.exists()
+    said = bag.about(path)
+    assert said.why == "all of it"
+    assert said.seconds > 20
+    with AnyReader([path]) as reader:
+        assert {"/battery_level", "/motor_status", "/archo_tui/state"} <= set(reader.topics)
+    assert store.listed(state_file("recordings")) == []
+
+
+def test_every_ten_minutes_another_one_is_begun(tmp_path: Path) -> None:
+    path, clock = tmp_path / "shift", StandingClock()
+    box = BlackBox(tmp_path, clock, lambda *_: None, lambda *_: {}, all_to=path)
+    for second in range(700):
+        clock.passed = float(second)
+        box.hear("/said", String(data=str(second)))
+        box.look()
+    box.end()
+    assert box.close(DEADLINE) == ""
+    first, second_bag = bag.about(path), bag.about(tmp_path / "shift_2")
+    assert (first.seconds, second_bag.seconds) == (600.0, 158.0)
+    assert second_bag.start == first.start + 541  # it begins with the minute before
+
+
+@pytest.mark.parametrize("plain", [[], ["--plain"]])
+def test_a_place_that_cannot_be_is_one_line(
+    plain: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "there").mkdir()
+    for name, said in (
+        ("there", "it is there already: name a bag that is not"),
+        ("nowhere/bag", "nothing can be written to "),
+        ("n" * 300, "File name too long"),
+    ):
+        assert cli.main([*plain, "--record", str(tmp_path / name)]) == 2
+        err = capsys.readouterr().err
+        assert said in err
+        assert err.count("\n") == 1
+
+
+def test_an_empty_path_is_not_taken_for_none(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["--record", ""]) == 2
+    assert "--record .: it is there already" in capsys.readouterr().err
+
+
+def test_it_fails_when_what_was_asked_for_is_not_written(tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    command = [sys.executable, "-m", "archo_tui", "--plain", "--record", str(folder / "shift")]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as console:
+        assert console.stdin
+        assert console.stdout
+        console.stdin.write("status\n")
+        console.stdin.flush()
+        assert console.stdout.readline()  # it has begun
+        folder.rmdir()
+        _, said = console.communicate(timeout=DEADLINE)
+    assert "recording not written: No such file or directory" in said
+    assert console.returncode == 1
+
+
+def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(bag, "write", full)
+    path = tmp_path / "disk" / "shift"
+    path.parent.mkdir()
+    box = BlackBox(tmp_path, StandingClock(), lambda *_: None, lambda *_: {}, all_to=path)
+    box.hear("/said", String(data="x"))
+    box.look()
+    box.end()
+    assert box.close(DEADLINE) == f"recording not written: No space left on device: {path}"
+    assert list(path.parent.iterdir()) == []

@@ -1,0 +1,184 @@
+"""Recordings as bags: readers that nobody here wrote find what the nodes published."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import BatteryStatus
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+from rcl_interfaces.msg import Log, ParameterEvent
+from rosbags.highlevel import AnyReader
+
+from archo_tui.recording import bag, store
+from archo_tui.recording.ring import Heard, Later
+from tests.black_box.test_ring import nobody
+from tests.robots.test_rover import rover
+from tests.robots.test_tug import tug
+from tests.support.console import FAST, Console, console
+
+# a bag's metadata, with its start to be filled in
+START = (
+    "rosbag2_bagfile_information: {{starting_time: {{nanoseconds_since_epoch: {} }}, "
+    "duration: {{nanoseconds: 5}}, message_count: 1, custom_data: {{}} }}"
+)
+
+
+def written(folder: Path, messages: Sequence[tuple[str, Any]]) -> None:
+    """A bag of these, a millisecond apart."""
+    heard = [Heard(10**18 + n * 10**6, *one) for n, one in enumerate(messages)]
+    bag.write(folder, heard, {"why": "a test", "kept": "no"}, **{"robot.yaml": "name: X\n"})
+
+
+def by_rosbags(folder: Path) -> Iterator[tuple[str, str, Any]]:
+    """Topic, type and message of each."""
+    with AnyReader([folder]) as reader:
+        for connection, _, raw in reader.messages():
+            kind = connection.msgtype
+            yield connection.topic, kind, reader.deserialize(raw, kind)
+
+
+def same(read: Any, sent: Any) -> bool:
+    """Field by field, whatever classes they are of."""
+    if hasattr(type(sent), "get_fields_and_field_types"):
+        names = sent.get_fields_and_field_types()
+        names = [name for name in names if name != "structure_needs_at_least_one_member"]
+        return all(same(getattr(read, name), getattr(sent, name)) for name in names)
+    if isinstance(sent, (str, bytes)) or not hasattr(sent, "__len__"):
+        return bool(read == sent or (read != read and sent != sent))  # not a number
+    return len(read) == len(sent) and all(map(same, read, sent))
+
+
+def test_every_field_of_a_message_is_read_back_by_others(tmp_path: Path) -> None:
+    feedback = MoveToShelf.Impl.FeedbackMessage()
+    feedback.feedback.distance_remaining, feedback.feedback.status = 9.5, "über Regal 7"
+    sent = [
+        ("/battery_level", BatteryStatus(percentage=18.5, voltage=21.25, battery_health="low")),
+        ("/move_to_shelf/_action/feedback", feedback),
+        ("/rosout", Log(level=30, name="dashboard", msg="Low battery: 18.0%\n end", line=7)),
+        ("/parameter_events", ParameterEvent(node="/motor_controller")),
+        ("/later", Later(lambda first: Log(msg="made now"), 100)),
+    ]
+    written(tmp_path, sent)
+    read = list(by_rosbags(tmp_path))
+    assert [(topic, kind) for topic, kind, _ in read] == [
+        ("/battery_level", "archo_interfaces/msg/BatteryStatus"),
+        ("/move_to_shelf/_action/feedback", "archo_interfaces/action/MoveToShelf_FeedbackMessage"),
+        ("/rosout", "rcl_interfaces/msg/Log"),
+        ("/parameter_events", "rcl_interfaces/msg/ParameterEvent"),
+        ("/later", "rcl_interfaces/msg/Log"),
+    ]
+    for (_, _, found), (_, message) in zip(read[:4], sent[:4], strict=True):
+        assert same(found, message), (found, message)
+    assert read[4][2].msg == "made now"
+
+
+def test_without_its_metadata_the_file_is_read_as_well(tmp_path: Path) -> None:
+    written(tmp_path, [("/battery_level", BatteryStatus(percentage=50.0))])
+    (tmp_path / bag.METADATA).unlink()
+    (file,) = tmp_path.iterdir()
+    with AnyReader([file]) as reader:
+        assert reader.message_count == 1
+
+
+def test_what_it_says_about_itself_is_read_back(tmp_path: Path) -> None:
+    written(tmp_path, [("/battery_level", BatteryStatus())] * 3)
+    assert bag.about(tmp_path) == bag.About(1e9, 0.002, 3, "a test", False)
+    (tmp_path / bag.METADATA).write_text("rosbag2_bagfile_information: [1")
+    with pytest.raises(ValueError, match=r"metadata\.yaml is not one of a bag"):
+        bag.about(tmp_path)
+
+
+async def live(op: Console, folder: Path) -> list[tuple[str, Any]]:
+    """All that the console has heard, which is written there, by topic."""
+    ring = op.session.box.ring
+    heard = ring.copy_to(nobody)
+    ring.leave(nobody)
+    bag.write(folder, heard, {})
+    return [(one.topic, one.message) for one in heard if not isinstance(one.message, Later)]
+
+
+def compare(folder: Path, heard: Sequence[tuple[str, Any]], *topics: str) -> None:
+    """Both readers find just these messages."""
+    assert set(topics) <= {topic for topic, _ in heard}
+    read = [(topic, message) for topic, _, message in by_rosbags(folder)]
+    read = [one for one in read if not one[0].startswith("/archo_tui/")]
+    assert [topic for topic, _ in read] == [topic for topic, _ in heard]
+    for (topic, found), (_, message) in zip(read, heard, strict=True):
+        assert same(found, message), (topic, found, message)
+    (file,) = folder.glob("*.mcap")
+    plain = {topic for topic, message in heard if "_action/" not in topic}
+    with open(file, "rb") as stream:
+        found_there = make_reader(stream, decoder_factories=[DecoderFactory()])
+        decoded = found_there.iter_decoded_messages(topics=plain)
+        others = [(one.channel.topic, one.decoded_message) for one in decoded]
+    wanted = [one for one in heard if one[0] in plain]
+    assert [topic for topic, _ in others] == [topic for topic, _ in wanted]
+    for (topic, found), (_, message) in zip(others, wanted, strict=True):
+        assert same(found, message), (topic, found, message)
+
+
+async def test_archos_drive_is_in_the_file_as_it_was_published(tmp_path: Path) -> None:
+    async with console(*FAST) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("✓ ARRIVED")
+        heard = await live(op, tmp_path)
+    feedback = "/move_to_shelf/_action/feedback"
+    compare(tmp_path, heard, "/battery_level", "/motor_status", "/rosout", feedback)
+    left = [message.feedback.distance_remaining for topic, message in heard if topic == feedback]
+    assert left == sorted(left, reverse=True)
+
+
+async def test_robots_with_interfaces_of_their_own_are_in_the_file_too(tmp_path: Path) -> None:
+    async with rover() as (op, _):
+        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
+        await op.until("✓ ARRIVED")
+        heard = await live(op, tmp_path)
+    compare(tmp_path, heard, "/odom", "/go_to/_action/feedback")
+
+
+async def test_a_robot_without_a_goal_is_in_the_file_too(tmp_path: Path) -> None:
+    async with tug() as (op, _):
+        await op.settle()
+        heard = await live(op, tmp_path)
+    compare(tmp_path, heard, "/wheels")
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        *("[]", "x", "rosbag2_bagfile_information: [1", "rosbag2_bagfile_information: {}"),
+        *(START.format(bad) for bad in ("-1", ".nan", ".inf", "1" + "0" * 400, "2026-11-22", "[]")),
+        START.format("5").replace("message_count: 1", "message_count: .inf"),
+        START.format("5").replace("nanoseconds: 5}", "nanoseconds: -5}"),
+        "a: " + "[" * 5000,
+    ],
+)
+def test_what_is_no_bag_is_none_and_hinders_nobody(said: str, tmp_path: Path) -> None:
+    (tmp_path / "odd").mkdir()
+    (tmp_path / "odd" / bag.METADATA).write_text(said)
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    written(whole, [("/rosout", Log(msg="all is well"))])
+    assert [one.name for one in store.listed(tmp_path)] == ["whole"]
+    assert store.make_room(tmp_path, 10**9)[1] == []
+
+
+@pytest.mark.parametrize("custom", ["[1]", "abc", "{start: x, why: {a: 1}}", "{why: [1, 2]}"])
+def test_odd_custom_data_is_left_alone(custom: str, tmp_path: Path) -> None:
+    (tmp_path / bag.METADATA).write_text(START.format("5").replace("{}", custom))
+    assert bag.about(tmp_path) == bag.About(5e-9, 5e-9, 1, "", False)
+
+
+def test_one_message_that_cannot_be_encoded_is_left_out_alone(tmp_path: Path) -> None:
+    lines = [Log(msg="before"), Log(msg="caf\udce9"), Log(msg="behind")]
+    heard = [Heard(n, "/rosout", line) for n, line in enumerate(lines)]
+    came = bag.write(tmp_path, heard, {})
+    assert came.left_out == 1
+    assert "surrogates not allowed" in came.why
+    assert [message.msg for _, _, message in by_rosbags(tmp_path)] == ["before", "behind"]
+    assert bag.about(tmp_path).messages == 2

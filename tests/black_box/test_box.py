@@ -1,0 +1,345 @@
+"""When the black box writes, what it calls that, and what becomes of a disk that fails."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from rosbags.highlevel import AnyReader
+
+from archo_tui.paths import state_file
+from archo_tui.recording import bag, store
+from archo_tui.recording.store import Recording
+from tests.support import clock
+from tests.support.console import FAST, LONG, Console, console
+from tests.support.waiting import wait_until
+
+
+def found() -> list[Recording]:
+    return store.listed(state_file("recordings"))
+
+
+async def recorded(op: Console, count: int = 1) -> list[Recording]:
+    """What is there when the seconds behind a trigger have passed, and the disk has it."""
+    await op.at(clock.seconds() + 6.5)
+    wait_until(lambda: len(found()) >= count or op.session.box.failure)
+    return found()
+
+
+def said(recording: Recording) -> list[str]:
+    """The console's own lines in it."""
+    with AnyReader([recording.folder]) as reader:
+        topics = [c for c in reader.connections if c.topic == "/archo_tui/journal"]
+        found: Any = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages(topics)]
+        return [one.msg for one in found]
+
+
+async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("✓ ARRIVED")
+        await op.press("ctrl+x")
+        pressed = op.session.station.clock.now()
+        (recording,) = await recorded(op)
+        assert recording.name.endswith("_STOP")
+        assert (recording.why, recording.kept) == ("STOP", False)
+        assert "GOAL: Arrived at shelf 12" in said(recording)
+        assert "YOU: STOP: confirmed" in said(recording)
+        behind = recording.start + recording.seconds - pressed
+        assert 3.9 < behind < 6.5
+        texts = [event.text for event in op.app.view.snapshot.events]
+        assert f"recorded {recording.name}: STOP" in texts
+
+
+async def test_an_arrival_and_a_cancel_are_nothing_to_record() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("MOVING to 12")
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED")
+        await op.at(clock.seconds() + 20)
+    assert found() == []
+
+
+async def test_what_happens_soon_after_is_in_the_same_recording_and_named() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("MOVING to 12")
+        await op.press("ctrl+x")
+        await op.until("✗ ABORTED")
+        (recording,) = await recorded(op)
+    assert recording.why == "STOP, shelf 12: aborted"
+
+
+class Crashing(Node):
+    """Falls over after a second."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("crashing", **options)
+        self.create_timer(1.0, lambda: 1 / 0)
+
+
+async def test_a_crash_is_recorded() -> None:
+    async with console(node_makers=[Crashing], wait=False) as op:
+        await op.until("NODE CRASHED /crashing")
+        (recording,) = await recorded(op)
+    assert recording.why == "node crashed /crashing"
+    assert recording.name.endswith("_node_crashed_crashing")
+
+
+async def test_the_last_minute_is_kept_by_hand() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        await op.type("keep last")
+        await op.press("enter")
+        await op.until("The last 60 s are recorded, and the next 5 s.")
+        (recording,) = await recorded(op)
+    assert (recording.why, recording.kept) == ("kept", True)
+
+
+async def test_what_is_not_complete_at_the_end_is_written_too() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+    assert [one.why for one in found()] == ["STOP"]
+    assert op.session.unrecorded == ""
+
+
+async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    write, goes_on, began = bag.write, threading.Event(), threading.Event()
+
+    def slow(*given: Any, **more: Any) -> Any:
+        began.set()
+        assert goes_on.wait(30)
+        return write(*given, **more)
+
+    monkeypatch.setattr(bag, "write", slow)
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.at(clock.seconds() + 6.5)
+        wait_until(began.is_set)
+        await op.press("R")
+        await op.until("Release the stop")
+        await op.press("y")
+        await op.until("● IDLE")
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        goes_on.set()
+        first, second = await recorded(op, 2)
+    assert [first.why, second.why] == ["STOP", "STOP"]
+    assert said(second).count("YOU: STOP: confirmed") == 2  # the first is in its last minute
+    assert "YOU: release stop: Released; nothing resumes by itself" in said(second)
+
+
+async def test_a_full_disk_is_an_alarm_that_goes_when_there_is_room(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def full(_: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", "recordings")
+
+    async with console(*FAST) as op:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", full)
+            await op.press("ctrl+x")
+            assert await recorded(op) == []
+        await op.press("A")
+        await op.until("RECORDING NOT WRITTEN: No space left on device: recordings")
+        await op.press("escape")
+        assert list(state_file("recordings").iterdir()) == []
+        op.session.station.recorder.keep()
+        (recording,) = await recorded(op)
+        await op.until(lambda: not op.session.box.trouble)
+    assert recording.kept
+
+
+async def test_where_nothing_can_be_written_the_console_goes_on() -> None:
+    state_file("recordings").parent.mkdir(parents=True)
+    state_file("recordings").write_text("a file where the folder would be")
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        await op.at(clock.seconds() + 6.5)
+        wait_until(lambda: op.session.box.failure)
+        await op.press("A")
+        await op.until("RECORDING NOT WRITTEN")
+        await op.press("escape", "R")
+        await op.until("Release the stop")
+    assert op.session.unrecorded.startswith("recording not written: ")
+
+
+def fill(folder: Path) -> None:
+    (folder / "x_0.mcap").write_bytes(b"x" * 1000)
+    bag.write(folder, [], {"why": "a test", "kept": "no"})
+
+
+def fill_kept(folder: Path) -> None:
+    (folder / "x_0.mcap").write_bytes(b"x" * 1000)
+    bag.write(folder, [], {"why": "a test", "kept": "yes"})
+
+
+def test_the_oldest_go_that_nobody_kept_when_room_is_needed(tmp_path: Path) -> None:
+    folder = tmp_path / "recordings"
+    for number in range(5):
+        store.add(folder, 1000.0 + number, f"n{number}", fill_kept if number == 1 else fill)
+    size = sum(one.bytes for one in store.listed(folder)) // 5
+    left, gone = store.make_room(folder, 3 * size + size // 2)
+    assert [one.name[-2:] for one in gone] == ["n0", "n2"]
+    assert [one.name[-2:] for one in store.listed(folder)] == ["n1", "n3", "n4"]
+    assert left == sum(one.bytes for one in store.listed(folder))
+
+
+def test_two_of_one_second_have_names_of_their_own(tmp_path: Path) -> None:
+    names = [store.add(tmp_path / "r", 1000.0, "node crashed /a b", fill).name for _ in range(2)]
+    assert names[1] == f"{names[0]}_2"
+    assert names[0].endswith("_node_crashed_a_b")
+    for path in (tmp_path / "r").rglob("*"):
+        assert path.stat().st_mode & 0o077 == 0
+
+
+_WRITES = """
+import sys, pathlib
+from archo_tui import engine
+engine.activate("embedded")
+from archo_interfaces.msg import BatteryStatus
+from archo_tui.recording import bag, store
+from archo_tui.recording.ring import Heard
+charges = [BatteryStatus(percentage=float(n % 100)) for n in range(300)]
+heard = [Heard(10**18 + n, "/battery_level", charge) for n, charge in enumerate(charges)]
+while True:
+    store.add(pathlib.Path(sys.argv[1]), 1000.0, "x", lambda f: bag.write(f, heard, {"why": "x"}))
+    print("written", flush=True)
+"""
+
+
+@pytest.mark.posix
+def test_a_process_that_is_killed_leaves_whole_recordings_or_none(tmp_path: Path) -> None:
+    folder, random = tmp_path / "recordings", Random(7)
+    for _ in range(5):
+        words = [sys.executable, "-c", _WRITES, str(folder)]
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "written\n"
+            time.sleep(random.uniform(0.0, 0.05))  # anywhere in the next one, or those behind it
+            process.send_signal(signal.SIGKILL)
+    whole = [path for path in folder.iterdir() if not path.name.startswith(".")]
+    assert len(whole) == len(store.listed(folder)) > 0
+    for path in whole:
+        with AnyReader([path]) as reader:
+            assert reader.message_count == 300
+
+
+def test_a_link_among_the_recordings_is_left_alone(tmp_path: Path) -> None:
+    elsewhere, folder = tmp_path / "elsewhere", tmp_path / "recordings"
+    store.add(elsewhere, 1000.0, "theirs", fill)
+    store.add(folder, 2000.0, "ours", fill)
+    (folder / "link").symlink_to(next(elsewhere.iterdir()))
+    assert [one.why for one in store.listed(folder)] == ["a test"]
+    assert store.make_room(folder, 1)[1] == []
+    assert len(list(elsewhere.iterdir())) == 1
+
+
+def archo(*words: str) -> tuple[int, str, str]:
+    done = subprocess.run(
+        [sys.executable, "-m", "archo_tui", *words], capture_output=True, text=True, check=False
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_the_list_says_when_why_how_long_and_how_large() -> None:
+    folder = state_file("recordings")
+    folder.parent.mkdir(parents=True)
+    assert archo("recordings") == (0, f"no recordings in {folder}\n", "")
+    for at, what, made in ((1000.0, "STOP", fill), (2000.0, "kept", fill_kept)):
+        store.add(folder, at, what, made)
+    names = [one.name for one in store.listed(folder)]
+    code, out, _ = archo("recordings")
+    assert code == 0
+    assert sorted(line.split()[0] for line in out.splitlines()) == sorted(names)
+    assert out.count("a test") == 2
+    assert out.count(", kept") == 1
+    code, out, _ = archo("recordings", "--json")
+    found = [json.loads(line) for line in out.splitlines()]
+    assert sorted(one["name"] for one in found) == sorted(names)
+    assert {one["kept"] for one in found} == {False, True}
+    assert archo("recordings", "--delete", names[0]) == (0, f"deleted {names[0]}\n", "")
+    code, _, err = archo("recordings", "--delete", names[0], "../x")
+    said = f"archo-tui: no recording is called {names[0]} (see archo-tui recordings)\n"
+    assert (code, err) == (2, said)
+    assert [one.name for one in store.listed(folder)] == [names[1]]
+
+
+def test_a_folder_that_is_none_is_one_line() -> None:
+    state_file("recordings").parent.mkdir(parents=True)
+    state_file("recordings").write_text("")
+    for words in (["recordings"], ["recordings", "--delete", "x"]):
+        code, _, err = archo(*words)
+        assert (code, err.count("\n")) == (2, 1)
+        assert "Not a directory" in err
+
+
+@pytest.mark.parametrize("limit", ["0", "-1", "abc", "99999999999999999999", "1.5", ""])
+def test_a_limit_that_keeps_nothing_is_refused(limit: str) -> None:
+    code, _, err = archo(f"--recordings-limit={limit}", "--plain")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "is not 1 to 1000000 MB" in err
+
+
+async def test_what_waits_for_the_disk_at_the_end_is_written_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    write, goes_on = bag.write, threading.Event()
+
+    def slow(*given: Any, **more: Any) -> Any:
+        assert goes_on.wait(30)
+        return write(*given, **more)
+
+    monkeypatch.setattr(bag, "write", slow)
+    async with console(*FAST) as op:
+        for _ in range(2):
+            op.session.station.recorder.keep()
+            await op.at(clock.seconds() + 6.5)
+        goes_on.set()
+    assert [one.why for one in found()] == ["kept", "kept"]
+    assert op.session.unrecorded == ""
+
+
+async def test_the_palette_lists_the_recordings_and_deletes_one() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        (recording,) = await recorded(op)
+        await op.press("ctrl+p")
+        await op.type("list recordings")
+        await op.press("enter")
+        await op.until(recording.name)
+        await op.press("y")
+        await op.until(f"archo-tui replay {recording.name}")
+        await op.press("d")
+        await op.until(f"Delete {recording.name}? It is gone then.")
+        await op.press("escape")
+        assert found() == [recording]
+        await op.press("d", "y")
+        await op.until("No recordings.")
+        assert found() == []
+        await op.press("escape")
+        await op.until(f"recording {recording.name} deleted")
+
+
+async def test_a_stop_of_a_robot_that_is_stopped_already_is_recorded_too() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+x")
+        assert len(await recorded(op)) == 1
+        await op.press("ctrl+x")
+        first, second = await recorded(op, 2)
+        assert (first.why, second.why) == ("STOP", "STOP")

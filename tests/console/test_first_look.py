@@ -1,0 +1,180 @@
+"""What somebody sees who starts the console for the first time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from rclpy.parameter import Parameter
+from textual.app import App
+
+from archo_tui.widgets.bars import header
+from tests.console.states import NORMAL, STATES
+from tests.support.console import BRISK, FAST, Console, click, console, screen_text, send
+from tests.support.quiet import Quiet
+from tests.support.stub import stub_app
+
+KEYS = " g go to shelf   ? keys   c charge the battery"
+
+
+def bars(app: App[Any]) -> list[str]:
+    """The rows that have the cursor's bar."""
+    found = []
+    for strip in app.screen._compositor.render_strips():
+        shown = [one.text for one in strip if one.style is not None and one.style.reverse]
+        found += [text.strip() for text in shown if "╎" not in text]
+    return [text for text in found if text]
+
+
+async def test_parameters_of_every_ros_node_are_hidden_until_they_are_asked_for() -> None:
+    async with console(*FAST) as op:
+        await op.until(". 6 of ROS's own hidden")
+        assert "use_sim_time" not in op.text
+        await op.press("4", "full_stop")
+        await op.until(". 6 of ROS's own shown")
+        assert op.text.count("use_sim_time") == 3
+        assert op.text.count("start_type") == 3
+        await op.press("full_stop")
+        await op.until("6 of ROS's own hidden")
+        assert "use_sim_time" not in op.text
+
+
+async def test_overrides_of_qos_are_parameters_of_every_ros_node_too() -> None:
+    async with console(*FAST) as op:
+        node = op.session.host.nodes[1].node
+        node.declare_parameter("qos_overrides./battery_level.subscription.depth", 10)
+        await op.until(". 7 of ROS's own hidden")
+        assert "qos_overrides" not in op.text
+
+
+async def test_what_is_hidden_costs_nothing_while_it_stays_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    own = NORMAL.parameters[0]._replace(name="use_sim_time", value=False, initial=False)
+    snapshot = NORMAL._replace(parameters=(*NORMAL.parameters, own))
+    app = stub_app(snapshot)
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        await quiet.settle()
+        assert "1 of ROS's own hidden" in screen_text(app)
+        drawn: list[object] = []
+        monkeypatch.setattr(app.main.parameters, "refresh", lambda *_, **__: drawn.append(1))
+        app._take(snapshot)
+        app.tick()
+        await quiet.settle()
+        assert drawn == []
+        app._take(NORMAL)
+        assert drawn
+
+
+async def test_a_hidden_parameter_that_was_changed_is_shown() -> None:
+    async with console(*FAST) as op:
+        await op.until("6 of ROS's own hidden")
+        node = op.session.host.nodes[1].node
+        node.set_parameters([Parameter("use_sim_time", value=True)])
+        await op.until("true *")
+        assert "use_sim_time" in op.line("true *")
+        await op.until("5 of ROS's own hidden")
+
+
+async def test_a_filter_looks_through_hidden_parameters_too() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash", *"sim")
+        await op.until("use_sim_time")
+        await op.until(lambda: "hidden" not in op.text)
+
+
+async def test_no_list_has_a_bar_before_somebody_comes_to_it() -> None:
+    app = stub_app(STATES["normal"])
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        await quiet.settle()
+        assert app.main.focused_panel == 4
+        assert bars(app) == []
+        send(app, "down")  # shows which one is meant, and the next one moves
+        await quiet.settle()
+        assert "low_battery_threshold" in bars(app)[0]
+        send(app, "down")
+        await quiet.settle()
+        assert "publish_period" in bars(app)[0]
+        for key, first in (("5", "battery_monitor"), ("6", "Low battery"), ("4", "publish_period")):
+            send(app, key)
+            await quiet.settle()
+            (bar,) = bars(app)
+            assert first in bar
+
+
+async def test_tab_and_a_click_bring_the_bar_too() -> None:
+    for come in ("tab", "4", "click"):
+        app = stub_app(STATES["normal"])
+        async with app.run_test(size=(120, 36)):
+            quiet = Quiet(app)
+            await quiet.settle()
+            if come == "click":
+                rows = app.main.parameters.operated.region
+                click(app, rows.x + 2, rows.y)
+            else:
+                send(app, come)
+            await quiet.settle()
+            assert len(bars(app)) == 1, come
+            assert len(app.screen_stack) == 1
+
+
+async def test_space_switches_nothing_that_is_not_seen_to_be_selected() -> None:
+    async with console(*FAST) as op:
+        await op.press("full_stop")
+        before = op.app.view.snapshot.parameters
+        await op.press("space")
+        await op.until("no parameter is selected")
+        assert op.app.view.snapshot.parameters == before
+
+
+async def test_the_first_keys_stand_below_the_header_until_the_first_goal_of_this_user() -> None:
+    async with console(*BRISK) as op:
+        await op.until(lambda: op.text.splitlines()[1].rstrip() == KEYS)
+        await op.press("g", "7", "enter")
+        await op.until("✓ ARRIVED")
+        assert op.text.splitlines()[1].strip() == ""
+    async with console(*BRISK) as op:
+        await op.until(lambda: op.app.main.goal.typed)
+        await op.settle()
+        op.app.tick()
+        assert op.text.splitlines()[1].strip() == ""
+
+
+async def test_an_alarm_comes_before_the_first_keys() -> None:
+    async with console(*FAST) as op:
+        await op.until(lambda: KEYS in op.text)
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        assert KEYS not in op.text
+
+
+async def test_who_only_watches_is_told_no_keys_to_begin_with() -> None:
+    async with console(*FAST, watch=True) as op:
+        await first_seen(op)
+        assert op.text.splitlines()[1].strip() == ""
+
+
+async def first_seen(op: Console) -> None:
+    """Wait until the console knows whether a goal was sent before, and shows it."""
+    await op.until(lambda: not op.app.has_sent)
+    op.app.tick()
+    await op.settle()
+
+
+async def test_only_a_namespace_that_tells_something_is_in_the_header() -> None:
+    app = stub_app(STATES["normal"])
+    async with app.run_test(size=(120, 36)):
+        await Quiet(app).settle()
+        assert header(app.view, 80).plain.endswith(" embedded ")
+        assert header(replace(app.view, namespace="/left"), 80).plain.endswith(" /left ")
+
+
+@pytest.mark.parametrize("size", [(80, 24), (80, 30), (100, 30), (110, 24), (150, 30), (200, 60)])
+async def test_all_panels_have_room_from_80_x_24_on(size: tuple[int, int]) -> None:
+    app = stub_app(NORMAL, size=size)
+    async with app.run_test(size=size) as pilot:
+        await pilot.pause()
+        assert not app.main.query_one("#body").show_vertical_scrollbar

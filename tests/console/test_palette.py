@@ -1,0 +1,230 @@
+"""The palette finds what people type, best first; what it opens takes the keys behind its enter."""
+
+from __future__ import annotations
+
+from archo_tui.commands.palette import choices
+from archo_tui.keyed_app import HELD
+from archo_tui.screens.choose import Found
+from archo_tui.screens.find import Fit, fit
+from tests.support.clock import seconds
+from tests.support.console import FAST, LONG, Console, click, console
+
+# what a person types for each entry, and finds it among the first three
+TYPED = {
+    "Go to shelf": ("go", "shelf", "drive"),
+    "Cancel the running goal": ("cancel", "abort", "running goal"),
+    "STOP": ("stop", "emergency", "halt"),
+    "Cancel every goal": ("cancel every", "all goals", "whoever"),
+    "Continue the queue": ("continue", "resume", "queue"),
+    "Leave out the next goal": ("skip", "leave out", "drop"),
+    "Give up a STOP": ("give up", "forget", "not confirm"),
+    "Release the stop": ("release", "unlock", "resume"),
+    "Reset the encoder": ("reset", "encoder", "zero"),
+    "Charge the battery": ("charge", "battery", "charging"),
+    "Send a goal to any action": ("action", "any action", "send goal"),
+    "Call any service": ("service", "call", "any service"),
+    "Keep as robot file": ("keep", "robot file", "yaml"),
+    "Acknowledge the alarm": ("ack", "acknowledge", "seen"),
+    "List the alarms": ("alarms", "shelve", "warnings"),
+    "Go to panel 1, Battery": ("panel 1", "battery panel", "go battery"),
+    "Go to panel 2, Motor": ("panel 2", "motor panel", "go motor"),
+    "Go to panel 3, Go to shelf": ("panel 3", "shelf panel", "panel go shelf"),
+    "Go to panel 4, Parameters": ("panel 4", "parameters panel", "go parameters"),
+    "Go to panel 5, Nodes": ("panel 5", "nodes panel", "go nodes"),
+    "Go to panel 6, Events": ("panel 6", "events panel", "go events"),
+    "Go to panel 7, History": ("panel 7", "history panel", "go history"),
+    "Go to panel 8, Graph": ("panel 8", "graph panel", "go graph"),
+    "Edit the selected parameter": ("edit", "edit parameter", "selected parameter"),
+    "Edit the selected parameter, with": ("restore", "default", "at the start"),
+    "Switch the selected boolean": ("switch", "toggle", "boolean"),
+    "Show only parameters that differ": ("differ", "modified", "diff"),
+    "Show only parameters whose": ("filter", "whose", "find parameters"),
+    "Show the parameters that every": ("hidden parameters", "every ros", "ros own"),
+    "Show the type of the selected": ("topic", "interface", "type service"),
+    "Undo your last change": ("undo", "revert", "last change"),
+    "Save all parameters": ("save parameters", "export yaml", "dump"),
+    "Load a ROS parameter file": ("load", "import", "open yaml"),
+    "Start or stop the selected node": ("start node", "kill", "restart"),
+    "Run another copy": ("copy node", "another", "duplicate"),
+    "Show the selected node": ("details", "traceback", "crash"),
+    "Show events of another level": ("level", "debug", "severity"),
+    "Show only events": ("search", "find events", "grep"),
+    "Copy the ros2 command": ("ros2", "clipboard", "copy command"),
+    "Show the events on the full": ("full screen", "log", "zoom"),
+    "Show the selected event": ("selected event", "in full", "open event"),
+    "Save the events": ("save events", "export events", "export log"),
+    "Show the history": ("history", "plot", "chart"),
+    "Show a shorter": ("shorter", "zoom in", "short history"),
+    "Show a longer": ("longer", "zoom out", "hour"),
+    "Show all keys": ("help", "keys", "shortcuts"),
+    "Keep the last minute": ("record", "bag", "keep last"),
+    "List the recordings": ("replay", "black box", "recordings"),
+    "Silence the bell": ("mute", "bell", "sound"),
+    "Suspend to the shell": ("suspend", "shell", "background"),
+    "Quit": ("quit", "exit", "close"),
+    "Set motor_controller max_speed": ("speed", "max_speed", "sp"),
+    "Set motor_controller wheel_radius": ("wheel", "radius", "set wheel"),
+    "Set motor_controller ticks_per_revolution": ("ticks", "revolution", "per rev"),
+    "Set battery_monitor low_battery_threshold": ("threshold", "low battery", "set low"),
+    "Node battery_monitor": ("node battery", "monitor", "battery info"),
+    "Node dashboard": ("dashboard", "dash", "node dash"),
+    "Node motor_controller": ("node motor", "motor info", "controller details"),
+    "Theme high-contrast": ("high contrast", "contrast", "theme high"),
+    "Theme nord": ("nord", "theme nord", "nord colors"),
+    "Theme textual-dark": ("textual dark", "theme dark textual", "textual-d"),
+    "Theme textual-light": ("textual light", "theme light textual", "textual-l"),
+    "Save a picture of the screen": ("screenshot", "picture", "svg"),
+}
+
+
+def first(op: Console, count: int = 3) -> list[str]:
+    """The titles of the first rows."""
+    return [one.title for one in op.app.screen.query_one(Found).items[:count]]
+
+
+async def test_each_entry_is_found_by_three_words_that_people_type() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        field = op.app.screen.query_one("#narrow")
+        for title, typed in TYPED.items():
+            assert len(set(typed)) == 3
+            for words in typed:
+                field.value = words  # type: ignore[attr-defined]
+                await op.settle()
+                assert any(one.startswith(title) for one in first(op)), (title, words, first(op))
+
+
+async def test_each_kind_of_entry_has_its_words_in_the_table() -> None:
+    async with console(*FAST) as op:
+        titles = [one.title for one in choices(op.app)]
+        named = [t for t in titles if not t.startswith(("Theme", "Set", "Node"))]
+        assert [t for t in named if not t.startswith(tuple(TYPED))] == []
+        assert [title for title in TYPED if not any(t.startswith(title) for t in titles)] == []
+
+
+async def test_exit_export_record_and_dark_find_what_they_mean() -> None:
+    async with console(*FAST) as op:
+        for typed, meant in (
+            ("exit", "Quit"),
+            ("export", "Save all parameters to a ROS parameter file"),
+            ("record", "Keep the last minute"),
+            ("dark", "Theme textual-dark"),
+        ):
+            await op.press("ctrl+p")
+            await op.type(typed)
+            assert meant in first(op, 8), (typed, first(op, 8))
+            await op.press("escape")
+
+
+def test_whole_words_come_before_beginnings_and_those_before_scattered_letters() -> None:
+    fits = [fit("stop", name) for name in ("the stop", "stopped", "unstoppable", "s to p", "pots")]
+    assert fits == [Fit.WORD, Fit.BEGINNING, Fit.INSIDE, Fit.SCATTERED, Fit.NONE]
+    assert fit("exit", "Quit", "exit leave") == Fit.WORD
+    assert fit("textual-d", "Theme textual-dark") == Fit.INSIDE
+
+
+async def test_go_cancel_and_stop_are_on_top_only_while_nothing_is_typed() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        assert [one.split()[0] for one in first(op)] == ["Go", "Cancel", "STOP"]
+        await op.type("max sp")
+        assert first(op)[0] == "Set motor_controller max_speed"
+        assert "Go" not in [one.split()[0] for one in first(op)]
+
+
+async def test_what_cannot_be_done_stands_below_with_its_reason_at_the_right() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        await op.type("release")
+        line = op.line("Release the stop")
+        assert line.rstrip(" ┃").endswith("the robot is not stopped"), line
+        await op.press(*["backspace"] * 7)
+        rows = op.app.screen.query_one(Found).items
+        commands = [bool(one.reason) for one in rows if one.title[:4] not in ("Set ", "Node")][3:40]
+        assert commands == sorted(commands)
+
+
+async def test_the_speed_is_changed_from_anywhere_in_eight_keys_at_once() -> None:
+    async with console(*FAST) as op:
+        op.send("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter")
+        await op.until(lambda: op.app.view.snapshot.parameter("max_speed").value == 0.5)  # type: ignore[union-attr]
+        await op.until(lambda: op.app.screen is op.app.main)
+    async with console(*LONG) as op:
+        await op.press("g", "ctrl+p", "s", "p", "enter", "0", ".", "5", "enter")
+        await op.until(lambda: op.app.view.snapshot.parameter("max_speed").value == 0.5)  # type: ignore[union-attr]
+        assert op.app.screen is op.app.main
+
+
+async def test_a_stop_behind_what_the_palette_opens_voids_it() -> None:
+    async with console(*FAST) as op:
+        op.send("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter", "ctrl+x")
+        await op.until(lambda: op.app.view.snapshot.motion.stopped)
+        await op.settle()
+        assert op.app.screen is op.app.main
+        assert op.app.view.snapshot.parameter("max_speed").value == 0.8  # type: ignore[union-attr]
+
+
+async def test_an_enter_that_finds_nothing_leaves_the_palette_open() -> None:
+    async with console(*FAST) as op:
+        op.send("ctrl+p", "#", "enter", "backspace", "n", "o", "r", "d")
+        await op.until("Theme nord")
+        assert first(op, 1) == ["Theme nord"]
+        await op.press("enter")
+        assert op.app.theme == "nord"
+        assert op.app.screen is op.app.main
+
+
+async def test_a_click_takes_a_row() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        await op.type("nord")
+        row = op.app.screen.query_one(Found).region
+        click(op.app, row.x + 3, row.y)
+        await op.until(lambda: op.app.theme == "nord")
+        assert op.app.screen is op.app.main
+
+
+async def test_the_arrows_and_pages_move_the_cursor() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p", "down", "down", "up")
+        rows = op.app.screen.query_one(Found)
+        assert rows.cursor == 1
+        await op.press("pagedown")
+        assert rows.cursor > 10
+        await op.press("pageup", "pageup")
+        assert rows.cursor == 0
+
+
+async def test_a_watching_console_says_why_nothing_acts() -> None:
+    async with console(*FAST, watch=True) as op:
+        await op.press("ctrl+p")
+        for typed in ("stop", "speed", "release"):
+            await op.type(typed)
+            assert "watching" in op.app.screen.query_one(Found).items[0].reason
+            await op.press(*["backspace"] * len(typed))
+
+
+async def test_the_help_is_turned_by_pages_too() -> None:
+    async with console(*FAST, size=(80, 24)) as op:
+        await op.press("f1")
+        top = op.text
+        await op.press("pagedown")
+        assert op.text != top
+        await op.press("pageup")
+        assert op.text == top
+
+
+async def test_keys_behind_a_stop_that_closed_the_palette_are_not_for_the_panels() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash")
+        await op.type("max_speed")
+        await op.press("enter", "down")
+        op.send("ctrl+p", "g", "o", "ctrl+x", "enter", "1", "enter")
+        await op.until("STOP closed the dialog: press the key again.")
+        assert op.app.screen is op.app.main
+        assert op.app.view.snapshot.parameter("max_speed").value == 0.8  # type: ignore[union-attr]
+        await op.at(seconds() + HELD)
+        await op.press("R")
+        await op.until("Release the stop?")
+        await op.press("y")
+        await op.until("● IDLE")

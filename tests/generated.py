@@ -1,0 +1,227 @@
+"""What documents have from the code, between two comments, and the schema of robot files.
+
+    python -m tests.generated
+
+writes it; a test says when it is stale.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import types
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields
+from pathlib import Path
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+from archo_tui.commands import registry
+from archo_tui.commands.base import NOT_TYPING
+from archo_tui.commands.keymap import readable
+from archo_tui.robot.state import Leaf
+from archo_tui.robot_file import model
+from archo_tui.robot_file.load import default, load
+from archo_tui.robot_file.typed_yaml import NONE
+from archo_tui.verbs import verbs
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+SCHEMA = ROOT / "config" / "robots" / "schema.json"
+_PART = re.compile(r"(<!-- made by python -m tests\.generated: (\w+) -->\n).*?(<!-- end -->)", re.S)
+_TEXT, _NONE = {"$ref": "#/$defs/text"}, {"$ref": "#/$defs/none"}
+_SCALARS: dict[Any, dict[str, Any]] = {
+    str: _TEXT,
+    float: {"type": "number"},
+    int: {"type": "integer"},
+    bool: {"type": "boolean"},
+}
+
+# where each record stands in a robot file
+_PLACES: dict[Any, str] = {
+    model.RobotFile: "The file",
+    model.BatteryTopic: "`battery`",
+    model.BatteryFields: "Each type of `battery`",
+    model.MotionTopic: "`motion`",
+    model.MotionFields: "Each type of `motion`",
+    model.GoalKind: "Each of `goals`",
+    model.FormField: "Each field of a `form`",
+    model.Remaining: "`remaining` of a goal",
+    model.Stop: "`stop`",
+    model.Service: "Each of `commands`",
+    model.Gauge: "Each of `gauges`",
+    model.MessageField: "A reading",
+    model.Link: "A number that is a parameter",
+}
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of robot files, for editors; the console says more of what is wrong."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A robot file of archo-tui",
+        **_record(model.RobotFile),
+        "$defs": {
+            **{kind.__name__: _record(kind) for kind in _PLACES if kind is not model.RobotFile},
+            "text": {"type": ["string", "number", "boolean"]},  # it is taken as it is written
+            "none": {"enum": [None, *filter(None, NONE)]},
+        },
+    }
+
+
+def _record(kind: Any) -> dict[str, Any]:
+    hints, known = get_type_hints(kind, include_extras=True), _keys(kind)
+    properties = {}
+    for name, item in known.items():
+        value, means = _told(hints[name])
+        properties[name] = {"description": means, **_schema_of(value)}
+        if value is str and not _is_needed(item):
+            properties[name] = {"description": means, "anyOf": [_TEXT, _NONE]}
+        if item.metadata.get("filled"):
+            properties[name]["minProperties"] = 1
+    return {
+        "description": _summary(kind),
+        "type": "object",
+        "properties": properties,
+        "required": [name for name, item in known.items() if _is_needed(item)],
+        "additionalProperties": False,
+    }
+
+
+def _schema_of(kind: Any) -> dict[str, Any]:
+    origin, arguments = get_origin(kind), get_args(kind)
+    if kind is Any:
+        return {}
+    if origin in (Union, types.UnionType):
+        some = [_schema_of(one) for one in arguments if one is not type(None)]
+        return {"anyOf": [*some, _NONE] if type(None) in arguments else some}
+    if origin is Literal:
+        return {"enum": [*arguments]}
+    if origin is tuple:
+        return {"type": "array", "items": _schema_of(arguments[0])}
+    if origin is not None and issubclass(origin, Mapping):
+        return {"type": "object", "additionalProperties": _schema_of(arguments[1])}
+    if kind in _PLACES:
+        record = {"$ref": f"#/$defs/{kind.__name__}"}
+        return {"anyOf": [_TEXT, record]} if _shorthand(kind) else record
+    return _SCALARS[kind]
+
+
+def robot_file() -> str:
+    """A table for each record of a robot file."""
+    parts = []
+    for kind, place in _PLACES.items():
+        hints = get_type_hints(kind, include_extras=True)
+        rows = ["| key | value | when left out | means |", "|---|---|---|---|"]
+        for name, item in _keys(kind).items():
+            value, means = _told(hints[name])
+            rows.append(f"| `{name}` | {_words(value)} | {_default(item)} | {means} |")
+        key = _shorthand(kind)
+        short = f" `{key}` alone may be written in its place." if key else ""
+        parts.append("\n".join((f"### {place}", "", f"{_summary(kind)}{short}", "", *rows, "")))
+    return "\n".join(parts)
+
+
+def _told(hint: Any) -> tuple[Any, str]:
+    """The type of a key, and what it means."""
+    assert get_origin(hint) is Annotated, "say in the model what it means: Annotated[type, meaning]"
+    return hint.__origin__, hint.__metadata__[0]
+
+
+def _keys(kind: Any) -> dict[str, Field[Any]]:
+    return {item.name: item for item in fields(kind) if item.name != "where"}
+
+
+def _is_needed(item: Field[Any]) -> bool:
+    return item.default is MISSING and item.default_factory is MISSING
+
+
+def _shorthand(kind: Any) -> str:
+    """The key whose text may stand for the whole record; empty: none may."""
+    needed = [name for name, item in _keys(kind).items() if _is_needed(item)]
+    return needed[0] if len(needed) == 1 and get_type_hints(kind)[needed[0]] is str else ""
+
+
+def _summary(kind: Any) -> str:
+    return " ".join(str(kind.__doc__).partition("\n\n")[0].split())
+
+
+def _words(kind: Any) -> str:
+    """What a value is, in words; a link where that has a table of its own."""
+    origin, arguments = get_origin(kind), get_args(kind)
+    if kind is Any:
+        return "any value"
+    if origin in (Union, types.UnionType):
+        some = [one for one in arguments if one is not type(None)]
+        return "single value" if {*some} == {*_SCALARS} else " or ".join(map(_words, some))
+    if origin is Literal:
+        return ", ".join(f"`{word}`" for word in arguments)
+    if origin is tuple:
+        return f"a list: {_words(arguments[0])}"
+    if origin is not None and issubclass(origin, Mapping):
+        return f"by name: {_words(arguments[1])}"
+    if kind in _PLACES:
+        title = _PLACES[kind]
+        return f"[{title.replace('`', '')}](#{anchor(title)})"
+    return {str: "text", float: "number", int: "whole number", bool: "`true`, `false`"}[kind]
+
+
+def _default(item: Field[Any]) -> str:
+    if _is_needed(item):
+        return "**needed**"
+    value = "" if item.default is MISSING else item.default
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
+    return f"`{value:g}`" if isinstance(value, float) else f"`{value}`" if value else ""
+
+
+def anchor(heading: str) -> str:
+    """As GitHub makes it of a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def keys() -> str:
+    """The registry's keys."""
+    rows = ["| key | does | works |", "|---|---|---|"]
+    for command in registry(load(default())):
+        if command.id.startswith("panel_"):
+            if command.id == "panel_1":
+                numbers = [c.key for c in registry(load(default())) if c.id.startswith("panel_")]
+                rows.append(f"| `1` .. `{numbers[-1]}`, tab | go to a panel | {NOT_TYPING} |")
+            continue
+        does = command.help
+        if does[1].islower():
+            does = does[0].lower() + does[1:]
+        key = readable(command.key).replace("^", "ctrl+")
+        key = f"`{key}`" if key else "palette"
+        rows.append(f"| {key} | {does} | {command.place} |")
+    leaves = "out of a field, a dialog or the full screen, to where the focus was"
+    return "\n".join((*rows, f"| esc | {leaves} | everywhere |", ""))
+
+
+def words() -> str:
+    """ARCHO's verbs."""
+    rows = ["| verb | does |", "|---|---|"]
+    robot = load(default())
+    forms = {goal.id: [Leaf(path, "int32", 0) for path in goal.form] for goal in robot.goals}
+    for verb in verbs(robot, forms).values():
+        rows.append(f"| `{f'{verb.id} {verb.usage}'.rstrip()}` | {verb.help} |")
+    return "\n".join((*rows, ""))
+
+
+_PARTS = {"robot_file": robot_file, "keys": keys, "verbs": words}
+
+
+def files() -> dict[Path, str]:
+    """The text that each file with such a part should have."""
+
+    def part(found: re.Match[str]) -> str:
+        return f"{found[1]}\n{_PARTS[found[2]]()}\n{found[3]}"
+
+    pages = {page: page.read_text(encoding="utf-8") for page in DOCS.glob("*.md")}
+    made = {page: _PART.sub(part, text) for page, text in pages.items() if _PART.search(text)}
+    return made | {SCHEMA: json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"}
+
+
+if __name__ == "__main__":
+    for path, text in files().items():
+        path.write_text(text, encoding="utf-8")

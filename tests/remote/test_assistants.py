@@ -1,0 +1,387 @@
+"""What an assistant asks for through the socket, and the person who decides."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from random import Random
+from typing import Any
+
+import pytest
+from textual import events
+
+from archo_tui.paths import journal_file
+from archo_tui.remote import place
+from archo_tui.station import requests
+from tests.support.clock import seconds
+from tests.support.console import FAST, LONG, Console, click, console
+from tests.support.shells import Raw, heard, raw, served, until
+
+pytestmark = pytest.mark.real_time
+
+GO = {"kind": "go", "values": {"shelf_number": 12}}
+
+
+@asynccontextmanager
+async def beside(*args: str, **options: Any) -> AsyncIterator[tuple[Console, Raw]]:
+    """A console, and an assistant that is connected to it."""
+    async with console(*args, remote=True, **options) as op:
+        await op.until(lambda: f"{os.getpid()}{place.SUFFIX}" in place.sockets())
+        assistant = await raw()
+        yield op, assistant
+        assistant.close()
+
+
+async def asks(assistant: Raw, wanted: Any = GO) -> dict[str, Any]:
+    """What is said at once."""
+    assistant.send({"id": 1, "assistant": True, "ask": wanted})
+    return await assistant.result()
+
+
+async def says(assistant: Raw, *words: str, **more: Any) -> dict[str, Any]:
+    return await assistant.ask(*words, assistant=True, **more)
+
+
+async def opened(op: Console) -> None:
+    """The request in its dialog, read."""
+    await op.press("A")
+    await op.until("An assistant asks")
+    await op.at(seconds() + 1.1)
+
+
+async def allowed(op: Console) -> None:
+    await opened(op)
+    await op.press("tab")
+    await op.at(seconds() + 0.4)
+    await op.press("enter")
+
+
+async def test_a_goal_is_driven_only_after_a_person_has_allowed_it() -> None:
+    async with beside(*FAST) as (op, assistant):
+        said = await asks(assistant)
+        assert (said["code"], said["data"]["request"]) == ("asked", 1)
+        await op.until("(A answer, ")
+        assert f"assistant {os.getpid()} asks: go to shelf 12   (A answer, " in op.text
+        assert " assistant " in op.text.splitlines()[0]
+        waits = await says(assistant, "wait", "request", "1", timeout=0.01)
+        assert waits["code"] == "ran_out"
+        assert waits["text"].startswith("request 1 still waits for a person, ")
+        assert op.app.view.snapshot.goal is None
+        await allowed(op)
+        ended = await says(assistant, "wait", "request", "1", timeout=50)
+        assert (ended["code"], ended["data"]["values"]) == ("arrived", {"shelf_number": 12})
+        await op.until("Arrived at shelf 12")
+        line = " ".join(op.line("go to shelf 12: accepted").split())
+        assert f"AI assistant {os.getpid()}" in line
+    told = [json.loads(line) for line in journal_file().read_text().splitlines()]
+    texts = [entry["text"] for entry in told if entry["kind"] == "command"]
+    assert "asks: go to shelf 12 (request 1)" in texts
+    assert f"allowed request 1 of assistant {os.getpid()}: go to shelf 12" in texts
+
+
+@pytest.mark.parametrize("keys", [["enter"], ["tab", "tab", "enter"]])
+async def test_denied_it_is_not_driven_and_the_assistant_is_told(keys: list[str]) -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        for key in keys:
+            await op.press(key)
+            await op.at(seconds() + 0.4)
+        said = await says(assistant, "wait", "request", "1")
+        assert (said["code"], said["text"]) == ("denied", "request 1 is denied")
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_the_focus_stays_and_what_is_typed_meanwhile_answers_nothing() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await op.press("5")
+        await asks(assistant)
+        await op.until("asks: go to shelf 12")
+        assert op.focused_panel == 5
+        await op.press("y", "enter", "escape", "a", "n", "space")
+        await op.press("A", "tab", "enter")  # sooner than anybody has read it
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + 1.1)
+        op.send("left", "right", "enter")  # as from a paste: all at once
+        await op.settle()
+        op.app.post_message(events.Paste("\t\r"))
+        await op.settle()
+        assert [one.number for one in op.app.station.requests.waiting] == [1]
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_a_click_counts_as_late_as_a_key() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        button = op.app.screen.query_one("#allow")
+        click(op.app, button.region.x + 2, button.region.y)
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + 1.1)
+        click(op.app, button.region.x + 2, button.region.y)
+        await op.until("Arrived at shelf 12")
+
+
+@pytest.mark.parametrize("way", ["stop", "key", "goal", "time", "gone"])
+async def test_a_request_is_void_once_it_may_mean_something_else(
+    way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if way == "time":
+        monkeypatch.setattr(requests, "EXPIRES", 1.5)
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        other = await raw()
+        await opened(op)
+        if way == "stop":
+            assert (await other.ask("stop"))["code"] == "done"
+        elif way == "key":
+            await op.press("ctrl+x")
+        elif way == "goal":
+            assert (await other.ask("go", "3"))["code"] == "accepted"
+        elif way == "time":
+            await op.at(seconds() + 0.6)
+        else:
+            assistant.close()
+        await op.until(lambda: "An assistant asks" not in op.text)
+        await op.until(lambda: not op.app.station.requests.waiting)
+        refused = op.app.station.answer(1, allowed=True)
+        assert refused.text.startswith("request 1 is ")
+        if way != "gone":
+            said = await says(assistant, "wait", "request", "1")
+            assert said["code"] == ("expired" if way == "time" else "void")
+        goals = [*op.app.view.snapshot.history, op.app.view.snapshot.goal]
+        assert all(goal is None or goal.target == "3" for goal in goals)
+        other.close()
+
+
+async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(requests, "EXPIRES", 1.5)
+    async with beside(*LONG) as (op, assistant):
+        await op.press("g", "7")
+        await asks(assistant)
+        op.app.action_command("alarms")  # as a click on the request does: the field has the focus
+        await op.until("An assistant asks")
+        await op.until(lambda: "An assistant asks" not in op.text)
+        await op.press("enter")  # for the answer
+        await op.until("The request is over: press the key again.")
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_a_no_is_followed_by_a_pause_and_hides_no_alarm() -> None:
+    low = ("-p", "low_battery_threshold:=90.0")
+    async with beside(*FAST, *low) as (op, assistant):
+        await op.until("LOW BATTERY")
+        await asks(assistant)
+        await op.until("▲ low battery")
+        await opened(op)
+        await op.press("enter")
+        refused = await asks(assistant)
+        assert refused["text"].startswith("a person has just said no: wait ")
+        await op.until("LOW BATTERY")
+
+
+async def test_what_waits_is_withdrawn_by_cancel() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        said = await says(assistant, "cancel")
+        assert (said["code"], said["text"]) == ("done", "withdrawn: go to shelf 12")
+        assert op.app.station.answer(1, allowed=True).text == "request 1 is void"
+
+
+async def test_each_request_tells_of_its_own_goal() -> None:
+    async with beside(*FAST) as (op, assistant):
+        for shelf in (5, 6):
+            await asks(assistant, {"kind": "go", "values": {"shelf_number": shelf}})
+            await allowed(op)
+            number = str(shelf - 4)
+            assert (await says(assistant, "wait", "request", number))["code"] == "arrived"
+        for number, shelf in (("1", 5), ("2", 6)):
+            told = await says(assistant, "wait", "request", number)
+            assert told["data"]["values"] == {"shelf_number": shelf}
+
+
+async def test_once_allowed_is_once() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        await allowed(op)
+        await op.until("Arrived at shelf 12")
+        assert op.app.station.answer(1, allowed=True).text == "request 1 is allowed"
+        assert len(op.app.view.snapshot.history) == 1
+
+
+async def test_at_most_three_wait_and_the_oldest_is_asked_first() -> None:
+    async with beside(*FAST) as (op, assistant):
+        for shelf in (1, 2, 3):
+            said = await asks(assistant, {"kind": "go", "values": {"shelf_number": shelf}})
+            assert said["code"] == "asked"
+        assert (await asks(assistant))["text"] == "3 requests wait for a person already"
+        await op.until("asks: go to shelf 1 ")
+        await op.until("+2 more")
+
+
+async def test_when_an_assistant_goes_its_goal_is_cancelled() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await allowed(op)
+        await op.until("MOVING to 12")
+        assistant.close()
+        await op.until("✗ CANCELLED")
+
+
+async def test_it_cancels_its_own_goals_only() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await op.press("g", *"3", "enter")
+        await op.until("MOVING to 3")
+        refused = await says(assistant, "cancel")
+        assert refused["code"] == "refused"
+        assert "no goal of this assistant runs" in refused["text"]
+        assert (await asks(assistant))["text"].startswith("another goal runs")
+        await op.press("ctrl+c")
+        await op.until("✗ CANCELLED")
+        await asks(assistant)
+        await allowed(op)
+        await op.until("MOVING to 12")
+        assert (await says(assistant, "cancel"))["code"] == "accepted"
+        ended = await says(assistant, "wait", "request", "1")
+        assert ended["code"] == "cancelled"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["go", "12"],
+        ["release", "--yes"],
+        ["set", "motor_controller", "max_speed", "1"],
+        ["charge"],
+        ["allow", "1"],
+        ["call", "/reset_encoder"],
+        ["continue"],
+        ["cancel", "--all"],
+        ["save", "x"],
+        ["halt", "motor_controller"],
+        ["status", "--yes"],
+    ],
+)
+async def test_it_has_no_other_verbs(words: list[str]) -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        said = await says(assistant, *words)
+        assert said["code"] in ("refused", "misuse")
+        # what was an assistant once is one to its end
+        said = await assistant.ask(*words)
+        assert said["code"] in ("refused", "misuse")
+        assert op.app.view.snapshot.goal is None
+
+
+@pytest.mark.parametrize(
+    ("wanted", "why"),
+    [
+        (None, "kind: this robot has go"),
+        ({"kind": "fly"}, "kind: this robot has go"),
+        ({"kind": "go"}, "values: expected an object, by name"),
+        ({"kind": "go", "values": {}}, "values: shelf_number is missing"),
+        ({"kind": "go", "values": {"shelf": 1}}, "values: no 'shelf'; there are shelf_number"),
+        ({"kind": "go", "values": {"shelf_number": [1]}}, "is no number"),
+        ({"kind": "go", "values": {"shelf_number": 1.5}}, "Shelf: not a whole number: 1.5"),
+        ({"kind": "go", "values": {"shelf_number": True}}, "Shelf: not a whole number"),
+        ({"kind": "go", "values": {"shelf_number": 99}}, "Shelf: at most 40, not 99"),
+        ({"kind": "go", "values": {"shelf_number": 0}}, "Shelf: at least 1, not 0"),
+    ],
+)
+async def test_what_cannot_be_meant_is_said_and_nobody_is_asked(wanted: Any, why: str) -> None:
+    async with beside(*FAST) as (op, assistant):
+        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+        said = await asks(assistant, wanted)
+        assert (said["code"], why in said["text"]) == ("misuse", True), said
+        assert op.app.view.requests == ()
+
+
+async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
+    async with beside(*FAST) as (op, assistant):
+        assert (await says(assistant, "status"))["code"] == "done"
+        assert (await says(assistant, "stop"))["code"] == "done"
+        line = " ".join(op.line("STOP: confirmed").split())
+        assert f"AI assistant {os.getpid()} STOP: confirmed" in line
+        await op.until("STOPPED: look for the cause")
+        said = await asks(assistant)
+        assert said["text"] == "the robot is stopped: a person has to release it first"
+
+
+async def test_nobody_is_asked_who_only_watches() -> None:
+    async with beside(*FAST, watch=True) as (_, assistant):
+        said = await asks(assistant)
+        assert said["code"] == "refused"
+        assert said["text"].startswith("watching only")
+
+
+async def test_it_sees_what_there_is_with_ages() -> None:
+    async with beside(*FAST) as (_, assistant):
+        status = await says(assistant, "status")
+        assert status["data"]["battery"]["source"] == "measured"
+        assert (await says(assistant, "events"))["code"] == "done"
+        assert (await says(assistant, "params"))["code"] == "done"
+        (kind,) = (await says(assistant, "goals"))["data"]
+        assert kind["kind"] == "go"
+        shelf = kind["schema"]["properties"]["shelf_number"]
+        assert (shelf["type"], shelf["minimum"]) == ("integer", 1)
+
+
+async def test_no_motion_without_a_yes_whatever_is_called(
+    request: pytest.FixtureRequest,
+) -> None:
+    calls = 10_000 if request.config.getoption("--end-to-end") else 100
+    choose = Random(11)
+    words = [
+        *(["go", "12"], ["cancel"], ["status"], ["release", "--yes"], ["continue"], ["goals"]),
+        *(["wait", "request", "1"], ["allow", "1"], ["yes"], ["set", "a", "b", "c"], ["events"]),
+    ]
+    values: list[Any] = [12, 1.5, "12", None, True, [], {}, -1, 40, "y", 10**400]
+    async with beside(*FAST) as (op, assistant):
+        for _ in range(calls):
+            if choose.random() < 0.5:
+                kind = choose.choice(["go", "fly", None])
+                await asks(
+                    assistant, {"kind": kind, "values": {"shelf_number": choose.choice(values)}}
+                )
+            else:
+                await says(assistant, *choose.choice(words), timeout=0.001)
+        snapshot = op.app.view.snapshot
+        assert (snapshot.goal, snapshot.history) == (None, ())
+
+
+async def test_in_plain_a_person_at_the_terminal_answers() -> None:
+    async with served(at_terminal=True) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        await asks(assistant)
+        await heard(person, "wants: go to shelf 12 (allow 1 or deny 1, within 60 s)")
+        person.type("deny 1\n")
+        await heard(person, "read it first, then answer")
+        since = seconds()
+        await until(lambda: seconds() > since + 1.1)
+        person.type("status\nallow 1\n")  # as a paste comes
+        await until(lambda: person.said.count("read it first, then answer") == 2)
+        since = seconds()
+        await until(lambda: seconds() > since + 0.5)
+        person.type("allow 1\n")
+        await heard(person, "Arrived at shelf 12")
+        assistant.close()
+
+
+async def test_where_a_program_types_nobody_can_allow_anything() -> None:
+    async with served() as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        said = await asks(assistant)
+        assert (said["code"], said["text"]) == (
+            "refused",
+            "nobody can allow it: this console has no screen and no terminal",
+        )
+        person.type("allow 1\n")
+        await heard(person, "only a person at a terminal answers an assistant")
+        assistant.close()

@@ -1,0 +1,261 @@
+"""`archo-tui VERB`: what a shell says, prints and ends with."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from tests.support.console import FAST, LONG
+from tests.support.script import SLOW, Script
+from tests.support.shells import Said, heard, said, served, typed, until
+from tests.support.terminal import Terminal
+from tests.support.waiting import DEADLINE
+
+pytestmark = pytest.mark.real_time
+
+
+def client(*words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "archo_tui", *words],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+async def ended(shell: subprocess.Popen[str]) -> Said:
+    """How a client in a process of its own ends."""
+    out, err = await asyncio.to_thread(shell.communicate, timeout=DEADLINE)
+    return Said(shell.returncode, out, err)
+
+
+async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
+    async with served(ros_args=FAST) as person:
+        said = await typed("go", "12", "7", "--wait")
+        assert said == (0, "", "accepted\nArrived at shelf 7\n")
+        assert "SHELL pid " in person.said
+        assert "Arrived at shelf 12" in person.said
+        assert (await typed("go", "12")) == (0, "", "accepted\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        ("go 99 --wait", 2, "archo-tui: go: Shelf: at most 40, not 99"),
+        ("go there", 2, "archo-tui: go: Shelf: not a whole number: there"),
+        ("jmup", 2, "archo-tui: jmup: no command 'jmup' (help lists them)"),
+        ("relaese", 2, "archo-tui: relaese: no command 'relaese' (nearest: release)"),
+        ("cancel", 1, "archo-tui: cancel: no goal is running"),
+        ("release", 1, "archo-tui: release: the robot is not stopped"),
+        ("wait", 2, "archo-tui: wait: wait needs idle, arrived, ready or battery N"),
+        ("wait arrived", 1, "archo-tui: wait: no goal is running"),
+        ("wait battery 101 --timeout 0", 4, "archo-tui: wait: not yet"),
+        ("wait idle --timeout x", 2, "archo-tui: --timeout: not a time in s: x"),
+        ("set motor_controller max_speed 9", 2, "archo-tui: set: motor_controller max_speed: "),
+        ("status --to 1", 3, "archo-tui: no console 1 runs here"),
+        ("wait idle", 0, "idle"),
+        ("wait ready", 0, "ready"),
+        ("wait battery 10", 0, "87."),
+    ],
+)
+async def test_the_exit_code_says_how_it_ended(words: str, code: int, text: str) -> None:
+    async with served(ros_args=FAST):
+        said = await typed(*words.split())
+        assert (said.code, said.out) == (code, ""), said
+        assert said.err.startswith(text), said
+
+
+async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> None:
+    async with served(ros_args=LONG) as person:
+        first = client("go", "12", "--wait")
+        await heard(person, "MOVING to 12")
+        second = client("go", "7", "--wait")
+        await until(lambda: person._plain._station.queue.waiting)
+        assert (await typed("wait", "arrived", "--timeout", "0")).code == 4
+        assert (await typed("cancel")).code == 0
+        assert await ended(first) == (5, "", "accepted\narcho-tui: go: Cancelled mid-route\n")
+        assert await ended(second) == (5, "", "queued\narcho-tui: go: held: 7 (cancelled)\n")
+
+
+async def test_a_stop_is_final_for_what_a_shell_sent_before_it() -> None:
+    async with served(ros_args=LONG) as person:
+        waits = client("go", "12", "7", "--wait")
+        await heard(person, "MOVING to 12")
+        assert await typed("stop") == Said(0, "", "confirmed\n")
+        assert (await ended(waits)).code == 1  # aborted
+        await heard(person, "queue held: 7")
+        asked = await typed("release")
+        assert asked.code == 2
+        assert "Release the stop? Moves are allowed again" in asked.err
+        assert "(add --yes to do it)" in asked.err
+        assert (await typed("release", "--yes")).code == 0
+
+
+@pytest.mark.parametrize("spelled", ["STOP", "Stop!", "stop now please"])
+async def test_for_a_stop_no_spelling_is_wrong(spelled: str) -> None:
+    async with served(ros_args=FAST) as person:
+        assert (await typed(*spelled.split())).code == 0
+        await heard(person, "STOP: confirmed")
+
+
+async def test_data_is_on_standard_output_and_nothing_else() -> None:
+    async with served(ros_args=FAST):
+        line = await typed("status", "--line")
+        assert (line.code, line.err) == (0, "")
+        assert line.out.startswith("ARCHO 8")
+        told = json.loads((await typed("status", "--json")).out)
+        assert told["code"] == "done"
+        assert told["data"]["battery"]["source"] == "measured"
+        assert told["data"]["goal"] is None
+        result = json.loads((await typed("go", "99", "--wait", "--json")).out.splitlines()[-1])
+        assert result["code"] == "misuse"
+        params = json.loads((await typed("params", "--json")).out)["data"]
+        speed = next(p for p in params if p["name"] == "max_speed")
+        assert (speed["value"], speed["high"]) == (0.8, 2.0)
+
+
+async def test_without_a_console_it_is_one_line_and_3() -> None:
+    assert await typed("go", "12") == Said(
+        3, "", "archo-tui: no console runs here: start archo-tui, or archo-tui --plain\n"
+    )
+    nearest = await typed("chek", "x.py")
+    assert nearest.code == 2
+    assert "no command 'chek' (nearest: check), and no console runs here" in nearest.err
+
+
+def test_where_there_are_no_such_sockets_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr("socket.AF_UNIX")
+    assert said("status") == Said(
+        3, "", "archo-tui: this system has no sockets for it: only Linux and macOS do\n"
+    )
+
+
+async def test_of_several_consoles_none_is_guessed_and_stop_goes_to_all(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    other = Script()
+    other.type("status\n")
+    other.until("\ngoal No goal yet")
+    try:
+        async with served(ros_args=FAST) as person:
+            refused = await typed("go", "12")
+            assert refused.code == 3
+            assert "several consoles run here" in refused.err
+            assert refused.err.count("ARCHO /, ") == 2
+            stopped = await typed("stop")
+            assert (stopped.code, stopped.err.count("confirmed")) == (0, 2)
+            await heard(person, "STOP: confirmed")
+            other.until("STOP: confirmed")
+    finally:
+        other.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_a_client_that_ends_takes_its_goals_along(number: int) -> None:
+    script = Script(*SLOW)
+    try:
+        script.type("status\n")
+        script.until("\ngoal No goal yet")
+        shell = client("go", "12", "7", "--wait")
+        script.until("MOVING to 12")
+        shell.send_signal(number)
+        _, err = shell.communicate(timeout=DEADLINE)
+        script.until("CANCELLED")
+        if number != signal.SIGKILL:
+            assert shell.returncode == 130
+            assert "Cancelled" in err
+        script.type("status\n")
+        assert "shelf 7" not in script.said
+    finally:
+        script.close()
+
+
+def moving(*words: str) -> tuple[Script, subprocess.Popen[str]]:
+    """A console, and a shell whose goal runs."""
+    script = Script(*SLOW)
+    script.type("status\n")
+    script.until("\ngoal No goal yet")
+    shell = client(*words)
+    script.until("MOVING to 12")
+    return script, shell
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["once", "twice"])
+def test_ctrl_c_ends_within_3_s_also_when_the_console_hangs(again: bool) -> None:
+    script, shell = moving("go", "12", "--wait")
+    try:
+        script.signal(signal.SIGSTOP)
+        shell.send_signal(signal.SIGINT)
+        if again:
+            with pytest.raises(subprocess.TimeoutExpired):
+                shell.wait(1.0)
+            shell.send_signal(signal.SIGTERM)
+        _, err = shell.communicate(timeout=4.0)
+        assert "Traceback" not in err
+        if again:
+            assert shell.returncode == -signal.SIGTERM
+        else:
+            assert shell.returncode == 130
+            assert "the console does not answer; the robot may still be moving" in err
+        script.signal(signal.SIGCONT)
+        script.until("CANCELLED")
+    finally:
+        script.close()
+
+
+def test_with_leave_ctrl_c_leaves_the_goal_running() -> None:
+    script, shell = moving("go", "12", "--wait", "--leave")
+    try:
+        shell.send_signal(signal.SIGINT)
+        shell.communicate(timeout=2.0)
+        assert shell.returncode == 130
+        assert said("wait", "arrived", "--timeout", "0.5").code == 4
+    finally:
+        script.close()
+
+
+@pytest.mark.parametrize(("typed", "code"), [("y\r", 0), ("n\r", 5), ("\x03", 130)])
+def test_what_asks_is_answered_at_the_callers_terminal(
+    typed: str, code: int, terminals: list[Terminal]
+) -> None:
+    script = Script(*SLOW)
+    try:
+        script.type("stop\n")
+        script.until("STOP: confirmed")
+        terminal = Terminal("release")
+        terminals.append(terminal)
+        terminal.until("nothing resumes by itself. [y/N]")
+        terminal.write(typed)
+        assert terminal.exit_code() == code
+        assert said("go", "12").code == (0 if code == 0 else 1)  # else the robot is stopped
+    finally:
+        script.close()
+
+
+def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
+    script = Script(*SLOW)
+    script.type("status\n")
+    script.until("\ngoal No goal yet")
+    shell = client("go", "12", "--wait")
+    script.until("MOVING to 12")
+    script.signal(signal.SIGKILL)
+    _, err = shell.communicate(timeout=DEADLINE)
+    assert shell.returncode == 3
+    assert "the console is gone; the robot may still be moving" in err
+    script.close()
+
+
+def test_the_client_loads_neither_textual_nor_rclpy_nor_yaml_nor_rich() -> None:
+    code = (
+        "import sys; sys.argv = ['archo-tui', 'status', '--line']\n"
+        "from archo_tui.cli import main\nassert main() == 3\n"
+        "heavy = {'textual', 'rclpy', 'yaml', 'rich', 'typing', 'asyncio', 'platformdirs'}\n"
+        "print(sorted(heavy & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

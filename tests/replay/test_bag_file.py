@@ -1,0 +1,560 @@
+"""Bags are read as they were written, by this console and by others; what is none is refused."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from textwrap import dedent
+from typing import Any
+
+import pytest
+from archo_interfaces.msg import BatteryStatus
+from mcap_ros2.writer import Writer as RosWriter
+from rcl_interfaces.msg import Log
+from rclpy.serialization import serialize_message
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+from std_msgs.msg import String
+
+from archo_tui import embedded
+from archo_tui.errors import ArchoError
+from archo_tui.recording import bag
+from archo_tui.recording.bag import type_name
+from archo_tui.recording.definitions import definition
+from archo_tui.recording.ring import Heard
+from archo_tui.replay import chunks, held
+from archo_tui.replay.bag_file import BagFile
+from archo_tui.robot import message_classes
+from tests.replay.bags import (
+    MAGIC,
+    START,
+    channel,
+    chunk,
+    contents,
+    drive,
+    log,
+    logs,
+    message,
+    read,
+    record,
+    schema,
+    words,
+    written,
+)
+
+FEEDBACK = "/move_to_shelf/_action/feedback"
+
+
+def recorded(folder: Path, sent: list[tuple[str, Any]], **attached: str) -> Path:
+    """By this console's own recorder, a tenth of a second apart."""
+    folder.mkdir(exist_ok=True)
+    heard = [Heard(START * 10**9 + n * 10**8, *one) for n, one in enumerate(sent)]
+    bag.write(folder, heard, {"why": "a test"}, **attached)
+    return folder
+
+
+def test_what_this_console_recorded_is_read_back(tmp_path: Path) -> None:
+    sent = drive(60)
+    found = BagFile(recorded(tmp_path / "a", sent, **{"robot.yaml": "name: X\n"}))
+    assert [(one.topic, one.message) for one in read(found)] == sent
+    assert (found.start, found.end, found.counts) == (START, START + 5.9, 60)
+    assert (found.robot, found.faults) == ("name: X\n", [])
+    assert found.types == {
+        "/battery_level": "archo_interfaces/msg/BatteryStatus",
+        FEEDBACK: "archo_interfaces/action/MoveToShelf_FeedbackMessage",
+        "/rosout": "rcl_interfaces/msg/Log",
+        "/parameter_events": "rcl_interfaces/msg/ParameterEvent",
+    }
+
+
+def test_messages_of_a_users_own_interfaces_are_read_back(tmp_path: Path) -> None:
+    depot = pytest.importorskip("depot_interfaces.msg")
+    sample = depot.Sample(i64s=[1, -2, 3], texts=["a", "ü"], wide="w", places=[depot.Vector(x=0.5)])
+    feedback = pytest.importorskip("depot_interfaces.action").GoTo.Impl.FeedbackMessage()
+    sent = [("/sample", sample), ("/charge", depot.Charge(volts=12.5)), ("/feedback", feedback)]
+    found = BagFile(recorded(tmp_path / "a", sent))
+    assert [(one.topic, one.message) for one in read(found)] == sent
+    assert found.faults == []
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4", "none"])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"chunk_size": 500},
+        {"use_chunking": False},
+        {"use_statistics": False, "enable_crcs": False},
+        {"repeat_channels": False, "repeat_schemas": False},
+    ],
+    ids=str,
+)
+def test_every_way_to_pack_messages_is_read(
+    options: dict[str, Any], compression: str, tmp_path: Path
+) -> None:
+    found = BagFile(written(tmp_path / "a.mcap", drive(), compression, **options))
+    assert [(one.topic, one.message) for one in read(found)] == drive()
+    assert (found.start, found.end, found.counts) == (START, START + 5.9, 60)
+    assert (found.robot, found.faults) == ("name: X\n", [])
+
+
+@pytest.mark.parametrize("mode", [CompressionMode.NONE, CompressionMode.STORAGE])
+def test_what_rosbags_wrote_is_read(mode: CompressionMode, tmp_path: Path) -> None:
+    with_types = get_typestore(Stores.ROS2_JAZZY)
+    said = with_types.types["std_msgs/msg/String"]
+    writer = Writer(tmp_path / "a", version=9, storage_plugin=StoragePlugin.MCAP)
+    if mode is not CompressionMode.NONE:
+        writer.set_compression(mode, CompressionFormat.ZSTD)
+    with writer:
+        chatter = writer.add_connection("/chatter", said.__msgtype__, typestore=with_types)
+        logs = writer.add_connection("/rosout", "rcl_interfaces/msg/Log", typestore=with_types)
+        data = with_types.serialize_cdr(said(data="hallo"), said.__msgtype__)
+        writer.write(chatter, START * 10**9, data)
+        writer.write(logs, START * 10**9 + 5, serialize_message(Log(msg="warm", level=30)))
+    found = BagFile(tmp_path / "a")
+    assert [one.message for one in read(found)] == [String(data="hallo"), Log(msg="warm", level=30)]
+    assert found.faults == []
+
+
+def test_a_definition_with_all_that_people_write_is_the_same_type(tmp_path: Path) -> None:
+    given = """
+        # a comment: string x
+        byte DEBUG=10
+        uint8   INFO = 20  # another one
+        string HASH="a # b"
+
+        builtin_interfaces/msg/Time   stamp\t# when
+        uint8 level 3
+        string name "it is"
+        string<=100 msg
+        string file
+        string function
+        uint32 line
+    """
+    given = dedent(given) + "=" * 80
+    given += "\nMSG: builtin_interfaces/Time\n# of a clock\nint32 sec\nuint32 nanosec\n"
+    with open(tmp_path / "a.mcap", "wb") as stream:
+        writer = RosWriter(stream)
+        known = writer.register_msgdef("rcl_interfaces/msg/Log", given.replace("/msg/T", "/T"))
+        values = {"stamp": {"sec": 5, "nanosec": 7}, "level": 20, "name": "n", "msg": "said"}
+        rest = {"file": "f", "function": "g", "line": 3}
+        writer.write_message("/rosout", known, {**values, **rest}, START * 10**9)
+        writer.finish()  # type: ignore[no-untyped-call]
+    found = BagFile(tmp_path / "a.mcap")
+    (one,) = read(found)
+    assert (one.time, one.message.msg, one.message.stamp.nanosec) == (START, "said", 7)
+    assert found.faults == []
+    logs(tmp_path / "b.mcap", schema(2, "rcl_interfaces/msg/Log", given), channel(2, 2, "/more"))
+    assert BagFile(tmp_path / "b.mcap").faults == []
+
+
+def test_each_interface_as_its_file_says_it_is_the_type_that_is_installed(tmp_path: Path) -> None:
+    pytest.importorskip("depot_interfaces")
+    packages = [
+        *(Path(embedded.__file__).parent / "share").iterdir(),
+        *Path("tests/share").iterdir(),
+    ]
+    found = [file for package in packages for file in package.glob("msg/*.msg")]
+    assert len(found) > 40
+    for file in found:
+        type_name = f"{file.parent.parent.name}/msg/{file.stem}"
+        made = message_classes.load(type_name)
+        _, rule, nested = definition(made).partition("=" * 80)
+        parts = schema(2, type_name, file.read_text() + rule + nested) + channel(2, 2, "/other")
+        bag_file = BagFile(logs(tmp_path / "a.mcap", parts))
+        assert bag_file.faults == []
+        assert bag_file.types["/other"] == type_name
+
+
+def test_bounds_are_no_difference_and_fixed_sizes_are(tmp_path: Path) -> None:
+    text = definition(pytest.importorskip("depot_interfaces.msg").Sample)
+    for old, new, faults in (("int16[<=3]", "int16[]", 0), ("int16[2]", "int16[]", 1)):
+        assert old in text
+        known = schema(2, "depot_interfaces/msg/Sample", text.replace(old, new))
+        found = BagFile(logs(tmp_path / "a.mcap", known, channel(2, 2, "/other")))
+        assert len(found.faults) == faults
+
+
+def test_names_without_a_package_are_of_the_message_around_them(tmp_path: Path) -> None:
+    pytest.importorskip("depot_interfaces")
+    rule = "=" * 80
+    given = (
+        f"string frame_id\nPose pose\n{rule}\nMSG: depot_interfaces/msg/Pose\n"
+        f"Vector position\ndepot_interfaces/msg/Quaternion orientation\n{rule}\n"
+        f"MSG: depot_interfaces/Vector\nfloat64 x\nfloat64 y\nfloat64 z\n{rule}\n"
+        "MSG: depot_interfaces/Quaternion\nfloat64 x\nfloat64 y\nfloat64 z\nfloat64 w 1.0\n"
+    )
+    logs(tmp_path / "a.mcap", schema(2, "depot_interfaces/msg/PoseStamped", given))
+    with open(tmp_path / "a.mcap", "r+b") as file:
+        file.seek(-13, os.SEEK_END)
+        file.write(channel(2, 2, "/pose"))
+    assert BagFile(tmp_path / "a.mcap").types["/pose"] == "depot_interfaces/msg/PoseStamped"
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("uint32 line", "int32 line"),
+        ("uint32 line", "uint32 number"),
+        ("uint32 line", "uint32[] line"),
+        ("uint32 line", "uint32 line\nbool more"),
+        ("uint8 level\nstring name", "string name\nuint8 level"),
+        ("int32 sec", "int64 sec"),
+        ("MSG: builtin_interfaces/Time", "MSG: builtin_interfaces/Clock"),
+        ("builtin_interfaces/Time stamp", "builtin_interfaces/Duration stamp"),
+    ],
+)
+def test_a_type_with_other_fields_is_left_out(old: str, new: str, tmp_path: Path) -> None:
+    text = definition(Log)
+    assert old in text
+    other = schema(2, "rcl_interfaces/msg/Log", text.replace(old, new)) + channel(2, 2, "/other")
+    sent = message(1, START, log("same")), message(2, START, log("other"))
+    found = BagFile(logs(tmp_path / "a.mcap", other, *sent))
+    assert [one.topic for one in read(found)] == ["/rosout"]
+    said = "/other: left out: rcl_interfaces/msg/Log has other fields here than in the file"
+    assert found.faults == [said]
+    assert set(found.types) == {"/rosout"}
+
+
+@pytest.mark.parametrize(
+    ("parts", "fault"),
+    [
+        (
+            schema(2, "sea_msgs/msg/Wave", "float32 height") + channel(2, 2, "/other"),
+            "/other: left out: sea_msgs/msg/Wave is not installed here",
+        ),
+        (
+            schema(2, "rcl_interfaces/msg/Log", definition(Log)) + channel(2, 2, "/other", "json"),
+            "/other: left out: encoded as json, not cdr",
+        ),
+        (channel(2, 9, "/other"), "/other: left out: its type is not named"),
+        (
+            schema(2, "std_msgs/msg/String", "string data") + channel(2, 2, "/rosout"),
+            "/rosout: left out: std_msgs/msg/String, where rcl_interfaces/msg/Log came before",
+        ),
+    ],
+)
+def test_a_topic_that_cannot_be_read_is_said_once_and_left_out(
+    parts: bytes, fault: str, tmp_path: Path
+) -> None:
+    sent = [message(n % 2 + 1, START + n, log(str(n))) for n in range(10)]
+    found = BagFile(logs(tmp_path / "a.mcap", parts, *sent))
+    assert words(found) == ["0", "2", "4", "6", "8"]
+    assert found.faults == [fault]
+    assert found.counts == 10
+
+
+def test_a_definition_in_another_language_is_not_compared_and_that_is_said(tmp_path: Path) -> None:
+    other = schema(2, "rcl_interfaces/msg/Log", "module {}", "ros2idl") + channel(2, 2, "/other")
+    found = BagFile(logs(tmp_path / "a.mcap", other, message(2, START, log("words"))))
+    assert [one.message.msg for one in read(found)] == ["words"]
+    said = "/other: its definition is not compared: read as rcl_interfaces/msg/Log here"
+    assert found.faults == [said]
+
+
+def test_messages_that_cannot_be_read_are_counted_by_topic_and_once(tmp_path: Path) -> None:
+    data = [log("a"), b"", b"\x00\x01\x00\x00\xff", log("b")[:-6], log("c")]
+    found = BagFile(
+        logs(tmp_path / "a.mcap", *(message(1, START + n, one) for n, one in enumerate(data)))
+    )
+    for _ in range(2):
+        assert words(found) == ["a", "c"]
+    (fault,) = found.faults
+    assert fault.startswith("/rosout: messages that cannot be read: 3 (")
+
+
+def test_only_what_is_wanted_comes_and_only_of_that_time(tmp_path: Path) -> None:
+    found = BagFile(written(tmp_path / "a.mcap", drive(), chunk_size=500))
+    some = list(found.messages(START + 1.0, START + 2.0, {"/rosout", "/nothing"}))
+    assert [one.time for one in some] == pytest.approx([START + 1.0, START + 1.4, START + 1.8])
+    assert {one.topic for one in some} == {"/rosout"}
+    assert list(found.messages(START + 7, START + 9, {"/rosout"})) == []
+    assert list(found.messages(START + 2, START + 1, {"/rosout"})) == []
+    assert [one.time for one in found.messages(found.end, found.end, found.types)] == [found.end]
+
+
+def test_messages_come_in_the_order_of_time_and_else_of_the_file(tmp_path: Path) -> None:
+    times = [5, 3, 3, 9, 1, 3]
+    sent = [message(1, time, log(f"{time}.{n}")) for n, time in enumerate(times)]
+    packed = [chunk(b"".join(sent[:2]), start=3), chunk(b"".join(sent[2:]), start=1)]
+    for name, parts in {"a": sent, "b": packed}.items():
+        found = BagFile(logs(tmp_path / f"{name}.mcap", *parts))
+        said = words(found)
+        assert [one[0] for one in said] == ["1", "3", "3", "3", "5", "9"]
+        assert said == sorted(said, key=lambda one: one[0])
+        (first,) = found.messages(0.0, 2e-9, {"/rosout"})
+        assert first.message.msg == "1.4"
+    assert words(BagFile(tmp_path / "a.mcap"))[1:4] == ["3.1", "3.2", "3.5"]
+
+
+def test_a_bag_of_several_files_is_one(tmp_path: Path) -> None:
+    sent = drive(20)
+    recorded(tmp_path / "a", sent[:8])
+    written(tmp_path / "a" / "later_1.mcap", drive(4))
+    recorded(tmp_path / "b", [], **{"robot.yaml": "name: Y\n"})
+    (tmp_path / "b" / "recording_0.mcap").rename(tmp_path / "a" / "z.mcap")
+    (tmp_path / "a" / ".hidden.mcap").write_bytes(b"no bag")
+    (tmp_path / "a" / "broken.mcap").write_bytes(b"no bag")
+    found = BagFile(tmp_path / "a")
+    assert (found.counts, len(read(found)), found.robot) == (12, 12, "name: X\n")
+    times = [one.time for one in read(found)]
+    assert times == sorted(times)
+    (fault,) = found.faults
+    assert fault.endswith("broken.mcap: not a bag: give a .mcap file, or a folder with some")
+
+
+def test_without_its_metadata_and_by_its_file_a_bag_is_the_same(tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "a", drive())
+    (folder / bag.METADATA).unlink()
+    (file,) = folder.iterdir()
+    assert contents(folder) == contents(file) == drive()
+
+
+def test_a_bag_without_messages_is_one(tmp_path: Path) -> None:
+    found = BagFile(recorded(tmp_path / "a", []))
+    assert (found.start, found.end, found.counts, found.types) == (0.0, 0.0, 0, {})
+    assert read(found) == []
+    assert found.faults == []
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4", "none"])
+@pytest.mark.parametrize("options", [{"chunk_size": 500}, {}, {"use_chunking": False}], ids=str)
+def test_a_file_that_is_cut_off_gives_what_stands_before(
+    options: dict[str, Any], compression: str, tmp_path: Path
+) -> None:
+    data = written(tmp_path / "a.mcap", drive(), compression, **options).read_bytes()
+    sent, counts = drive(), list[int]()
+    for part in range(1, 51):
+        (tmp_path / "b.mcap").write_bytes(data[: len(data) * part // 50])
+        found = BagFile(tmp_path / "b.mcap")
+        some = [(one.topic, one.message) for one in read(found)]
+        assert some == sent[: len(some)]
+        if found.counts < 60:
+            (fault,) = found.faults
+            assert "cut off or damaged after" in fault
+        counts.append(len(some))
+    assert counts == sorted(counts)
+    assert counts[-1] == 60
+    if options or compression == "none":  # of which each message stands for itself
+        assert len(set(counts)) > 10
+
+
+def without_summary(path: Path) -> Path:
+    """As a writer that was killed leaves it."""
+    data = path.read_bytes()
+    path.write_bytes(data[: data.rindex(record(15, bytes(4)))])
+    return path
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_no_chunk_is_opened_to_know_what_a_bag_holds(
+    cut: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = written(tmp_path / "a.mcap", drive(200), chunk_size=2000)
+    if cut:
+        without_summary(path)
+    opened, unpacked = list[int](), chunks.unpacked
+
+    def counted(content: bytes, *given: Any, **more: Any) -> bytes:
+        opened.append(len(content))
+        return unpacked(content, *given, **more)
+
+    monkeypatch.setattr("archo_tui.replay.walk.unpacked", counted)
+    found = BagFile(path)
+    assert (found.start, found.end, found.counts) == (START, START + 19.9, 200)
+    assert len(found.types) == 4
+    assert len(opened) == (2 if cut else 0)  # where the channels are described
+    before = len(opened)
+    assert len(list(found.messages(START + 9, START + 9.1, found.types))) == 2
+    assert len(opened) == before + 1
+
+
+def test_a_summary_that_is_damaged_is_not_believed(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.mcap", drive(), chunk_size=2000)
+    data = bytearray(path.read_bytes())
+    at = data.rindex(b"/rosout")
+    data[at : at + 7] = b"/rotten"
+    path.write_bytes(data)
+    assert contents(path) == drive()
+    assert BagFile(path).faults == []
+
+
+def test_a_damaged_chunk_is_left_out_alone(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.mcap", drive(), "none", chunk_size=1000)
+    data = path.read_bytes().replace(b"Low battery: 20 %", b"Low battery: 99 %")
+    path.write_bytes(data)
+    found = BagFile(path)
+    some = [(one.topic, one.message) for one in read(found)]
+    assert 40 < len(some) < 60
+    assert all(one in drive() for one in some)
+    (fault,) = found.faults
+    assert fault.startswith("a.mcap: the chunk at ")
+    assert fault.endswith(" bytes: damaged")
+
+
+@pytest.mark.parametrize("compression", ["zstd", "lz4"])
+def test_where_the_package_to_unpack_is_missing_that_is_said(
+    compression: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = written(tmp_path / "a.mcap", drive(), compression)
+    package = {"zstd": "zstandard", "lz4": "lz4"}[compression]
+    monkeypatch.setitem(sys.modules, {"zstd": "zstandard", "lz4": "lz4.frame"}[compression], None)
+    found = BagFile(path)
+    assert read(found) == []
+    (fault,) = found.faults
+    assert fault.endswith(f": compressed: pip install {package} reads it")
+
+
+def test_a_robot_file_that_is_damaged_or_large_is_left_out(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.mcap", drive())
+    path.write_bytes(path.read_bytes().replace(b"name: X\n", b"name: Y\n"))
+    found = BagFile(path)
+    assert (found.robot, found.faults) == ("", ["a.mcap: robot.yaml is left out: damaged"])
+    found = BagFile(recorded(tmp_path / "b", drive(4), **{"robot.yaml": "#" * 1_000_001}))
+    assert found.robot == ""
+    assert found.faults == ["recording_0.mcap: robot.yaml is left out: larger than 1 MB"]
+
+
+def test_more_messages_than_are_held_at_a_time_are_left_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = written(tmp_path / "a.mcap", drive(), chunk_size=500)
+    with monkeypatch.context() as patch:
+        patch.setattr(held, "MOST_MESSAGES", 10)
+        found = BagFile(path)
+        assert [(one.topic, one.message) for one in read(found)] == drive()[:10]
+        said = "more than 10 messages or 100 MB at a time: the rest is left out"
+        assert found.faults == [said]
+    monkeypatch.setattr(held, "MOST_BYTES", 500)
+    assert 0 < len(read(BagFile(path))) < 20
+
+
+def test_messages_without_chunks_are_read_in_parts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("archo_tui.replay.walk._STRETCH", 500)
+    monkeypatch.setattr("archo_tui.replay.walk.LARGEST", 2000)
+    path = written(tmp_path / "a.mcap", drive(), "none", use_chunking=False)
+    assert contents(path) == drive()
+
+
+def nothing(path: Path) -> None:
+    """Is there."""
+
+
+def folder(*names: str) -> Any:
+    def make(path: Path) -> None:
+        path.mkdir()
+        for name in names:
+            (path / name).write_bytes(b"x")
+
+    return make
+
+
+def holds(data: bytes) -> Any:
+    return lambda path: path.write_bytes(data)
+
+
+NO_BAG = "not a bag: give a .mcap file, or a folder with some"
+CONVERT = "an SQLite bag: `ros2 bag convert` makes an MCAP of it"
+UNPACK = "compressed as a whole: unpack it (zstd -d FILE) and give what comes out"
+ROS1 = "a ROS 1 bag: `rosbags-convert` makes a ROS 2 bag of it"
+
+
+@pytest.mark.parametrize(
+    ("make", "why"),
+    [
+        (nothing, "was not found: give the folder of a bag, or a .mcap file"),
+        (holds(b""), "it is empty: nothing was recorded in it"),
+        (folder(), "no .mcap file is in it: give the folder of a bag"),
+        (folder("notes.txt"), "no .mcap file is in it: give the folder of a bag"),
+        (folder("metadata.yaml", "a_0.db3"), CONVERT),
+        (holds(b"SQLite format 3\0" + bytes(100)), CONVERT),
+        (folder("metadata.yaml", "a_0.mcap.zstd"), UNPACK),
+        (holds(b"\x28\xb5\x2f\xfd" + bytes(100)), UNPACK),
+        (folder("a.bag"), ROS1),
+        (holds(b"#ROSBAG V2.0\n"), ROS1),
+        (holds(b"name: X\n" * 9), NO_BAG),
+        (holds(MAGIC.replace(b"0", b"1") + bytes(99)), "MCAP of another version"),
+        (holds(MAGIC[:5]), "cut off in its first bytes: nothing of it can be read"),
+        (lambda path: os.mkfifo(path), "not a regular file"),
+        (lambda path: path.symlink_to(path), "Too many levels of symbolic links"),
+        (lambda path: path.symlink_to("/dev/zero"), "not a regular file"),
+    ],
+)
+@pytest.mark.posix
+def test_what_is_no_bag_is_refused_in_one_line(make: Any, why: str, tmp_path: Path) -> None:
+    make(tmp_path / "a.mcap")
+    with pytest.raises(ArchoError) as caught:
+        BagFile(tmp_path / "a.mcap")
+    assert str(caught.value).startswith(f"{tmp_path / 'a.mcap'}")
+    assert why in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_name_that_no_file_can_have_is_refused(tmp_path: Path) -> None:
+    for name in ("a\0b", "a" * 5000):
+        with pytest.raises(ArchoError):
+            BagFile(tmp_path / name)
+
+
+def test_a_bag_that_may_not_be_read_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = written(tmp_path / "a.mcap", drive())
+
+    def refuse(*_: Any) -> int:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr("archo_tui.replay.bag_paths.open_regular", refuse)
+    with pytest.raises(ArchoError, match=r"a\.mcap: Permission denied"):
+        BagFile(path)
+
+
+@pytest.mark.parametrize(
+    ("profile", "encoding", "why"),
+    [
+        ("ros1", "ros1", "a ROS 1 bag"),
+        ("", "json", "its messages are encoded as json, those of a ROS 2 bag as cdr"),
+        ("drone", "", "its messages are encoded as nothing known"),
+    ],
+)
+def test_files_of_other_systems_are_refused(
+    profile: str, encoding: str, why: str, tmp_path: Path
+) -> None:
+    path = written(tmp_path / "a.mcap", drive(), profile=profile, encoding=encoding)
+    with pytest.raises(ArchoError, match=why):
+        BagFile(path)
+
+
+def test_a_disk_that_fails_is_said_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = written(tmp_path / "a.mcap", drive())
+
+    def fail(*_: Any) -> bytes:
+        raise OSError(5, "Input/output error")
+
+    found = BagFile(path)
+    with monkeypatch.context() as patch:
+        patch.setattr("archo_tui.replay.held.read", fail)
+        assert read(found) == []
+    assert found.faults == ["a.mcap: Input/output error"]
+    with monkeypatch.context() as patch:
+        patch.setattr("archo_tui.replay.bag_file.read_summary", fail)
+        assert BagFile(path).faults == ["a.mcap: Input/output error: the rest is left out"]
+
+
+def test_a_file_that_goes_while_it_is_read_is_a_fault(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.mcap", drive())
+    found = BagFile(path)
+    path.unlink()
+    assert read(found) == []
+    assert "was not found" in found.faults[0]
+
+
+def test_a_profile_of_nobody_with_messages_of_ros_2_is_read(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.mcap", [("/b", BatteryStatus(percentage=5.0))], profile="")
+    assert contents(path) == [("/b", BatteryStatus(percentage=5.0))]
+    assert BagFile(path).types == {"/b": type_name(BatteryStatus)}

@@ -1,0 +1,164 @@
+"""`archo-tui replay`: which recording is meant, its story as text, and what is said of others."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+from rcl_interfaces.msg import Log
+from std_msgs.msg import String
+
+from archo_tui import cli
+from archo_tui.clock import time_of_day
+from archo_tui.paths import state_file
+from archo_tui.recording import bag, store
+from archo_tui.recording.ring import Heard
+from archo_tui.recording.witness import JOURNAL, STATE
+from archo_tui.replay.bag_file import BagFile
+from archo_tui.replay.found import path_of, robot_of
+from archo_tui.replay.text import lines
+from tests.replay.recorded import written
+from tests.replay.test_others_bags import BEGIN, drain
+from tests.support import chosen
+from tests.support.console import LONG, console
+
+pytestmark = pytest.mark.skipif(
+    chosen.ENGINE != "embedded", reason="a replay has the embedded engine, whatever recorded it"
+)
+
+
+async def test_the_story_is_told_line_by_line() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("MOVING to 12")
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        path = await written(op)
+    bag_file = BagFile(path)
+    head, *told = lines(bag_file, robot_of(bag_file, ""))
+    assert head.startswith(f"{path.name}: ARCHO, 2023-11-14 22:13:20, ")
+    said = [line.partition("  ")[2] for line in told]
+    for wanted in (
+        "YOU console: go to shelf 12: accepted",
+        "WARN motor_controller: Emergency stop",
+        "YOU console: STOP: confirmed",
+        "▲ MED: STOPPED: look for the cause",
+    ):
+        assert said.count(wanted) == 1
+    assert said.index("YOU console: go to shelf 12: accepted") < said.index(
+        "YOU console: STOP: confirmed"
+    )
+
+
+@pytest.mark.parametrize("silence", [60, 30_000])
+def test_contact_that_was_lost_between_two_messages_is_told(silence: int, tmp_path: Path) -> None:
+    heard = [one for one in drain(seconds=20) if one.topic != "/rosout"]
+    heard += [one._replace(time=one.time + (20 + silence) * 10**9) for one in heard]
+    bag.write(tmp_path, heard, {})
+    found = BagFile(tmp_path)
+    _, *told = lines(found, robot_of(found, ""))
+    lost, over = time_of_day(BEGIN + 23), time_of_day(BEGIN + 20 + silence + 1)
+    assert told == [
+        f"{lost}  ✗ HIGH: CONTACT LOST for 4 s: the robot may still be moving",
+        f"{over}  over: contact lost",
+    ]
+
+
+async def test_without_a_name_the_newest_is_meant() -> None:
+    async with console(*LONG) as op:
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        await written(op)
+    path = store.listed(state_file("recordings"))[-1].folder  # more may be written at its end
+    older = path.with_name("an_older_one")
+    shutil.copytree(path, older)
+    said = (older / "metadata.yaml").read_text(encoding="utf-8")
+    (older / "metadata.yaml").write_text(said.replace("17000000", "16000000"), encoding="utf-8")
+    assert path_of("") == path
+    assert path_of("an_older_one") == older
+    assert path_of(str(older)) == older
+
+
+def test_an_event_behind_one_with_a_high_number_is_told(tmp_path: Path) -> None:
+    begin = 1_700_000_000
+    line = {
+        **{"time": begin - 9.0, "level": "INFO", "source": "dashboard", "text": "as always"},
+        **{"command": "", "count": 7, "first": begin - 60.0, "number": 5321},
+    }
+    said = String(data=json.dumps({"events": [line]}))
+    messages = [
+        (0, STATE, said),
+        (1, "/rosout", Log(level=20, name="dashboard", msg="as always")),
+        (2, JOURNAL, Log(level=20, name="console", msg="YOU: STOP: confirmed")),
+    ]
+    heard = [Heard((begin + at) * 10**9, topic, one) for at, topic, one in messages]
+    bag.write(tmp_path, heard, {})
+    bag_file = BagFile(tmp_path)
+    told = list(lines(bag_file, robot_of(bag_file, "")))
+    assert told[-1].endswith("YOU console: STOP: confirmed")
+
+
+def test_the_robot_is_as_the_recording_says_unless_another_file_is_given(tmp_path: Path) -> None:
+    folder = tmp_path / "bag"
+    folder.mkdir()
+    text = "name: RECORDED\nbattery: {topic: x, types: {std_msgs/msg/Float32: {percentage: data}}}"
+    bag.write(folder, drain(seconds=2), {}, **{"robot.yaml": text})
+    assert robot_of(BagFile(folder), "").name == "RECORDED"
+    other = tmp_path / "other.yaml"
+    other.write_text(text.replace("RECORDED", "OTHER"), encoding="utf-8")
+    assert robot_of(BagFile(folder), str(other)).name == "OTHER"
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ([], "no recordings in "),
+        (["nothing"], "no recordings in "),
+        (["/nowhere/at/all"], "/nowhere/at/all"),
+        (["n" * 300], "no recordings in "),
+        (["/" + "n" * 300], "File name too long"),
+    ],
+)
+def test_what_is_not_there_is_one_line(
+    given: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["replay", "--text", *given]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+    assert err.count("\n") == 1
+
+
+def test_a_bag_without_a_message_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag.write(tmp_path, [], {})
+    assert cli.main(["replay", "--text", str(tmp_path)]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err == f"archo-tui: {tmp_path}: no message is in it\n"
+
+
+def test_without_a_terminal_there_is_the_text(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["replay"]) == 2
+    assert capsys.readouterr().err.endswith("run archo-tui in one, or use --text\n")
+
+
+def test_a_name_that_is_wrong_says_where_the_names_are(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    folder = state_file("recordings") / "one"
+    folder.mkdir(parents=True)
+    bag.write(folder, drain(seconds=2), {})
+    assert cli.main(["replay", "--text", "two"]) == 2
+    assert "no recording is called two (see archo-tui recordings)" in capsys.readouterr().err
+
+
+def test_a_robot_file_in_it_that_is_wrong_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bag.write(tmp_path, drain(seconds=2), {}, **{"robot.yaml": "name: [\n"})
+    assert cli.main(["replay", "--text", str(tmp_path)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1

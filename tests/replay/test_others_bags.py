@@ -1,0 +1,258 @@
+"""Bags that this console did not write, and recordings that say nonsense."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from archo_interfaces.msg import BatteryStatus, MotorStatus
+from rcl_interfaces.msg import Log
+from std_msgs.msg import String
+
+from archo_tui.recording import bag
+from archo_tui.recording.ring import Heard
+from archo_tui.recording.witness import JOURNAL, STATE
+from archo_tui.replay.bag_file import BagFile, Said
+from archo_tui.replay.player import Player
+from archo_tui.robot_file import load
+from tests.replay.recorded import replay
+from tests.support.stub import StandingClock
+from tests.support.waiting import DEADLINE, wait_until
+
+BEGIN = 1_700_000_000
+HELD = 600  # messages of a slow bag that are read at once
+EVENT = {
+    "time": BEGIN,
+    "level": "WARN",
+    "source": "motor",
+    "text": "hot",
+    "command": "",
+    "count": 2,
+    "first": BEGIN,
+    "number": 1,
+}
+GOAL = {
+    "kind": {"id": "go", "title": "Go", "action": "move_to_shelf", "type": "x/action/Y"},
+    "fields": {"shelf_number": 12},
+    "phase": "MOVING",
+    "sent": BEGIN,
+    "time": BEGIN,
+}
+
+
+def drain(namespace: str = "", seconds: int = 60) -> list[Heard]:
+    """A battery that falls from 30 % by half a percent a second; a motor that stands."""
+    heard = []
+    for second in range(seconds):
+        at = (BEGIN + second) * 10**9
+        level = BatteryStatus(percentage=30.0 - second / 2, voltage=22.0)
+        heard.append(Heard(at, f"{namespace}/battery_level", level))
+        heard.append(Heard(at + 1, f"{namespace}/motor_status", MotorStatus(encoder_ticks=second)))
+    name = f"{namespace.lstrip('/')}.dashboard".lstrip(".")
+    heard.append(Heard((BEGIN + 30) * 10**9, "/rosout", Log(level=30, name=name, msg="Low")))
+    return sorted(heard, key=lambda one: one.time)
+
+
+@pytest.mark.parametrize("namespace", ["", "/hall/two"])
+async def test_a_bag_of_the_robots_topics_is_shown_with_its_alarms(
+    namespace: str, tmp_path: Path
+) -> None:
+    bag.write(tmp_path, drain(namespace), {})
+    async with replay(tmp_path / "recording_0.mcap") as watcher:
+        await watcher.show(BEGIN + 10.5)
+        assert "25.0 %" in watcher.text
+        assert "10 ticks" in watcher.text
+        assert "LOW BATTERY" not in watcher.text
+        await watcher.show(BEGIN + 40.5)
+        assert "LOW BATTERY 10.0 %: dock the robot" in watcher.text
+        assert "WARN" in watcher.text
+        low = BEGIN + 24.0  # below 20 % at 21, seen in the next second, and 2 s of it
+        assert watcher.app.view.alarms[0].since == low
+        await watcher.press("home", "n")
+        assert watcher.player.position == low
+        await watcher.press("left", "left", "left", "left")
+        assert "LOW BATTERY" not in watcher.text
+
+
+async def test_silence_in_a_bag_is_lost_contact(tmp_path: Path) -> None:
+    late = Heard((BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late"))
+    bag.write(tmp_path, [*drain(seconds=5), late], {})
+    async with replay(tmp_path) as watcher:
+        await watcher.show(BEGIN + 20.0)
+        assert "CONTACT LOST for 16 s" in watcher.text
+
+
+async def test_a_silence_looked_at_from_its_end_to_its_begin_was_no_longer(tmp_path: Path) -> None:
+    late = Heard((BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late"))
+    bag.write(tmp_path, [*drain(seconds=5), late], {})
+    async with replay(tmp_path) as watcher:
+        await watcher.show(BEGIN + 20.0)
+        await watcher.show(BEGIN + 5.5)
+        assert "CONTACT LOST" not in watcher.text
+        assert watcher.app.view.alarms == ()
+        await watcher.show(BEGIN + 8.0)
+        assert "CONTACT LOST for 4 s" in watcher.text
+
+
+class SlowBag(BagFile):
+    """It stops in the midst of reading."""
+
+    go_on = threading.Event()
+
+    def messages(self, *given: Any) -> Iterator[Said]:
+        for number, said in enumerate(super().messages(*given)):
+            if number == HELD:
+                self.go_on.wait(DEADLINE)
+            yield said
+
+
+def test_of_what_is_not_read_yet_nothing_is_said(tmp_path: Path) -> None:
+    bag.write(tmp_path, drain(seconds=600), {})
+    bag_file = SlowBag(tmp_path)
+    player = Player(bag_file, load.load(load.default()), StandingClock())
+    player.go_to(BEGIN + 9.5)
+    wait_until(lambda: not player.is_reading)
+    assert player.view().snapshot.battery.percentage == 25.5
+    player.go_to(BEGIN + 500.5)
+    assert player.is_reading
+    view = player.view()
+    assert view.snapshot.battery.percentage is None
+    assert view.alarms == ()
+    bag_file.go_on.set()
+    wait_until(lambda: not player.is_reading)
+    assert player.view().snapshot.motion.count == 500
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        "",
+        "{",
+        "[" * 100_000,
+        "null",
+        '"text"',
+        json.dumps({"nodes": 7}),
+        json.dumps({"goal": {"kind": "go"}}),
+        json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": "now"}]}),
+        json.dumps({"hosted": [{"name": "/x", "life": "FLYING"}]}),
+        json.dumps({"alarms": [{"name": "of another kind", "text": "x", "since": 1.0}]}),
+        json.dumps({"parameters": [{"node": "/n", "name": "p", "type": "double", "value": {}}]}),
+        json.dumps({"charge": [["a", "b"]]}),
+        json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": 1e308}]}),
+        json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": math.nan}]}),
+        json.dumps({"alarms": [{"name": "stopped", "text": "x", "since": 1, "until": -1e18}]}),
+        json.dumps({"nodes": [{"name": "/n", "heard": math.inf}]}),
+        json.dumps({"paces": {"/t": {"heard": math.nan}}}),
+        json.dumps({"charge": [[1e308, 50.0]]}),
+        json.dumps({"open_stop": {"asked": math.inf}}),
+        json.dumps({"hosted": [{"name": "/x", "saved": 2**62}]}),
+        json.dumps({"events": [{**EVENT, "time": 1e308}]}),
+        json.dumps({"events": [{**EVENT, "first": math.nan}]}),
+        json.dumps({"goal": {**GOAL, "sent": 1e308}}),
+        json.dumps({"history": [{**GOAL, "phase": "ARRIVED", "time": -math.inf}]}),
+        json.dumps({"unknown": {"since": "tomorrow"}}),
+    ],
+)
+async def test_a_state_that_says_nonsense_is_counted_and_the_rest_is_shown(
+    said: str, tmp_path: Path
+) -> None:
+    odd: Any = Heard(BEGIN * 10**9 + 5, STATE, String(data=said))
+    bag.write(tmp_path, [*drain(), odd], {})
+    async with replay(tmp_path) as watcher:
+        await watcher.show(BEGIN + 10.5)
+        assert "25.0 %" in watcher.text
+        assert ("1 messages are unreadable" in watcher.text) == ("unknown" not in said)
+
+
+async def test_where_no_state_can_be_read_alarms_are_looked_for(tmp_path: Path) -> None:
+    odd = String(data=json.dumps({"goal": {"phase": "FLYING"}}))
+    bag.write(tmp_path, [*drain(), Heard(BEGIN * 10**9 + 5, STATE, odd)], {})
+    async with replay(tmp_path) as watcher:
+        await watcher.show(BEGIN + 40.5)
+        assert "LOW BATTERY 10.0 %" in watcher.text
+
+
+async def test_a_text_with_escapes_changes_no_terminal(tmp_path: Path) -> None:
+    said = json.dumps({"nodes": [{"name": "/evil\x1b]0;owned\x07"}], "namespace": "/"})
+    bag.write(tmp_path, [*drain(), Heard(BEGIN * 10**9, STATE, String(data=said))], {})
+    async with replay(tmp_path) as watcher:
+        await watcher.show(BEGIN + 1.0)
+        assert "evil" in watcher.text
+        assert "\x1b]0" not in watcher.text
+
+
+async def test_a_command_that_is_copied_is_one_line(tmp_path: Path) -> None:
+    """It is pasted into a shell."""
+    said = Log(level=20, name="console", msg="YOU: moved", function="ros2 topic list\nrm x\x1b[A")
+    bag.write(tmp_path, [*drain(), Heard((BEGIN + 5) * 10**9, JOURNAL, said)], {})
+    async with replay(tmp_path) as watcher:
+        await watcher.show(BEGIN + 10.5)
+        (event,) = (one for one in watcher.app.view.snapshot.events if one.level == "YOU")
+        assert event.command.startswith("ros2 topic list")
+        assert event.command.isprintable()
+
+
+def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Path) -> None:
+    hours = drain(seconds=1)
+    hours += [one._replace(time=one.time + 7200 * 10**9) for one in drain(seconds=3)]
+    bag.write(tmp_path, hours, {})
+    player = Player(BagFile(tmp_path), load.load(load.default()), StandingClock())
+    wait_until(lambda: player.is_whole)
+    assert player.snapshot().battery.percentage == 30.0
+    player.go_to(player.end)
+    wait_until(lambda: not player.is_reading)
+    assert player.snapshot().battery.percentage == 29.0
+    player.go_to(player.start)
+    wait_until(lambda: not player.is_reading)
+    assert player.snapshot().battery.percentage == 30.0
+
+
+async def test_what_only_this_console_records_is_not_there(tmp_path: Path) -> None:
+    bag.write(tmp_path, drain(), {})
+    async with replay(tmp_path, (160, 48)) as watcher:
+        await watcher.show(BEGIN + 10.5)
+        assert watcher.text.count("-- none recorded") == 3  # nodes, graph, parameters
+        assert "not recorded" in watcher.text.replace("-- none recorded", "")  # goals
+        assert "waiting" not in watcher.text
+
+
+def test_states_that_differ_all_are_put_back_as_they_were(tmp_path: Path) -> None:
+    heard = drain(seconds=600)
+    for second in range(600):
+        said = json.dumps({"namespace": "/", "consoles": [f"anna_{second}"]})
+        heard.append(Heard((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
+    bag.write(tmp_path, sorted(heard, key=lambda one: one.time), {})
+    player = Player(BagFile(tmp_path), load.load(load.default()), StandingClock())
+    wait_until(lambda: player.is_whole)
+    for second in (599, 3, 250, 251, 0, 400):
+        player.go_to(BEGIN + second + 0.5)
+        assert player.snapshot().consoles == (f"anna_{second}",)
+
+
+def test_it_plays_on_behind_the_hour_that_is_held_and_jumps_while_it_plays(tmp_path: Path) -> None:
+    hours = [one for h in (0, 1, 2) for one in drain(seconds=60)]
+    hours = [
+        one._replace(time=one.time + (number // 121) * 3590 * 10**9)
+        for number, one in enumerate(hours)
+    ]
+    bag.write(tmp_path, hours, {})
+    clock = StandingClock()
+    player = Player(BagFile(tmp_path), load.load(load.default()), clock)
+    wait_until(lambda: player.is_whole)
+    player.go_to(player.start + 3595.0)
+    player.play(on=True)
+    for _ in range(10):
+        clock.passed += 1.0
+        player.look()
+        wait_until(lambda: not player.is_reading)
+    assert player.position > player.start + 3600.0
+    player.go_to(player.start + 7190.0)  # into what is not read yet
+    player.look()
+    assert player.position == player.start + 7190.0
+    wait_until(lambda: not player.is_reading)
+    assert player.snapshot().battery.percentage is not None

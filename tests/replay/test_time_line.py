@@ -1,0 +1,178 @@
+"""The keys of a replay: where it goes, and that nothing in it acts."""
+
+from __future__ import annotations
+
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+from textual.widgets import Button
+
+from archo_tui.commands import registry
+from archo_tui.commands.base import NOT_TYPING
+from archo_tui.commands.palette import choices
+from archo_tui.widgets.board import Board
+from archo_tui.widgets.field import Field
+from tests.replay.recorded import Watcher, replay, written
+from tests.support import clock
+from tests.support.archo import ARCHO
+from tests.support.console import BRISK, click, console
+
+BEGIN = 1_700_000_000.0
+# what a console does and a replay does not; what is new has to find its room here, or there
+ACTS = {
+    *("go", "cancel", "cancel_all", "continue", "skip", "give_up_stop", "release", "send_goal"),
+    *("call", "keep_robot", "ack", "edit", "restore", "switch", "undo", "load", "start_stop"),
+    *("copy", "keep", "recordings", "quiet_alarms", "charge", "reset"),
+}
+
+
+@pytest.fixture
+async def drive() -> Path:
+    """To a shelf in 1.5 s, and a STOP."""
+    async with console(*BRISK) as op:
+        await op.press("g", *"12", "enter")
+        await op.until("✓ ARRIVED")
+        await op.at(clock.seconds() + 1.0)
+        await op.press("ctrl+x")
+        await op.until("STOPPED: look for the cause")
+        return await written(op)
+
+
+def at(watcher: Watcher) -> float:
+    """s since the begin of the recording."""
+    return round(watcher.player.position - watcher.player.start, 3)
+
+
+async def test_it_cannot_be_mistaken_for_the_robot(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        begin = datetime.fromtimestamp(watcher.player.start)
+        assert f"REPLAY {begin:%Y-%m-%d %H:%M:%S}" in watcher.text
+        assert not [one for one in watcher.app.main.query(Button) if one.region]
+        assert not [one for one in watcher.app.main.query(Field) if one.region]
+        for word in ("  Go  ", "Cancel", "STOP ", "r reset", "^x stop", "c charge", "tab board"):
+            assert word not in watcher.text
+        await watcher.press("ctrl+x")
+        assert "REPLAY: nothing was stopped" in watcher.text
+
+
+async def test_keys_of_the_time_line_move_it(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        assert at(watcher) == 0.0
+        end = round(watcher.player.end - watcher.player.start, 3)
+        for key, place in (
+            *(("right", 1.0), ("right", 2.0), ("left", 1.0), ("left", 0.0), ("left", 0.0)),
+            *(("end", end), ("shift+left", max(end - 10, 0.0)), ("home", 0.0)),
+            ("shift+right", min(10.0, end)),
+        ):
+            await watcher.press(key)
+            assert at(watcher) == place, key
+        await watcher.press("home", "full_stop")
+        first = at(watcher)
+        await watcher.press("full_stop")
+        assert at(watcher) > first
+        await watcher.press("comma")
+        assert at(watcher) == first
+
+
+async def test_marks_lead_to_what_happened(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        said = []
+        while "There is no mark after this moment." not in watcher.text:
+            said.append(watcher.text.splitlines()[-2][18:].strip())
+            await watcher.press("n")
+        assert said[:3] == ["", "YOU: go to shelf 12: accepted", "GOAL: Arrived at shelf 12"]
+        assert "YOU: STOP: confirmed" in ", ".join(said)
+        assert "STOPPED: look for the cause" in ", ".join(said)
+        for _ in said[1:]:
+            assert "There is no mark before this moment." not in watcher.text
+            await watcher.press("N")
+        assert "There is no mark before this moment." in watcher.text
+
+
+async def test_it_plays_at_its_speed_to_the_end_and_from_the_begin_again(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        await watcher.press("space")
+        watcher.time.passed += 2.0
+        await watcher.settle()
+        assert at(watcher) == 2.0
+        assert "▶ 1x" in watcher.text
+        await watcher.press("right_curly_bracket", "right_curly_bracket")
+        watcher.time.passed += 0.5
+        await watcher.settle()
+        assert at(watcher) == 4.0
+        assert "▶ 4x" in watcher.text
+        watcher.time.passed += 100.0
+        await watcher.settle()
+        assert at(watcher) == round(watcher.player.end - watcher.player.start, 3)
+        assert "‖ 4x" in watcher.text
+        await watcher.press("space")
+        assert at(watcher) == 0.0
+        await watcher.press(*["left_curly_bracket"] * 9)
+        assert "▶ 0.25x" in watcher.text
+
+
+async def test_every_command_only_shows_or_is_not_there(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        there = {command.id for command in watcher.app.registry}
+        assert {command.id for command in registry(ARCHO)} - there == ACTS
+        await watcher.press("ctrl+p", *"reset")
+        assert "Reset" not in watcher.text
+        await watcher.show(watcher.player.end)
+        assert watcher.app.view.snapshot.parameters
+        titles = [choice.title for choice in choices(watcher.app)]
+        assert "Play, or pause" in titles
+        assert not any(title.startswith("Set ") for title in titles)
+        await watcher.press("escape", "question_mark")
+        assert "To the next mark: an alarm, a command, the" in watcher.text
+
+
+@pytest.mark.parametrize("number", range(1, 10))
+async def test_each_panel_is_reached_by_its_number(drive: Path, number: int) -> None:
+    async with replay(drive, (160, 48)) as watcher:
+        await watcher.press(str(number))
+        assert watcher.app.main.focused_panel == number
+        for command in watcher.app.registry:
+            if command.where == NOT_TYPING and len(command.key) == 1 and command.key != "q":
+                await watcher.press(command.key)
+                await watcher.press("escape")
+        assert watcher.app.is_running
+
+
+async def test_the_board_shows_and_takes_nothing(drive: Path) -> None:
+    async with replay(drive, (160, 48)) as watcher:
+        await watcher.press("n")
+        board = watcher.app.main.query_one(Board)
+        click(watcher.app, board.region.x + 3, board.region.y)
+        await watcher.settle()
+        assert watcher.app.main.goal.fields[0].value == ""
+        await watcher.press("3", "tab")
+        assert not isinstance(watcher.app.focused, (Board, Field))
+
+
+async def test_a_click_on_the_line_goes_there(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        row = len(watcher.text.splitlines()) - 3
+        line = watcher.text.splitlines()[row]
+        first = line.index("●")
+        last = max(line.rindex(char) for char in "─┼" if char in line)
+        click(watcher.app, last, row)
+        await watcher.settle()
+        assert at(watcher) == round(watcher.player.end - watcher.player.start, 3)
+        click(watcher.app, first, row)
+        await watcher.settle()
+        assert at(watcher) == 0.0
+
+
+async def test_it_ends_at_once_whatever_ran_then(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        await watcher.press("n")
+        assert watcher.app.view.snapshot.running_goal is not None
+        await watcher.press("q")
+        assert watcher.app._exit
+
+
+async def test_ctrl_c_says_how_to_quit(drive: Path) -> None:
+    async with replay(drive) as watcher:
+        await watcher.press("ctrl+c")
+        assert "Nothing is selected. Press q to quit." in watcher.text

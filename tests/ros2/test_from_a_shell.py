@@ -1,0 +1,61 @@
+"""`archo-tui --engine ros2 VERB` where no console runs: it attaches to the graph by itself."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+
+from tests.ros2.conftest import Processes
+from tests.support.waiting import DEADLINE
+
+MOTOR, BATTERY = "archo_bringup.motor_controller", "archo_bringup.battery_monitor"
+FAST = ("-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
+SLOW = ("-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
+
+
+def begun(processes: Processes, *words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "archo_tui", "--engine", "ros2", *words],
+        env=os.environ | {"ROS_DOMAIN_ID": str(processes.domain)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def ended(processes: Processes, *words: str) -> tuple[int, str, str]:
+    verb = begun(processes, *words)
+    out, err = verb.communicate(timeout=2 * DEADLINE)
+    return verb.returncode, out, err
+
+
+def test_a_verb_attaches_acts_and_leaves(processes: Processes) -> None:
+    processes.start(MOTOR, *FAST)
+    processes.start(BATTERY, "-p", "publish_period:=0.1")
+    assert ended(processes, "go", "12", "--wait") == (0, "", "accepted\nArrived at shelf 12\n")
+    code, out, _ = ended(processes, "status", "--line")
+    assert (code, out[:6]) == (0, "ARCHO ")
+    assert ended(processes, "go", "99", "--wait")[0] == 2
+    assert ended(processes, "stop") == (0, "", "confirmed\n")
+    code, _, err = ended(processes, "release")
+    assert (code, "add --yes to do it" in err) == (2, True)
+
+
+def test_ctrl_c_cancels_its_goal(processes: Processes) -> None:
+    processes.start(MOTOR, *SLOW)
+    drives = begun(processes, "go", "12", "--wait")
+    assert drives.stderr is not None
+    assert drives.stderr.readline() == "accepted\n"
+    drives.send_signal(signal.SIGINT)
+    _, err = drives.communicate(timeout=DEADLINE)
+    assert (drives.returncode, "Cancelled" in err) == (130, True)
+
+
+def test_without_a_robot_it_is_one_line(processes: Processes) -> None:
+    where = f"on domain {processes.domain} (rmw_fastrtps_cpp, discovery LOCALHOST): "
+    code, out, err = ended(processes, "status")
+    assert (code, out, len(err.splitlines())) == (3, "", 1)
+    said = "archo-tui: no console runs here, and no robot is "
+    assert err.startswith(f"{said}{where}for a robot elsewhere set ")

@@ -1,0 +1,109 @@
+"""`archo-tui VERB` in a thread of the test, beside a console that is reached by its socket."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+import json
+import os
+import sys
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+from unittest.mock import patch
+
+from archo_tui.cli import SUBCOMMANDS
+from archo_tui.remote import place, shell
+from tests.support.plain import Typed, operated
+from tests.support.waiting import DEADLINE, Waited
+
+
+class Said(NamedTuple):
+    """How a shell's command ended."""
+
+    code: int
+    out: str
+    err: str
+
+
+def said(*words: str) -> Said:
+    """Run it to its end, here."""
+    out, err = io.StringIO(), io.StringIO()
+    with patch.object(sys, "stdout", out), patch.object(sys, "stderr", err):
+        code = shell.run(words, SUBCOMMANDS)
+    return Said(code, out.getvalue(), err.getvalue())
+
+
+async def typed(*words: str) -> Said:
+    """Run it to its end, beside the console that runs on this loop."""
+    return await asyncio.to_thread(said, *words)
+
+
+async def until(holds: Callable[[], object], what: Callable[[], str] = str) -> None:
+    """Wait until it holds, whatever goes on beside."""
+    waited = Waited(DEADLINE)
+    while not holds():
+        assert not waited.too_long(), what()
+        await asyncio.sleep(0.01)
+
+
+async def heard(person: Typed, text: str) -> None:
+    """Wait until the console says it."""
+    await until(lambda: text in person.said, lambda: person.said)
+
+
+@asynccontextmanager
+async def served(*makers: Any, robot: Path | None = None, **options: Any) -> AsyncIterator[Typed]:
+    """A `--plain` that programs reach."""
+    async with operated(*makers, robot=robot, remote=True, **options) as person:
+        own = f"{os.getpid()}{place.SUFFIX}"
+        await until(lambda: own in place.sockets(), place.folder)
+        yield person
+
+
+class Raw:
+    """A program that says whatever it likes on the socket."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.reader, self.writer = reader, writer
+
+    def send(self, *said: Any) -> None:
+        """Requests as JSON, anything else as it is."""
+        for one in said:
+            data = one if isinstance(one, bytes) else json.dumps(one).encode() + b"\n"
+            self.writer.write(data)
+
+    async def line(self) -> dict[str, Any]:
+        """The next that is said; empty when the console has closed."""
+        try:
+            data = await asyncio.wait_for(self.reader.readline(), DEADLINE)
+        except OSError:  # what was sent last was not read
+            data = b""
+        found: dict[str, Any] = json.loads(data) if data else {}
+        return found
+
+    async def result(self) -> dict[str, Any]:
+        """The next result, whatever is said before."""
+        said = await self.line()
+        while said and "code" not in said:
+            said = await self.line()
+        return said
+
+    async def ask(self, *words: str, **more: Any) -> dict[str, Any]:
+        """How a request ends."""
+        self.send({"id": "ask", "words": [*words], **more})
+        return await self.result()
+
+    def close(self) -> None:
+        """Leave at once."""
+        self.writer.transport.abort()
+
+
+async def raw() -> Raw:
+    """Connected to the console of this process; its hello is not read yet."""
+    own = f"{os.getpid()}{place.SUFFIX}"
+    connected = await asyncio.to_thread(place.reached, own)
+    assert connected is not None
+    connected.setblocking(False)
+    return Raw(*await asyncio.open_unix_connection(sock=connected, limit=2**24))

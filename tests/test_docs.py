@@ -1,0 +1,432 @@
+"""README and docs/: links lead somewhere, commands are parsed, listings loaded, walks walked."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+import shlex
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import jsonschema
+import pytest
+
+from archo_tui import cli
+from archo_tui.commands import keymap, registry
+from archo_tui.commands.keymap import readable
+from archo_tui.commands.replay import of_replay
+from archo_tui.embedded import bounded_yaml, parameter_files
+from archo_tui.remote import shell as verbs_from_shells
+from archo_tui.robot_file.load import default, load
+from archo_tui.station import alarms
+from archo_tui.verbs import verbs
+from archo_tui.verbs.parse import YES, named
+from tests import generated
+from tests.generated import ROOT, SCHEMA, anchor
+from tests.support import chosen
+from tests.support.archo import ARCHO, FORMS
+from tests.support.console import console
+from tests.support.plain import plain
+from tests.support.script import shell
+
+README, CONTRIBUTING = ROOT / "README.md", ROOT / "CONTRIBUTING.md"
+DOCS = sorted((ROOT / "docs").glob("*.md"))
+PAGES = [README, CONTRIBUTING, ROOT / "THIRD_PARTY.md", ROOT / "CHANGELOG.md", *DOCS]
+PROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+PACKAGES = (".", "archo_tui", "archo_tui/embedded")
+VERBS = verbs(ARCHO, FORMS)
+each_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+
+
+class Page(NamedTuple):
+    """What stands in a page."""
+
+    prose: str  # without its blocks
+    blocks: list[tuple[str, str]]  # language and text of each; indented ones have no language
+    code: list[str]  # what stands in backticks within prose
+
+    @property
+    def rows(self) -> Iterator[dict[str, str]]:
+        """The rows of all its tables, by their heads."""
+        for table in re.findall(r"(?:^\|.*\n)+", self.prose, re.MULTILINE):
+            lines = [re.split(r" ?\| ?", line.strip("| ")) for line in table.splitlines()]
+            for cells in lines[2:]:
+                yield dict(zip(lines[0], [*cells, "", "", ""], strict=False))
+
+
+@cache
+def read(page: Path) -> Page:
+    text = page.read_text(encoding="utf-8")
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    text = re.sub(r"^```\w*\n.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+    indented = r"(?<=\n\n)(?:    .*\n+)+"
+    blocks += [
+        ("", re.sub(r"^    ", "", found, flags=re.M)) for found in re.findall(indented, text)
+    ]
+    prose = re.sub(indented, "", text)
+    return Page(prose, blocks, re.findall(r"`([^`\n]+)`", prose))
+
+
+def codes(cell: str) -> list[str]:
+    """What stands in backticks."""
+    return re.findall(r"`([^`]+)`", cell)
+
+
+# where things are
+
+
+def test_readme_is_one_page() -> None:
+    lines = README.read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 90
+    assert [line for line in lines if len(line) >= 110] == []
+    commands = [text.strip() for _, text in read(README).blocks[:2]]
+    venv = "python3 -m venv .venv && .venv/bin/pip install -q "
+    assert commands == [
+        f"{venv}. && .venv/bin/archo-tui",
+        f"{venv}-e '.[test]' && .venv/bin/pytest",
+    ]
+
+
+def test_every_page_is_in_the_index() -> None:
+    linked = re.findall(r"\]\((\w+\.md)\)", (ROOT / "docs" / "README.md").read_text())
+    assert sorted(linked) == [page.name for page in DOCS if page.name != "README.md"]
+
+
+@each_page
+def test_every_link_leads_to_a_file_and_a_heading(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)\s]+)\)", read(page).prose):
+        if target.startswith("https://"):
+            continue
+        name, _, heading = target.partition("#")
+        file = page.parent / name if name else page
+        assert file.exists(), target
+        if heading:
+            found = re.findall(r"^#+ (.*)$", file.read_text(encoding="utf-8"), re.MULTILINE)
+            assert heading in map(anchor, found), target
+
+
+@each_page
+def test_every_file_that_is_named_exists(page: Path) -> None:
+    folders = r"(archo_tui|tests|docs|nodes|interfaces|config|typings|\.ci)/"
+    for code in read(page).code:
+        if re.match(rf"{folders}[\w./-]*$", code):
+            assert (ROOT / code).exists(), code
+        elif re.match(r"[a-z_]+/[a-z_]+\.py$", code):
+            assert any((ROOT / place / code).exists() for place in PACKAGES), code
+
+
+def test_every_folder_of_the_architecture_exists() -> None:
+    page = read(ROOT / "docs" / "architecture.md")
+    (folders,) = (text for _, text in page.blocks if text.startswith("archo_tui/ "))
+    for name in re.findall(r"\b([a-z_]+/)", folders):
+        places = (ROOT, ROOT / "archo_tui", ROOT / "tests", ROOT / "config")
+        assert any((place / name).is_dir() for place in places), name
+    named_here = set(re.findall(r"\b([a-z_]+)/", folders))
+    rooms = {path.parent.name for path in (ROOT / "archo_tui").glob("*/__init__.py")}
+    assert rooms <= named_here
+
+
+def test_every_package_that_others_wrote_is_in_the_notice() -> None:
+    notice = (ROOT / "THIRD_PARTY.md").read_text(encoding="utf-8")
+    for package in (ROOT / "archo_tui" / "embedded" / "share").iterdir():
+        assert f"`{package.name}`" in notice, package.name
+    licences = re.search(r"^license-files = (.*)$", PROJECT, re.MULTILINE)
+    assert licences is not None
+    assert '"THIRD_PARTY.md"' in licences[1]
+
+
+# what is typed
+
+
+def commands(page: Path) -> Iterator[list[str]]:
+    """The words behind each `archo-tui` that somebody may type."""
+    blocks = [text for language, text in read(page).blocks if language != "json"]
+    lines = [line for text in blocks for line in text.splitlines()]
+    lines += [code for code in read(page).code if code.startswith("archo-tui ")]
+    for line in lines:
+        for found in re.finditer(r"(?<![\w.-])archo-tui(?![\w./-])([^|&;)#`]*)", line):
+            yield [word for word in shlex.split(found[1]) if word != "..."]
+
+
+def parse_command(words: list[str]) -> None:
+    """Raises, or exits with another code than 0, for words that the command line does not take."""
+    own, _ = cli.split_ros_args(words)
+    name, *rest = cli.parser().parse_args(own).command or [""]
+    if name in cli.SUBCOMMANDS:
+        made = cli._Parser(name, "")
+        cli.SUBCOMMANDS[name][1](made)
+        made.parse_intermixed_args(rest)
+    elif name and name not in ("VERB", "COMMAND"):
+        parse_verb([name, *verbs_from_shells._Words(rest).rest])
+
+
+def parse_verb(words: list[str]) -> None:
+    """Raises for a verb that does not exist, or takes other values."""
+    word, *rest = words
+    if word not in ("wait", "help", "quit"):
+        named(VERBS, word).values([given for given in rest if given != YES])
+
+
+@each_page
+def test_every_command_is_one(page: Path) -> None:
+    for words in commands(page):
+        try:
+            parse_command([word for word in words if word != "--help"])
+        except Exception as error:
+            raise AssertionError(f"archo-tui {shlex.join(words)}: {error}") from error
+
+
+@each_page
+def test_what_is_installed_launched_or_run_by_python_exists(page: Path) -> None:
+    lines = "\n".join([*(text for _, text in read(page).blocks), *read(page).code])
+    for extra in re.findall(r"\.\[(\w+)\]", lines):
+        assert re.search(rf"^{extra} = \[$", PROJECT, re.MULTILINE), extra
+    for launched in re.findall(r"\w+\.launch\.py", lines):
+        assert (ROOT / "nodes" / "launch" / launched).is_file(), launched
+    for module in re.findall(r"python3? -m ((?:tests|archo_tui)[.\w]*)", lines):
+        path = ROOT / module.replace(".", "/")
+        assert path.with_suffix(".py").is_file() or (path / "__main__.py").is_file(), module
+
+
+def options() -> set[str]:
+    made: list[Any] = [cli.parser()]
+    for _, add_options, _ in cli.SUBCOMMANDS.values():
+        made.append(cli._Parser("", ""))
+        add_options(made[-1])
+    found = {option for parser in made for option in parser._option_string_actions}
+    found |= {argument.name for verb in VERBS.values() for argument in verb.arguments}
+    return found | {*verbs_from_shells._FLAGS, *verbs_from_shells._VALUES, YES}
+
+
+@each_page
+def test_every_option_that_is_named_exists(page: Path) -> None:
+    others = {"--config-settings", "--end-to-end", "--update-snapshots"}  # of pip and pytest
+    for code in read(page).code:
+        if code.startswith("--"):
+            assert code.split()[0] in options() | others, code
+
+
+@each_page
+def test_every_verb_of_a_table_is_one(page: Path) -> None:
+    for row in read(page).rows:
+        for code in codes(row.get("type", "")):
+            parse_verb(shlex.split(code))
+
+
+def test_the_lines_of_the_page_are_commands_of_plain() -> None:
+    language, lines = read(ROOT / "docs" / "plain.md").blocks[0]
+    assert language == ""
+    for line in lines.splitlines():
+        parse_verb(shlex.split(line))
+
+
+@each_page
+def test_every_key_that_is_named_is_one(page: Path) -> None:
+    there: Any = None  # the player, which no key asks for
+    every = (*registry(ARCHO), *of_replay(there, registry(ARCHO)))
+    known = {readable(command.key).replace("^", "ctrl+") for command in every}
+    known |= {"tab", "esc"}
+    for row in read(page).rows:
+        for code in codes(row.get("key", "")) if "value" not in row else ():
+            assert code in known, code
+    if page.stem != "first_drive":  # what it presses is pressed
+        for code in read(page).code:
+            if re.fullmatch(r"(ctrl|shift|alt)\+\w+|f\d+|[A-Za-z?+/]", code):
+                assert code in known, code
+
+
+@pytest.mark.parametrize("words", [["--version"], ["keys"], ["journal"], ["completions", "bash"]])
+def test_what_is_quick_runs(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert any(words == found for page in PAGES for found in commands(page))
+    assert cli.main(words) == 0
+    assert capsys.readouterr().out
+
+
+def test_the_script_of_the_page_drives_the_robot() -> None:
+    (line,) = (text for _, text in read(ROOT / "docs" / "plain.md").blocks if "printf" in text)
+    fast = "--ros-args -p time_scale:=75.0 -p feedback_period:=0.05"
+    done = shell(line.replace("archo-tui --plain", f"archo --plain {fast}"))
+    assert done.returncode == 0, done
+    assert "Arrived at shelf 7" in done.stdout.decode()
+
+
+async def test_the_first_drive_goes_as_it_is_told() -> None:
+    page = read(ROOT / "docs" / "first_drive.md")
+    (_, first), *_ = page.blocks
+    names = {"esc": "escape", "/": "slash", ".": "full_stop"}
+    async with console(*first.split()[2:]) as op:
+        for row in page.rows:
+            await op.press(*(names.get(key, key) for key in codes(row["press"])))
+            for text in codes(row["you see"]):
+                if "is gone" in row["you see"]:
+                    await op.until(lambda text=text: text not in op.text)  # type: ignore[misc]
+                else:
+                    await op.until(text, deadline=60.0)
+
+
+# listings
+
+
+def programs(found: Any) -> Iterator[dict[str, Any]]:
+    """The parts of a configuration that start a program."""
+    if isinstance(found, dict):
+        if "command" in found:
+            yield found
+        for value in found.values():
+            yield from programs(value)
+
+
+@each_page
+def test_every_configuration_starts_a_command_that_is_one(page: Path) -> None:
+    for text in [text for language, text in read(page).blocks if language == "json"]:
+        begun = list(programs(json.loads(text)))
+        assert begun
+        for program in begun:
+            assert program["command"] == "archo-tui"
+            assert program["args"][0] in cli.SUBCOMMANDS
+            parse_command(program["args"])
+
+
+def listings(language: str, word: str) -> list[Any]:
+    """Every block of a language with that word in it, named by its page."""
+    return [
+        pytest.param(text, id=page.stem)
+        for page in [README, *DOCS]
+        for found, text in read(page).blocks
+        if found == language and word in text
+    ]
+
+
+@pytest.mark.parametrize("text", listings("python", "battery_monitor"))
+def test_a_node_of_the_chapter_passes_its_check(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "battery.py"
+    file.write_text(text)
+    done = shell(f"archo check --engine {chosen.ENGINE} {file}")
+    assert done.returncode == 0, done
+    assert b"\nok 1 - battery_level is a std_msgs/msg/Float32\n" in done.stdout
+
+
+@pytest.mark.parametrize("text", listings("python", "Trigger"))
+async def test_a_node_of_a_page_is_hosted_and_called(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "lamp.py"
+    file.write_text(text)
+    code, said = await plain("call blink\n", node_files=[file], only=True)
+    assert code == 0, said
+    assert "call blink: success true" in said
+
+
+@pytest.mark.parametrize("text", listings("yaml", "version:"))
+def test_a_robot_file_of_a_page_is_read(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text(text)
+    assert load(file).goals[0].noun == "shelf"
+    assert schema_faults(text) == []
+
+
+@pytest.mark.parametrize("text", listings("yaml", "ros__parameters"))
+def test_a_parameter_file_of_a_page_is_read(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "params.yaml"
+    file.write_text(text)
+    assert parameter_files.read(file)
+
+
+@pytest.mark.parametrize("text", listings("yaml", "stop: f"))
+def test_a_keymap_of_a_page_is_read(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "keymap.yaml"
+    file.write_text(text)
+    keys, others = keymap.load(file, registry(ARCHO))
+    assert (keys["stop"], others) == ("f6", "")
+
+
+# what is made from the code, and what stands in it
+
+
+def test_what_is_made_from_the_code_is_as_the_code_is() -> None:
+    for path, text in generated.files().items():
+        stale = path.read_text(encoding="utf-8") != text
+        assert not stale, f"{path.name} is stale: python -m tests.generated"
+
+
+def schema_faults(text: str) -> list[str]:
+    """What an editor marks in a robot file."""
+    validator = jsonschema.Draft202012Validator(generated.schema())
+    return [error.message for error in validator.iter_errors(bounded_yaml.load(text))]
+
+
+FILES = [*default().parent.glob("*.yaml"), *(ROOT / "tests" / "robots").glob("*.yaml")]
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_the_robot_files_fit_the_schema(file: Path) -> None:
+    jsonschema.Draft202012Validator.check_schema(generated.schema())
+    assert schema_faults(file.read_text(encoding="utf-8")) == []
+
+
+def test_the_robot_files_that_come_with_it_name_the_schema() -> None:
+    for file in default().parent.glob("*.yaml"):
+        first = file.read_text(encoding="utf-8").partition("\n")[0]
+        assert first == f"# yaml-language-server: $schema={SCHEMA.name}"
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("version: 1", "version: 2"),
+        ("battery:", "batery:"),
+        ("topic: battery_level", "tpic: battery_level"),
+        ("percentage: percentage", "percentage: [a]"),
+        ("health: {good: good,", "health: {good: god,"),
+        ("otherwise: 20.0", "otherwise: soon"),
+        ("    title: Go to shelf\n", ""),
+        ("low: 1\n", "low: one\n"),
+        ("parameter: shelf_count}", "param: shelf_count}"),
+        ("ask: moving", "ask: sometimes"),
+        ("moves: false", "moves: perhaps"),
+        ("toggle: {data: battery.charging}", "toggle: {}"),
+        ("stop: {service: emergency_stop, ", "stop: {"),
+    ],
+)
+def test_a_mistake_in_a_robot_file_is_marked_by_the_schema(right: str, wrong: str) -> None:
+    text = default().read_text(encoding="utf-8")
+    assert right in text
+    assert schema_faults(text.replace(right, wrong, 1))
+
+
+@cache
+def spoken() -> str:
+    """Every text in the code, `…` for what is filled in."""
+    found = []
+    for folder in (ROOT / "archo_tui", ROOT / "nodes"):
+        for file in folder.rglob("*.py"):
+            nodes = [*ast.walk(ast.parse(file.read_text(encoding="utf-8")))]
+            docstrings = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+            for node in nodes:
+                if id(node) in docstrings:
+                    continue
+                if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                    found.append(node.value)
+                elif isinstance(node, ast.JoinedStr):
+                    parts = (getattr(part, "value", None) for part in node.values)
+                    found.append("".join(p if isinstance(p, str) else "…" for p in parts))
+    return "\n".join(found)
+
+
+@pytest.mark.parametrize(("page", "column"), [("alarms", "says"), ("troubleshooting", "words")])
+def test_the_words_of_the_page_are_said_by_the_code(page: str, column: str) -> None:
+    rows = [row for row in read(ROOT / "docs" / f"{page}.md").rows if column in row]
+    assert len(rows) > 10
+    for words in (words for row in rows for words in codes(row[column])):
+        pattern = r"[^\n]*?".join(map(re.escape, words.split("…")))
+        assert re.search(pattern, spoken()), words
+
+
+def test_every_alarm_has_its_row_with_priority_and_delay() -> None:
+    rows = [row for row in read(ROOT / "docs" / "alarms.md").rows if "alarm" in row]
+    told = [(codes(row["alarm"])[0], codes(row["priority"])[0], row["after"]) for row in rows]
+    assert told == [
+        (kind, priority.value, f"{after:g} s" if (after := alarms.ON_DELAY.get(kind)) else "")
+        for kind, priority in alarms._PRIORITIES.items()
+    ]

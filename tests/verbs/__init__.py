@@ -1,0 +1,1 @@
+"""The vocabulary: what is typed, pressed and asked is one."""

@@ -1,0 +1,170 @@
+"""What a verb asks: a person at a terminal answers; anybody else is told of `--yes`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Phase, Snapshot
+from tests.console.states import STATES, goal
+from tests.support import clock
+from tests.support.plain import Typed, operated, typing
+from tests.support.script import Script
+from tests.support.stub import StubRobot, stub_station
+
+pytestmark = pytest.mark.posix
+QUESTION = "Release the stop? Moves are allowed again; nothing resumes by itself. [y/N]"
+
+
+class Told(StubRobot):
+    """Does everything, and keeps what it was told."""
+
+    def __init__(self, snapshot: Snapshot) -> None:
+        super().__init__(snapshot._replace(history=()))  # none of its goals has failed
+        self.told: list[str] = []
+
+    def __getattr__(self, verb: str) -> Any:
+        async def do(*_: Any, **__: Any) -> Outcome:
+            self.told.append(verb)
+            return Outcome(Code.DONE, "done")
+
+        return super().__getattr__(verb) if verb in ("note", "catch_up") else do
+
+
+def at_terminal(robot: Any) -> Any:
+    """A person at a terminal."""
+    return typing(stub_station(robot, clock.current), at_terminal=True)
+
+
+async def asked(person: Typed, line: str, question: str) -> None:
+    """Type a line that asks."""
+    person.type(f"{line}\n")
+    await person.until(question)
+
+
+@pytest.mark.parametrize("answer", ["y", "YES", " yes "])
+async def test_yes_at_a_terminal_does_it(answer: str) -> None:
+    robot = Told(STATES["motor stopped"])
+    async with at_terminal(robot) as person:
+        await asked(person, "release", QUESTION)
+        assert robot.told == []
+        assert await person.end(f"{answer}\n") == 0
+        assert robot.told == ["release_emergency_stop"]
+
+
+@pytest.mark.parametrize("answer", ["n", "NO", "", "  "])
+async def test_no_or_a_return_leaves_it(answer: str) -> None:
+    robot = Told(STATES["motor stopped"])
+    async with at_terminal(robot) as person:
+        await asked(person, "release", QUESTION)
+        await asked(person, answer, "failed: release: not done: the answer was not yes")
+        assert await person.end() == 1
+        assert robot.told == []
+
+
+async def test_the_end_of_the_input_is_no_answer() -> None:
+    robot = Told(STATES["motor stopped"])
+    async with at_terminal(robot) as person:
+        await asked(person, "release", QUESTION)
+        assert await person.end() == 1
+        assert "failed: release: not done: the answer was not yes" in person.said
+        assert robot.told == []
+
+
+async def test_a_return_between_two_lines_answers_nothing() -> None:
+    robot = Told(STATES["motor stopped"])
+    async with at_terminal(robot) as person:
+        person.type("\n\n")
+        await asked(person, "release", QUESTION)
+        assert await person.end("y\n\n") == 0
+        assert robot.told == ["release_emergency_stop"]
+
+
+async def test_another_verb_is_no_answer_and_is_done() -> None:
+    robot = Told(STATES["motor stopped"])
+    async with at_terminal(robot) as person:
+        await asked(person, "release", QUESTION)
+        assert await person.end("reset\n") == 1
+        assert "failed: release: not done" in person.said
+        assert robot.told == ["command"]
+
+
+async def test_a_stop_closes_an_open_question_at_once() -> None:
+    robot = Told(STATES["motor stopped"])
+    async with at_terminal(robot) as person:
+        await asked(person, "release", QUESTION)
+        person.type("stop\n")
+        await person.until("failed: release: not sent: STOP came after it")
+        await asked(person, "release", QUESTION)
+        assert await person.end("y\n") == 1
+        assert robot.told == ["emergency_stop", "release_emergency_stop"]
+
+
+async def test_an_answer_typed_before_a_stop_is_void_too() -> None:
+    robot = Told(STATES["motor stopped"])
+    async with at_terminal(robot) as person:
+        await asked(person, "release", QUESTION)
+        person.type("y\nstop\n")
+        await person.until("failed: release: not sent: STOP came after it")
+        assert await person.end() == 1
+        assert robot.told == ["emergency_stop"]
+
+
+async def test_yes_behind_the_line_is_not_asked_about() -> None:
+    robot = Told(STATES["motor stopped"])
+    async with at_terminal(robot) as person:
+        assert await person.end("release --yes\n") == 0
+        assert robot.told == ["release_emergency_stop"]
+        assert "[y/N]" not in person.said
+
+
+@pytest.mark.parametrize(
+    ("line", "question", "done"),
+    [
+        ("cancel", "Another client sent this goal. Cancel it? [y/N]", "cancel"),
+        (
+            "cancel --all",
+            "Cancel every goal of the robot's actions, other clients' too? [y/N]",
+            "cancel_all",
+        ),
+    ],
+)
+async def test_the_goals_of_others_are_cancelled_after_a_question(
+    line: str, question: str, done: str
+) -> None:
+    robot = Told(goal(Phase.MOVING, mine=False))
+    async with at_terminal(robot) as person:
+        await asked(person, line, question)
+        assert await person.end("y\n") == 0
+        assert robot.told == [done]
+
+
+async def test_a_queue_goes_on_while_a_question_waits() -> None:
+    async with operated(at_terminal=True) as person:
+        person.type("go 12 7\n")
+        await person.until("MOVING to 12")
+        await asked(person, "reset", "shelf 12. Reset encoder now? [y/N]")
+        await person.until("ARRIVED, Arrived at shelf 7")
+        assert await person.end("y\n") == 0
+        assert "YOU console: reset encoder: Encoder reset to zero" in person.said
+
+
+async def test_what_a_file_would_change_is_listed_before_the_question(here: Any) -> None:
+    (here / "a.yaml").write_text(
+        "motor_controller:\n  ros__parameters:\n    max_speed: 0.7\n    nosuch: 1\n"
+    )
+    async with operated(at_terminal=True) as person:
+        await asked(person, "load a.yaml", "Change 1? [y/N]")
+        assert "a.yaml\nmotor_controller max_speed: 0.8 -> 0.7\nleft out: a.yaml:4: " in person.said
+        assert await person.end("n\n") == 1
+        assert "max_speed is 0.7" not in person.said
+
+
+def test_without_a_terminal_a_question_is_a_refusal_with_a_hint() -> None:
+    script = Script()
+    assert script.end("stop\nrelease\ny\n") == 1
+    said = f"failed: release: {QUESTION.removesuffix(' [y/N]')} (add --yes to do it)"
+    assert said in script.said
+    assert "failed: y: no command 'y'" in script.said

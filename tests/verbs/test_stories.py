@@ -1,0 +1,325 @@
+"""Each verb's story in `--plain`: what is typed, and what is said."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from archo_interfaces.srv import EmergencyStop
+from rclpy.node import Node
+
+from archo_tui.robot.state import WATCHING
+from tests.console.states import NORMAL, STATES
+from tests.robots.rover import Counting
+from tests.support import clock
+from tests.support.console import LONG
+from tests.support.plain import Typed, operated, plain, typing
+from tests.support.quiet import until
+from tests.support.stub import StandingClock, StubRobot, stub_station
+
+SPEED = "motor_controller max_speed"
+
+
+async def test_a_parameter_is_shown_with_type_range_and_star() -> None:
+    code, said = await plain(f"get {SPEED}\nset {SPEED} 0.5\nget /{SPEED}\n")
+    assert code == 0, said
+    assert f"\n{SPEED} is 0.5, was 0.8 at the start, double, allowed 0.05 .. 2\n" in said
+    assert said.startswith(f"{SPEED} is 0.8, double, allowed 0.05 .. 2\n")
+
+
+async def test_parameters_are_saved_and_loaded_and_undone(here: Path) -> None:
+    typed = f"set {SPEED} 0.5\nsave 'a b.yaml'\nset {SPEED} 0.6\nload 'a b.yaml' --yes\nundo\n"
+    code, said = await plain(f"{typed}save 'a b.yaml' --yes\n")
+    assert code == 0, said
+    assert "YOU console: save parameters: saved to a b.yaml" in said
+    assert f"set {SPEED} 0.5: max_speed is 0.5, was 0.6" in said
+    assert "\n1 changed\n" in said
+    assert f"set {SPEED} 0.6: max_speed is 0.6, was 0.5" in said
+    assert "max_speed: 0.6" in (here / "a b.yaml").read_text()
+
+
+async def test_what_a_file_says_of_others_is_left_out_and_said(here: Path) -> None:
+    text = "motor_controller:\n  ros__parameters:\n    max_speed: 0.8\n    nosuch: 1\n"
+    (here / "a.yaml").write_text(text)
+    code, said = await plain("load a.yaml\n")
+    assert code == 0, said
+    assert said == (
+        "All parameters already have the values in the file.\n"
+        "left out: a.yaml:4: /motor_controller has no parameter nosuch\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("load bad.yaml --yes", "nothing was changed: bad.yaml:3: motor_controller max_speed: "),
+        ("load nosuch.yaml", "nosuch.yaml: cannot read the parameter file: No such file"),
+        ("load there", "there: not a regular file"),
+        ("load ''", "type the name of a file"),
+        ("load ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
+        ("save there --yes", "there: not a regular file"),
+        ("save there", "there already exists. Overwrite it? (add --yes to do it)"),
+        ("save nosuch/x.yaml", "nosuch/x.yaml: cannot write the file: No such file"),
+        ("save '' --yes", "type the name of a file"),
+        ("save ~nosuchuser/x", "no home folder is known for ~nosuchuser"),
+    ],
+)
+async def test_a_file_that_cannot_be_used_is_one_line(here: Path, line: str, said: str) -> None:
+    (here / "there").mkdir()
+    text = "motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n"
+    (here / "bad.yaml").write_text(text)
+    code, heard = await plain(f"{line}\n")
+    assert (code, len(heard.splitlines())) == (1, 1), heard
+    assert f" failed: {line.split()[0]}: {said}" in heard
+
+
+async def test_nodes_are_listed_halted_started_and_copied() -> None:
+    code, said = await plain(
+        "halt battery_monitor\nnodes\nstart battery_monitor\ncopy motor_controller --yes\n"
+    )
+    assert code == 0, said
+    assert "battery_monitor stopped by you (in this process)\n" in said
+    assert "motor_controller up (in this process)\n" in said
+    for done in ("stop /battery_monitor", "start /battery_monitor", "copy /motor_controller"):
+        assert f"YOU console: {done}: " in said
+
+
+async def test_a_node_that_is_not_ours_or_runs_already_is_said() -> None:
+    code, said = await plain("halt nosuch\nstart dashboard\nhalt dashbord\n")
+    assert code == 1
+    assert "failed: halt: nosuch does not run in this process\n" in said
+    assert "failed: start: /dashboard is running" in said
+    assert "dashbord does not run in this process (nearest: dashboard)" in said
+
+
+class Crashing(Node):
+    """Raises in its first callback."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__("Crashing", **given)
+        self.create_timer(0.1, self._crash)
+
+    def _crash(self) -> None:
+        raise RuntimeError("boom")
+
+
+async def test_a_crash_is_an_alarm_that_is_shelved_and_a_node_that_is_started() -> None:
+    async with operated(Crashing) as person:
+        await person.until("alarm unacknowledged: ")
+        person.type("nodes\nalarms\nshelve 'node crashed /Crashing' it is known\nalarms\n")
+        await person.until("shelved since ")
+        assert "Crashing crashed" in person.said
+        assert "crashed /Crashing: shelved for 10 min\n" in person.said
+        assert re.search(r"crashed /Crashing: shelved .*: it is known: ", person.said)
+        person.type("shelve node\n")
+        await person.until("crashed /Crashing: no longer shelved\n")
+        person.type("start Crashing\n")
+        await person.until("YOU console: start /Crashing: ")
+
+
+@asynccontextmanager
+async def silent(state: str) -> AsyncIterator[Typed]:
+    """A robot in that state, of which nothing has been heard for some seconds."""
+    robot, standing = StubRobot(STATES[state]), StandingClock()
+    async with typing(stub_station(robot, standing)) as person:
+        await until(lambda: robot.listening)
+        for standing.passed in (2.2, 8.0):  # long enough for a low battery, then for lost contact
+            robot.put(robot.snapshot)
+        yield person
+
+
+@pytest.mark.parametrize(
+    ("words", "done"),
+    [
+        ("", "acknowledged: contact lost"),
+        (" LOW", "acknowledged: low battery"),
+        (" low battery", "acknowledged: low battery"),
+        (" all", "acknowledged: contact lost, low battery"),
+        (" nosuch", "failed: ack: 'nosuch' is none of these: contact lost, low battery"),
+    ],
+)
+async def test_alarms_are_acknowledged_first_by_name_or_all(words: str, done: str) -> None:
+    async with silent("battery low and moving") as person:
+        await person.until("alarm unacknowledged: CONTACT LOST")
+        person.type(f"ack{words}\n")
+        await person.until(f"{done}\n")
+        person.type("ack all\nack\n")
+        await person.until("failed: ack: no alarm to acknowledge")
+
+
+async def test_a_grave_alarm_is_shelved_with_a_reason_only() -> None:
+    async with silent("motor stop not confirmed") as person:
+        await person.until("alarm unacknowledged: CONTACT LOST")
+        person.type("shelve stop\nshelve stop the hardware stop is pressed\nalarms\n")
+        await person.until(": the hardware stop is pressed: ")
+    assert "failed: shelve: type a reason: it goes into the journal" in person.said
+    assert "stop not confirmed: shelved for 10 min\n" in person.said
+
+
+async def test_events_are_told_as_many_as_are_asked_for() -> None:
+    async with typing(stub_station(StubRobot(NORMAL), clock.current)) as person:
+        person.type("events 1\nevents 0\nevents x\n")
+        await person.until("failed: events: not a count of events: x")
+    last = NORMAL.events[-1].text
+    assert person.said.count(last) == 2, person.said  # as it happened, and as it was asked for
+    assert person.said.count(NORMAL.events[-2].text) == 1
+    assert "failed: events: not a count of events: 0" in person.said
+
+
+async def test_the_history_has_the_last_hour_and_the_ends_of_goals() -> None:
+    async with operated() as person:
+        person.type("go 12\n")
+        await person.until("ARRIVED")
+        assert await person.end("history\n") == 0
+    assert re.search(
+        r"\ncharge \(%\): now \d+\.\d\d, 1 min ago unknown, 10 min ago unknown", person.said
+    )
+    assert re.search(r"\n12 arrived \d\d:\d\d:\d\d\n", person.said)
+
+
+class Refusing(Node):
+    """Confirms no STOP."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__("refusing", **given)
+        self.create_service(EmergencyStop, "emergency_stop", self._refuse)
+
+    def _refuse(self, request: Any, response: Any) -> Any:
+        response.success = False
+        return response
+
+
+async def test_a_stop_that_nobody_confirms_is_given_up_with_yes() -> None:
+    async with operated(Refusing) as person:
+        person.type("stop\n")
+        await person.until("failed: stop: REFUSED")
+        person.type("give_up_stop\n")
+        await person.until("Send it no more? (add --yes to do it)")
+        person.type("give_up_stop --yes\n")
+        await person.until("give up STOP: given up")
+        person.type("give_up_stop --yes\n")
+        await person.until("failed: give_up_stop: no STOP is waiting to be confirmed")
+
+
+async def test_a_goal_of_the_file_is_sent_by_action_and_label_or_field() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("send_goal move_to_shelf 12\nsend_goal /move_to_shelf Shelf=7\n")
+        await person.until("queue: 7\n")
+        person.type("send_goal move_to_shelf shelf_number=3\ncancel --all\n")
+        await person.until("(add --yes to do it)")
+        assert await person.end("cancel --yes --all\n") == 1
+    assert "go to shelf 12: accepted" in person.said
+    assert "cancel every goal: cancelling 1 goal" in person.said
+    assert "not driven: 7, 3 (cancelled)" in person.said
+
+
+async def test_any_action_and_service_on_the_graph_take_fields_and_yaml() -> None:
+    code, said = await plain(
+        "send_goal fibonacci order=3\n"
+        "call plan '{waypoints: [{x: 1.0}, {x: 2.0}], fast: true}'\n"
+        "call /plan weights=[1.5] fast=yes\n",
+        Counting,
+    )
+    assert code == 0, said
+    assert "YOU console: call plan: legs 2, route by the wall" in said
+    assert "YOU console: call plan: legs 0, route by the wall" in said
+    assert "goal SUCCEEDED, sequence [0, 1, 1, 2]" in said
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("call plan nosuch=1", "expected start."),
+        ("call plan fast", "expected start."),
+        ("call plan fast=perhaps", "fast: not true or false: perhaps"),
+        ("call plan {fast: 1}", "expected "),
+        ("call plan '{fast: 1}'", "fast: 1 is not"),
+        ("call plan '{fast: '", "not YAML: "),
+        ("call plann", "no service /plann is on the graph (nearest: /plan)"),
+        ("send_goal fibonacci order=x", "order: not a whole number: x"),
+        ("send_goal fibonaci order=1", "no action /fibonaci is on the graph (nearest: /fibonacci)"),
+    ],
+)
+async def test_what_does_not_fit_an_action_or_service_is_said(line: str, said: str) -> None:
+    code, heard = await plain(f"{line}\n", Counting)
+    assert (code, len(heard.splitlines())) == (1, 1), heard
+    assert f"failed: {line.split()[0]}: " in heard
+    assert said in heard
+
+
+async def test_names_are_typed_with_or_without_the_namespace() -> None:
+    code, said = await plain(
+        f"get {SPEED}\nget wh/{SPEED}\nget /wh/{SPEED}\ncall reset_encoder\ncall wh/reset_encoder\n"
+        "call /wh/reset_encoder\nhalt dashboard\nstart wh/dashboard\nget nosuch x\n",
+        namespace="/wh",
+    )
+    assert said.count(f"wh/{SPEED} is 0.8, double") == 3, said
+    assert said.count("YOU console: call wh/reset_encoder: success true") == 3
+    assert "YOU console: start /wh/dashboard: " in said
+    assert [line for line in said.splitlines() if "failed" in line] == [
+        line for line in said.splitlines() if line.endswith("/wh/nosuch has no parameter x")
+    ]
+    assert code == 1
+
+
+async def test_help_and_quit_take_no_values() -> None:
+    code, said = await plain("help go\nquit now\nstatus\n")
+    assert code == 1
+    assert "failed: help: takes no values" in said
+    assert "failed: quit: takes no values" in said
+    assert "\nbattery " in said
+
+
+async def test_what_a_robot_does_not_have_is_said(here: Path) -> None:
+    (here / "bare.yaml").write_text("version: 1\nname: Bare\nstop: none\n")
+    lines = {
+        "events": "no events yet\n",
+        "history": "nothing yet\n",
+        "status": "motion the robot file names no motion\ngoal the robot file names no goal\n",
+        "stop": "failed: stop: Bare has no STOP: use the hardware stop\n",
+        "release": "failed: release: Bare has no service to release a stop\n",
+        "go 1": "failed: go: no command 'go' (help lists them)\n",
+        "undo": "failed: undo: nothing to undo\n",
+        "save x": "failed: save: no node has reported its parameters yet\n",
+    }
+    code, said = await plain("\n".join(lines), robot=here / "bare.yaml", only=True)
+    assert code == 1
+    for told in lines.values():
+        assert told in said, said
+
+
+async def test_a_nodes_log_level_is_shown_set_and_unset() -> None:
+    code, said = await plain(
+        "log_level motor_controller\nlog_level /motor_controller WARN\n"
+        "log_level motor_controller\nlog_level motor_controller unset\n"
+    )
+    assert code == 0, said
+    lines = said.splitlines()
+    assert lines[0] == "motor_controller logs INFO and above, as its process"
+    assert "log level of motor_controller WARN: WARN and above, was INFO" in said
+    assert "motor_controller logs WARN and above" in lines
+    assert "UNSET: INFO and above, as its process, was WARN and above" in said
+
+
+async def test_what_is_no_node_or_no_level_of_its_log_is_said() -> None:
+    code, said = await plain(
+        "log_level countign\nlog_level counting loud\nlog_level counting debug\n",
+        Counting,
+    )
+    assert code == 1
+    assert "failed: log_level: no node /countign is on the graph (nearest: counting)" in said
+    assert "loud is not a log level: one of unset, debug, info, warn, error, fatal" in said
+    assert "does not offer the level of its log (in rclpy: enable_logger_service=True)" in said
+
+
+async def test_whoever_watches_sees_the_level_of_a_log_and_sets_none() -> None:
+    code, said = await plain(
+        "log_level dashboard\nlog_level dashboard debug\nlog_level dashboard\n", watch=True
+    )
+    assert code == 1
+    assert said.count("dashboard logs INFO and above, as its process") == 2
+    assert f"failed: log_level: {WATCHING}" in said

@@ -1,0 +1,165 @@
+"""Every verb is there by key or palette and in `--plain`, with the same refusals and questions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from archo_tui.app import ArchoApp
+from archo_tui.clock import Clock
+from archo_tui.commands import registry
+from archo_tui.commands.base import Command, Speak
+from archo_tui.plain.plain import help_text
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import WATCHING, Hosted, OpenStop, Phase, Snapshot
+from archo_tui.verbs import verbs
+from tests.console.states import NORMAL, STATES, goal
+from tests.support import clock
+from tests.support.archo import ARCHO, FORMS
+from tests.support.clock import NOW
+from tests.support.plain import typing
+from tests.support.stub import StubRobot, stub_app, stub_station
+
+VERBS = verbs(ARCHO, FORMS)
+COMMANDS = registry(ARCHO, VERBS)
+ANOTHERS = goal(Phase.MOVING, mine=False)
+MOTOR = Hosted("/motor_controller", serves=("/move_to_shelf", "/emergency_stop"))
+SITUATIONS: dict[str, Snapshot] = {
+    "normal": NORMAL,
+    "nothing offered": STATES["nothing offered"],
+    "stopped": STATES["motor stopped"],
+    "moving": goal(Phase.MOVING),
+    "another client's goal": ANOTHERS,
+    "STOP not confirmed": NORMAL._replace(open_stop=OpenStop(NOW - 2.0)),
+}
+# what is typed behind a verb that takes values
+WORDS = {
+    "go": "12", "set": "motor_controller max_speed 0.5", "get": "motor_controller max_speed",
+    "start": "motor_controller", "halt": "motor_controller", "copy": "motor_controller",
+    "save": "/dev/null/x", "load": "/dev/null/x", "shelve": "stopped", "ack": "",
+    "send_goal": "/move_to_shelf shelf_number=1", "call": "/reset_encoder",
+    "log_level": "motor_controller debug",
+}  # fmt: skip
+
+
+class Willing(StubRobot):
+    """Does everything."""
+
+    def __init__(self, snapshot: Snapshot, watching: bool = False) -> None:
+        super().__init__(snapshot)
+        self.watching = watching
+
+    def __getattr__(self, verb: str) -> Any:
+        async def do(*_: Any, **__: Any) -> Outcome:
+            return Outcome(Code.DONE, "done")
+
+        return super().__getattr__(verb) if verb == "note" else do
+
+
+def test_every_verb_is_spoken_by_a_command_and_each_command_speaks_verbs_that_exist() -> None:
+    spoken = {verb for command in COMMANDS for verb in command.verbs}
+    assert spoken == set(VERBS)
+
+
+def test_every_verb_is_listed_by_help_with_what_it_takes() -> None:
+    lines = help_text(VERBS).splitlines()
+    for verb in VERBS.values():
+        (line,) = [line for line in lines if line.split()[0].rstrip(":") == verb.id]
+        assert verb.usage in line
+        assert line.endswith(verb.help)
+
+
+def test_what_a_command_says_of_itself_is_what_its_verb_does() -> None:
+    for command in COMMANDS:
+        if isinstance(command, Speak):
+            assert command.verb.id in command.verbs
+
+
+async def by_key(snapshot: Snapshot, watching: bool) -> dict[str, str]:
+    """Why each command cannot run, else what it asks, else nothing; by its verb."""
+    app = stub_app(snapshot, hosted=(MOTOR,))
+    app.station.robot = Willing(snapshot, watching)  # type: ignore[assignment]
+    app.station.look()
+    found: dict[str, str] = {}
+    async with app.run_test(size=(120, 36)):
+        asked: list[str] = []
+        app.confirm = lambda _, text, *__: asked.append(text)  # type: ignore[method-assign]
+        app.main.nodes._rows.cursor = 0
+        for command in COMMANDS:
+            for verb in command.verbs:
+                if verb in WORDS and verb not in ("go", "copy", "halt", "start"):
+                    continue
+                asked.clear()
+                found[verb] = _answer(app, command, verb, asked)
+    return found
+
+
+def _answer(app: ArchoApp, command: Command, verb: str, asked: list[str]) -> str:
+    if not isinstance(command, Speak):
+        return VERBS[verb].refusal(app.station)
+    reason = app.blocked(command)
+    if reason:
+        return reason
+    work = app.speak(VERBS[verb], {})
+    if work is not None:
+        work.close()
+    return asked[0] if asked else ""
+
+
+async def by_line(snapshot: Snapshot, watching: bool, verb: str) -> str:
+    """Why a line was not carried out, as it is said."""
+    station = stub_station(Willing(snapshot, watching), clock.current or Clock(), (MOTOR,))
+    async with typing(station) as person:
+        person.type(f"{verb} {WORDS.get(verb, '')}\nhelp\n")
+        await person.until("List these")
+    failed = [line for line in person.said.splitlines() if f" failed: {verb}: " in line]
+    return failed[0].partition(f" failed: {verb}: ")[2] if failed else ""
+
+
+@pytest.mark.parametrize("watching", [False, True])
+@pytest.mark.parametrize("situation", SITUATIONS)
+async def test_a_key_and_a_line_are_refused_and_asked_alike(situation: str, watching: bool) -> None:
+    snapshot = SITUATIONS[situation]
+    keys = await by_key(snapshot, watching)
+    compared = 0
+    for verb, said in keys.items():
+        if verb == "stop" or verb in ("start", "halt", "copy", "go"):
+            continue  # STOP insists; those of a node are asked of a real one elsewhere
+        line = await by_line(snapshot, watching, verb)
+        assert line.removesuffix(" (add --yes to do it)") == said, verb
+        compared += 1
+    assert compared > 10
+
+
+@pytest.mark.parametrize("verb", [name for name, verb in VERBS.items() if verb.acts])
+async def test_whoever_only_watches_does_nothing(verb: str) -> None:
+    station = stub_station(Willing(NORMAL, watching=True), clock.current or Clock(), (MOTOR,))
+    async with typing(station) as person:
+        assert await person.end(f"{verb} {WORDS.get(verb, '')}\n") == (0 if verb == "stop" else 1)
+    if verb != "stop":  # which the robot's own client refuses
+        assert f"failed: {verb}: {WATCHING}" in person.said
+
+
+async def test_a_node_is_asked_for_alike_by_key_and_line() -> None:
+    station = stub_station(Willing(goal(Phase.MOVING)), clock.current or Clock(), (MOTOR,))
+    async with typing(station) as person:
+        person.type("halt motor_controller\ncopy /motor_controller\nhalt motor_contoller\nhelp\n")
+        await person.until("List these")
+    assert (
+        "failed: halt: The robot is on its way to shelf 12, and /motor_controller serves "
+        "move_to_shelf and emergency_stop. Stop the node? (add --yes to do it)"
+    ) in person.said
+    assert "a call reaches both, and both act. STOP must then be confirmed by both." in person.said
+    assert "motor_contoller does not run in this process (nearest: motor_controller)" in person.said
+
+
+def test_a_command_of_the_file_that_does_not_move_the_robot_says_so() -> None:
+    charge, reset = ARCHO.commands
+    made = verbs(replace(ARCHO, commands=(charge, replace(reset, moves=True))), FORMS)
+    assert [made[name].moves for name in ("reset", "charge", "discharge")] == [True, False, False]
+    assert not VERBS["reset"].moves
+    movers = {name for name, verb in made.items() if verb.moves}
+    assert {"go", "continue", "release", "send_goal", "call"} <= movers
+    assert movers.isdisjoint({"stop", "cancel", "skip", "set", "status"})
