@@ -14,7 +14,7 @@ from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import fields_of, full_name, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
-from archo_tui.verbs.parameters import are_reported
+from archo_tui.verbs.parameters import is_reported
 
 # the values of these verbs: the kind, and one mapping a goal, of values by dotted path
 KIND, GOALS = "kind", "goals"
@@ -51,10 +51,15 @@ class Go(Verb):
 
     def is_ready(self, station: Station, values: Values) -> bool:
         """Also what the robot says of its limits was heard, or had time enough."""
+        snapshot = station.robot.snapshot
         limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
-        links = [limit for limit in limits if isinstance(limit, Link)]
-        known = all(station.robot.snapshot.limit(link) is not None for link in links)
-        return super().is_ready(station, values) and (known or are_reported(station))
+        # of the node that holds them: on a graph the action may be found before it, others too
+        heard = all(
+            is_reported(station, in_namespace(snapshot.namespace, limit.node.lstrip("/")))
+            for limit in limits
+            if isinstance(limit, Link)
+        )
+        return super().is_ready(station, values) and heard
 
     async def prepare(self, station: Station, values: Values) -> Values:
         """Raises ValueError for a number beyond a limit that the robot holds now."""

@@ -35,11 +35,17 @@ def are_reported(station: Station) -> bool:
     return (bool(nodes) and nodes <= reported) or station.age >= PATIENCE
 
 
+def is_reported(station: Station, node: str) -> bool:
+    """True when the node has reported its parameters, or had time enough."""
+    reported = (parameter.node for parameter in station.robot.snapshot.parameters)
+    return node in reported or station.age >= PATIENCE
+
+
 class _OfOne(Verb):
     """Of one parameter."""
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        return self.found(station, values) is not None or are_reported(station)
+        return is_reported(station, self.node(station, values))
 
     def node(self, station: Station, values: Values) -> str:
         """Its full name, where it was typed without the namespace."""

@@ -37,7 +37,8 @@ def test_a_verb_attaches_acts_and_leaves(processes: Processes) -> None:
     assert ended(processes, "go", "12", "--wait") == (0, "", "accepted\nArrived at shelf 12\n")
     code, out, _ = ended(processes, "status", "--line")
     assert (code, out[:6]) == (0, "ARCHO ")
-    assert ended(processes, "go", "99", "--wait")[0] == 2
+    beyond = ended(processes, "go", "99", "--wait")
+    assert beyond == (2, "", "archo-tui: go: Shelf: at most 40, not 99\n")
     assert ended(processes, "stop") == (0, "", "confirmed\n")
     code, _, err = ended(processes, "release")
     assert (code, "add --yes to do it" in err) == (2, True)
