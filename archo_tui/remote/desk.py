@@ -146,9 +146,7 @@ class Desk:
             ends_with_it = True
         if ends_with_it:
             visit.asker.has_left = True
-            with asked_by(visit.asker):
-                if self._station.take_out(visit.asker):
-                    await self._robot.cancel()
+            await self._station.call_off(visit.asker)
 
     async def _answered(self, client: Guest, answer: dict[str, Any]) -> None:
         visit = self._visit(client)

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 MOST_GOALS = 1000  # that wait in the queue
 CALLED_OFF = "called off"
+_CANCELS = 3  # times that a goal is asked to end whose sender has left, each waits for its answer
 
 
 @dataclass(frozen=True)
@@ -204,11 +205,24 @@ class Station:
         self.recorder.look(self.view, changed)
         return changed
 
-    def take_out(self, asker: Asker) -> bool:
-        """Take out of the queue what this one asked for; True when a goal of it is underway."""
+    async def call_off(self, asker: Asker) -> None:
+        """Who asked has left: its goals leave the queue, and what is underway is cancelled."""
         for wanted in self.queue.take_out(asker):
             _end(wanted, Outcome(Code.CANCELLED, f"taken out of the queue: {wanted.text}"))
         self.look()
+        for _ in range(_CANCELS):
+            if not self._drives(asker):
+                return
+            with asked_by(asker):
+                outcome = await self.robot.cancel()
+            if outcome.ok:
+                return
+        if self._drives(asker):
+            said = f"the goal of {asker.source}, which has left, may still run: {outcome.text}"
+            self.robot.note("ERROR", "console", said)
+
+    def _drives(self, asker: Asker) -> bool:
+        """True when a goal that this one asked for is underway."""
         return any(wanted.asker is asker for wanted, _ in self._underway)
 
     @property
@@ -380,8 +394,7 @@ class Station:
                 self._underway.append((wanted, before))
                 self._look_at_ends()
                 if wanted.asker.has_left:  # while it was being sent
-                    with asked_by(wanted.asker):
-                        await self.robot.cancel()
+                    await self.call_off(wanted.asker)
             else:
                 _end(wanted, outcome)
         if answer is None:

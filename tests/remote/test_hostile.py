@@ -16,6 +16,7 @@ import pytest
 
 from archo_tui.remote import client, place
 from archo_tui.remote.server import MOST_CLIENTS, MOST_OPEN
+from archo_tui.robot.outcome import Code, Outcome
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed, operated
 from tests.support.shells import Raw, heard, raw, served, typed, until
@@ -229,6 +230,30 @@ async def test_a_goal_is_cancelled_also_when_its_shell_left_while_it_was_sent() 
         go_on.set()
         await heard(person, "CANCELLED")
         assert not station.queue.waiting
+
+
+@pytest.mark.parametrize("silent", [1, 3])
+async def test_a_cancel_for_one_that_has_left_is_repeated_then_said(
+    silent: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with served(ros_args=LONG) as person, guest() as one:
+        robot, asked = person._plain._station.robot, 0
+        cancel = robot.cancel
+
+        async def unheard(*, another: bool = False) -> Outcome:
+            nonlocal asked
+            asked += 1
+            if asked > silent:
+                return await cancel(another=another)
+            return Outcome(Code.TIMEOUT, "no answer to the cancel in 2 s")
+
+        monkeypatch.setattr(robot, "cancel", unheard)
+        one.send({"id": 1, "words": ["go", "12"], "wait": True})
+        assert (await one.line())["said"] == "accepted"
+        one.close()
+        said = "which has left, may still run: no answer to the cancel in 2 s"
+        await heard(person, said if silent == 3 else "CANCELLED")
+        assert (asked, said in person.said) == ((3, True) if silent == 3 else (2, False))
 
 
 async def test_a_question_ends_when_whoever_was_asked_has_left() -> None:
