@@ -80,6 +80,7 @@ class MainScreen(Base[None]):
         super().__init__(classes=f"{of_size} {_class_of(size.height, self.VERTICAL_BREAKPOINTS)}")
         self._compositor = DirtyCompositor()
         robot = snapshot.file
+        self._body = Bare(id="body")
         self._grid = Bare(id="panels", classes="-gauges" if robot.gauges else "")
         self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
         self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
@@ -107,7 +108,7 @@ class MainScreen(Base[None]):
             yield self._header
             yield self._clock
         yield self._banner
-        with Bare(id="body"):
+        with self._body:
             with self._grid:
                 with Bare(id="left"):
                     yield from (self._panels[number] for number in (1, 2, 5, 8))
@@ -248,7 +249,7 @@ class MainScreen(Base[None]):
     def _show_focused(self) -> None:
         """Where not all panels have room, the one with the focus is seen whole."""
         panel = self._panels.get(self.focused_panel)
-        if panel is not None and self._asked:
+        if panel is not None and self._asked and self._body.max_scroll_y:
             panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:

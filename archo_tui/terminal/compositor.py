@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from textual import events
 from textual._compositor import ChopsUpdate, Compositor
 from textual.containers import Container
 from textual.geometry import Region
@@ -12,6 +13,14 @@ from textual.strip import Strip
 
 class Bare(Container):
     """Only lays out what it contains, and is not drawn itself: what is beneath it shows."""
+
+    def on_descendant_focus(self, event: events.DescendantFocus) -> None:
+        """Nobody waits for it, all the way up to the app."""
+        event.stop()
+
+    def on_descendant_blur(self, event: events.DescendantBlur) -> None:
+        """As above."""
+        event.stop()
 
 
 class DirtyCompositor(Compositor):

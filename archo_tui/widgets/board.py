@@ -9,8 +9,8 @@ from rich.style import Style
 from textual import events
 from textual.geometry import Region
 from textual.strip import Strip
-from textual.widget import Widget
 
+from archo_tui.widgets.by_lines import ByLines
 from archo_tui.widgets.rows import crop
 from archo_tui.widgets.styled import rich_style
 from archo_tui.words.board import Grid, Mark
@@ -19,7 +19,7 @@ from archo_tui.words.state import ACTIVE, OLD
 _NOTHING = Mark()
 
 
-class Board(Widget, can_focus=True):
+class Board(ByLines, can_focus=True):
     """Draws only the lines that changed. The arrows move the cursor, over pages too."""
 
     DEFAULT_CSS = "Board { width: 1fr; height: auto; display: none; }"
@@ -107,7 +107,7 @@ class Board(Widget, can_focus=True):
             self.refresh(Region(0, row, self.size.width, 1))
 
     def render_line(self, y: int) -> Strip:
-        grid, width, base = self._grid, self.size.width, self.rich_style
+        grid, width, base = self._grid, self.size.width, self.base
         if y >= grid.rows:
             style = base + rich_style(OLD, self.app.theme_variables)
             segments = [Segment(crop(self._below(), width), style)]

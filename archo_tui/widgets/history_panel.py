@@ -11,13 +11,13 @@ from rich.segment import Segment
 from textual.app import ComposeResult
 from textual.geometry import Region
 from textual.strip import Strip
-from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.history import SPANS, Quantity, readings
 from archo_tui.station.station import View
+from archo_tui.widgets.by_lines import ByLines
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.plot import MARK, curve
 from archo_tui.widgets.shown import Shown
@@ -129,7 +129,7 @@ def _times(view: View, span: float, cells: int) -> str:
     return f" {first} {'─' * (gap // 2)} {middle} {'─' * (gap - gap // 2)} {last}"
 
 
-class Lines(Widget):
+class Lines(ByLines):
     """Rows of text, of which only those are drawn that changed."""
 
     DEFAULT_CSS = "Lines { height: 1fr; width: 1fr; }"
@@ -146,7 +146,7 @@ class Lines(Widget):
                 self.refresh(Region(0, y, self.size.width, 1))
 
     def render_line(self, y: int) -> Strip:
-        base, variables = self.rich_style, self.app.theme_variables
+        base, variables = self.base, self.app.theme_variables
         line = self._lines[y] if y < len(self._lines) else ()
         segments = [Segment(text, base + rich_style(tone, variables)) for text, tone in line]
         return Strip(segments).crop_extend(0, self.size.width, base)

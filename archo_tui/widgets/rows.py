@@ -15,6 +15,8 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
+from archo_tui.widgets.by_lines import ByLines
+
 T = TypeVar("T")
 Text = tuple[str, str]  # a line and its Rich style, or QUIET
 QUIET = "quiet"  # the theme's tone of that name
@@ -46,7 +48,7 @@ def column(texts: Iterable[str], least: int, most: int) -> int:
     return max(least, min(most, max(map(cell_len, texts), default=0)))
 
 
-class Rows(ScrollView, Generic[T], can_focus=True):
+class Rows(ScrollView, ByLines, Generic[T], can_focus=True):
     """Items by the thousand cost what the seen ones cost; the cursor stays with its item."""
 
     # the app binds these with priority, so that `down` is done before the `s` behind it acts: a key
@@ -210,7 +212,7 @@ class Rows(ScrollView, Generic[T], can_focus=True):
         (text, style), selected = seen
         width, left = self.size.width, self.scroll_offset.x
         text = crop(text, left + self._width)
-        base = self.rich_style
+        base = self.base
         quiet = style == QUIET
         drawn = base + Style.parse(self.app.theme_variables[QUIET] if quiet else style or "none")
         if selected:
