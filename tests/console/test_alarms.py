@@ -16,6 +16,7 @@ from archo_tui.paths import journal_file
 from archo_tui.robot.stopping import OBEYED
 from tests.support.clock import seconds
 from tests.support.console import FAST, click, console
+from tests.support.ros import begin
 
 
 async def test_an_alarm_that_is_over_stays_until_acknowledged() -> None:
@@ -155,7 +156,7 @@ async def test_another_clients_goal_that_outlives_a_stop_is_told_and_left_alone(
         await op.until(lambda: len(op.app.view.snapshot.offered) == 2)
         (node,) = (hosted.node for hosted in op.session.host.nodes)
         assert isinstance(node, DrivesOn)
-        node.client.send_goal_async(MoveToShelf.Goal(shelf_number=12))
+        begin(node, node.client.send_goal_async, MoveToShelf.Goal(shelf_number=12))
         await op.until("MOVING (another client's goal)")
         await op.at(seconds() + 0.5)
         await op.press("ctrl+x")

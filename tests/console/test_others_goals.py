@@ -26,6 +26,7 @@ from tests.support.archo import go, reset
 from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
+from tests.support.ros import begin
 
 ROBOT = [*_robots_nodes(False).values()]
 
@@ -40,6 +41,9 @@ class Other(Node):
         self.sent: Any = None
 
     def go(self, shelf: int) -> None:
+        begin(self, self._go, shelf)
+
+    def _go(self, shelf: int) -> None:
         sent = self.client.send_goal_async(MoveToShelf.Goal(shelf_number=shelf))
         sent.add_done_callback(self._answered)
 

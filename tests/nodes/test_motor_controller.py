@@ -15,7 +15,7 @@ from rclpy.action import ActionClient, CancelResponse
 from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
-from tests.support.ros import Ros
+from tests.support.ros import Ros, begin
 from tests.support.waiting import wait_until
 
 # the default move in a tenth of the time: 3 m each 0.05 s
@@ -41,12 +41,13 @@ class Operator:
         wait_until(lambda: self.status)
 
     def send(self, shelf: int = 12) -> Any:
-        return self.ros.result(
-            self.action.send_goal_async(
-                MoveToShelf.Goal(shelf_number=shelf),
-                lambda m: self.feedback.append(m.feedback.distance_remaining),
-            )
+        sent = begin(
+            self.node,
+            self.action.send_goal_async,
+            MoveToShelf.Goal(shelf_number=shelf),
+            lambda m: self.feedback.append(m.feedback.distance_remaining),
         )
+        return self.ros.result(self.ros.result(sent))
 
     def outcome(self, handle: Any) -> tuple[int, bool, str]:
         answer = self.ros.result(handle.get_result_async())

@@ -19,6 +19,7 @@ from tests.support import clock
 from tests.support.archo import go
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
+from tests.support.ros import begin
 
 PACE = 1.2  # s: as 500 goals in ten minutes
 
@@ -66,7 +67,7 @@ async def test_of_goals_without_end_only_the_last_are_kept() -> None:
         kept = []
         for number in range(1, 101):
             due = clock.seconds() + (0.0 if clock.current is None else PACE)
-            made[0].go()
+            begin(made[0], made[0].go)
             await until(lambda number=number: made[0].ended == number)  # type: ignore[misc]
             await until(lambda due=due: clock.seconds() >= due)  # type: ignore[misc]
             await until(lambda: it.snapshot.history and it.snapshot.running == 0)
@@ -141,7 +142,7 @@ async def test_a_short_goal_is_history_and_one_before_the_console_is_not(
 
     async with robot(busy) as first:
         await until(lambda: made[0].client.server_is_ready())
-        made[0].go()
+        begin(made[0], made[0].go)
         await until(lambda: len(first.snapshot.history) == 1)
         over = first.snapshot.history[0]
         assert (over.phase, over.mine) == (Phase.ARRIVED, False)
@@ -150,6 +151,6 @@ async def test_a_short_goal_is_history_and_one_before_the_console_is_not(
         domain = made[0].context.get_domain_id()
         async with robot(only=True, nodes=1, domain_id=domain) as second:
             await until(lambda: "move_to_shelf" in second.snapshot.offered)
-            made[0].go()
+            begin(made[0], made[0].go)
             await until(lambda: len(first.snapshot.history) == 2 and second.snapshot.history)
             assert len(second.snapshot.history) == 1

@@ -18,6 +18,15 @@ from tests.support import chosen
 from tests.support.waiting import DEADLINE, Waited, wait_until
 
 
+def begin(node: Node, work: Callable[..., object], *given: Any, **options: Any) -> Any:
+    """Have the thread that spins the node do it; returns the future of what it returns.
+
+    A goal that another thread sends may be answered before rclpy's client waits for the answer.
+    """
+    assert node.executor is not None
+    return node.executor.create_task(work, *given, **options)
+
+
 class Ros:
     """One ROS graph of a test's own."""
 
