@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from textual.app import ComposeResult
@@ -9,12 +10,12 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widgets import Button, Static
 
-from archo_tui.clock import Clock
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.requests import READ, Request
 from archo_tui.station.station import View
+from archo_tui.terminal.typed import now, read_of
 from archo_tui.words import spoken
 
 APART = 0.3  # s that an answer comes behind the key before it, which a paste's does not
@@ -37,19 +38,14 @@ class AnswerRequest(Dialog[None]):
         self,
         request: Request,
         view: View,
-        clock: Clock,
-        pause: Callable[[], float],
         answer: Callable[[int, bool], None],
         gone: Callable[[str], None],
     ) -> None:
-        """`pause()` is how long before the last key or click the one before it was (s).
-
-        `gone(why)` is called when the request is over before anybody has answered.
-        """
+        """`gone(why)` is called when the request is over before anybody has answered."""
         super().__init__()
-        self._request, self._view, self._clock = request, view, clock
-        self._pause, self._answer, self._gone = pause, answer, gone
-        self._drawn: float | None = None  # monotonic s
+        self._request, self._view = request, view
+        self._answer, self._gone = answer, gone
+        self._drawn = math.inf  # when it was, in s as messages have their time
         self._text = Static(classes="asked")
 
     def body(self) -> ComposeResult:
@@ -68,7 +64,7 @@ class AnswerRequest(Dialog[None]):
         self.call_after_refresh(self._now_drawn)
 
     def _now_drawn(self) -> None:
-        self._drawn = self._clock.monotonic()
+        self._drawn = now()
 
     def show(self, view: View) -> None:
         """So it is now; what waits no more is not answered."""
@@ -94,8 +90,8 @@ class AnswerRequest(Dialog[None]):
         self._text.update(Content("\n".join(map(harmless, lines))))
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
-        since = None if self._drawn is None else self._clock.monotonic() - self._drawn
-        if since is None or since < READ or self._pause() < APART:
+        read = read_of(event)
+        if read is None or read.at - self._drawn < READ or read.pause < APART:
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return
         self.dismiss()  # first: it is over by the answer then

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from random import Random
@@ -110,6 +111,35 @@ async def test_the_focus_stays_and_what_is_typed_meanwhile_answers_nothing() -> 
         await op.settle()
         assert [one.number for one in op.app.station.requests.waiting] == [1]
         assert op.app.view.snapshot.goal is None
+
+
+def busy(op: Console, span: float) -> None:
+    """Have the console do nothing else for so long (s), once it has taken what was typed before."""
+    op.app.call_later(lambda: time.sleep(span))
+
+
+async def test_a_paste_answers_nothing_while_the_console_is_busy() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        op.send("tab")
+        busy(op, 0.5)
+        op.send("enter")  # read at the same time, and taken later
+        await op.until("Read it first, then answer.")
+        assert [one.number for one in op.app.station.requests.waiting] == [1]
+
+
+async def test_what_was_typed_too_soon_is_too_soon_however_late_it_is_taken() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        op.send("tab")
+        await op.at(seconds() + 0.4)
+        busy(op, 1.0)
+        op.send("enter")
+        await op.until("Read it first, then answer.")
+        assert [one.number for one in op.app.station.requests.waiting] == [1]
 
 
 async def test_a_click_counts_as_late_as_a_key() -> None:
