@@ -8,6 +8,8 @@ from collections.abc import Callable
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
+from textual.events import Resize
+from textual.widget import Widget
 from textual.widgets import Button, Static
 
 from archo_tui.robot.text import harmless
@@ -18,6 +20,7 @@ from archo_tui.station.station import View
 from archo_tui.terminal.typed import now, read_of
 from archo_tui.words import spoken
 
+_AROUND = 5  # lines that are not the question: answers, borders, the keys below
 APART = 0.3  # s that an answer comes behind the key before it, which a paste's does not
 
 
@@ -61,10 +64,31 @@ class AnswerRequest(Dialog[None]):
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#deny"))
         self._write()
+        self.app.app_resume_signal.subscribe(self, lambda _: self._draw_anew())
+
+    def on_screen_resume(self) -> None:
+        """In front, at first or again."""
+        self._draw_anew()
+
+    def on_resize(self, event: Resize) -> None:
+        """The answers stay in view, and what is asked can be scrolled."""
+        box = self.query_one(VerticalScroll)
+        box.styles.max_height = max(event.size.height - _AROUND, 1)
+        self._draw_anew()
+
+    def _draw_anew(self) -> None:
+        """It was away, or looks different now: it is read from here on."""
+        self._drawn = math.inf
         self.call_after_refresh(self._now_drawn)
 
     def _now_drawn(self) -> None:
         self._drawn = now()
+
+    def _is_in_view(self, part: Widget) -> bool:
+        """True when its end is, where it is scrolled to."""
+        place = self.find_widget(part)
+        seen = place.visible_region
+        return bool(seen) and seen.bottom_right == place.region.bottom_right
 
     def show(self, view: View) -> None:
         """So it is now; what waits no more is not answered."""
@@ -94,10 +118,15 @@ class AnswerRequest(Dialog[None]):
         if read is None or read.at - self._drawn < READ or read.pause < APART:
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return
+        is_allowed = event.button.id == "allow"
+        if is_allowed and not (self._is_in_view(self._text) and self._is_in_view(event.button)):
+            said = "Not all of it is seen: scroll by ↓, or make the terminal larger."
+            self.notify(said, severity="warning", markup=False)
+            return
         self.dismiss()  # first: it is over by the answer then
-        self._answer(self._request.number, event.button.id == "allow")
+        self._answer(self._request.number, is_allowed)
 
     def action_scroll(self, step: int) -> None:
-        """Where not all of it has room."""
+        """Where not all of it has room; no line is left out."""
         box = self.query_one(VerticalScroll)
-        box.scroll_relative(y=step * 3, animate=False)
+        box.scroll_relative(y=step * min(3, max(box.size.height, 1)), animate=False)

@@ -155,6 +155,60 @@ async def test_a_click_counts_as_late_as_a_key() -> None:
         await op.until("Arrived at shelf 12")
 
 
+@pytest.mark.parametrize("way", ["covered", "resized", "suspended"])
+async def test_what_was_away_is_read_anew(way: str) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        await op.press("tab")
+        await op.at(seconds() + 0.4)
+        if way == "covered":
+            await op.press("f1")
+            await op.until("┏━ Keys ━")
+            await op.press("f1")
+        elif way == "resized":
+            await op.pilot.resize_terminal(100, 30)
+        else:
+            op.app.app_resume_signal.publish(op.app)
+        await op.until("An assistant asks")
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + 1.1)
+        await op.press("enter")
+        await op.until("MOVING to 12")
+
+
+@pytest.mark.parametrize("size", [(20, 4), (30, 6), (40, 10)])
+async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        await op.pilot.resize_terminal(*size)
+        await op.press("tab")
+        await op.at(seconds() + 1.1)
+        await op.press("enter")
+        await op.until(lambda: any("Not all of it" in one.message for one in op.app._notifications))
+        assert [one.number for one in op.app.station.requests.waiting] == [1]
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_in_a_small_terminal_what_is_asked_is_scrolled_to_its_end() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        await op.pilot.resize_terminal(40, 10)
+        await op.until("Allow once")
+        assert "expires in" not in op.text
+        await op.press("down", "down", "tab")
+        await op.until("expires in")
+        await op.at(seconds() + 1.1)
+        await op.press("enter")
+        await op.until(lambda: op.app.view.snapshot.running_goal is not None)
+
+
 @pytest.mark.parametrize("way", ["stop", "key", "goal", "time", "gone"])
 async def test_a_request_is_void_once_it_may_mean_something_else(
     way: str, monkeypatch: pytest.MonkeyPatch
