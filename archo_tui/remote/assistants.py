@@ -10,10 +10,10 @@ from archo_tui.robot import forms
 from archo_tui.robot.asker import Asker
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import WATCHING, values_text
-from archo_tui.robot.text import harmless
+from archo_tui.robot.text import harmless, hides
 from archo_tui.robot.values import text_of
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.station.requests import EXPIRES, Request, Stand
+from archo_tui.station.requests import EXPIRES, Request, Stand, written
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
 from archo_tui.verbs.base import Verb
@@ -89,8 +89,11 @@ class Assistants:
         if stopped or self._station.robot.snapshot.open_stop is not None:
             said = "the robot is stopped: a person has to release it first"
             return {"code": Code.REFUSED.value, "text": said}
-        text = " ".join(filter(None, (title, values_text(verb.kind, values))))
-        if len(text) > _LONGEST_TEXT or harmless(text) != text:  # else a person sees another goal
+        shown = {path: written(value) for path, value in values.items()}
+        text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
+        typed = [value for value in values.values() if isinstance(value, str)]
+        # else a person sees another goal
+        if len(text) > _LONGEST_TEXT or harmless(text) != text or any(map(hides, typed)):
             raise ValueError(f"values: more than {_LONGEST_TEXT} characters, or some that hide")
         try:
             one = self._station.request(QueuedGoal(verb.kind, values), text)

@@ -13,9 +13,8 @@ from textual.widget import Widget
 from textual.widgets import Button, Static
 
 from archo_tui.robot.text import harmless
-from archo_tui.robot.values import text_of
 from archo_tui.screens.dialog import Dialog
-from archo_tui.station.requests import READ, Request
+from archo_tui.station.requests import READ, Request, written
 from archo_tui.station.station import View
 from archo_tui.terminal.typed import now, read_of
 from archo_tui.words import spoken
@@ -102,7 +101,7 @@ class AnswerRequest(Dialog[None]):
 
     def _write(self) -> None:
         one, view = self._request, self._view
-        values = [f"  {name}: {text_of(value)}" for name, value in one.goal.values.items()]
+        values = [f"  {name}: {written(value)}" for name, value in one.goal.values.items()]
         lines = [
             f"{one.asker.source} wants: {one.text}",
             *values,
