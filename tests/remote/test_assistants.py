@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import threading
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -14,6 +15,8 @@ import pytest
 from textual import events
 
 from archo_tui.paths import journal_file
+from archo_tui.plain.input import Input
+from archo_tui.plain.output import Output
 from archo_tui.remote import place
 from archo_tui.station import requests
 from tests.support.clock import seconds
@@ -468,4 +471,49 @@ async def test_where_a_program_types_nobody_can_allow_anything() -> None:
         )
         person.type("allow 1\n")
         await heard(person, "only a person at a terminal answers an assistant")
+        assistant.close()
+
+
+@pytest.mark.parametrize("behind", ["status", "stop"])
+async def test_in_plain_what_stands_behind_an_answer_is_read_first(
+    behind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reads, goes_on = Input._chunk, threading.Event()
+
+    def chunk(of: Input) -> bytes:
+        goes_on.wait()
+        return reads(of)
+
+    async with served(at_terminal=True) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        await asks(assistant)
+        await heard(person, "(allow 1 or deny 1, within 60 s)")
+        since = seconds()
+        await until(lambda: seconds() > since + 1.1)
+        monkeypatch.setattr(Input, "_chunk", chunk)  # from the next on: a terminal gives lines
+        person.type(f"allow 1\n{behind}\n")
+        await until(lambda: person._plain._input.last[0] > since)
+        await until(lambda: not person._plain._input._waiting)
+        goes_on.set()
+        await heard(person, "failed: allow: read it first, then answer, by a line alone")
+        assert "accepted" not in person.said
+        assistant.close()
+
+
+async def test_in_plain_nothing_is_answered_that_the_terminal_has_not_taken_yet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served(at_terminal=True) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        await asks(assistant)
+        await heard(person, "(allow 1 or deny 1, within 60 s)")
+        since = seconds()
+        await until(lambda: seconds() > since + 1.1)
+        monkeypatch.setattr(Output, "is_done", False)  # as after ctrl+s
+        person.type("allow 1\n")
+        await heard(person, "failed: allow: read it first, then answer, by a line alone")
+        monkeypatch.undo()
+        assert "accepted" not in person.said
         assistant.close()
