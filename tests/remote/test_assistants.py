@@ -292,6 +292,18 @@ async def test_each_request_tells_of_its_own_goal() -> None:
             assert told["data"]["values"] == {"shelf_number": shelf}
 
 
+async def test_a_limit_that_came_after_the_request_holds_for_its_answer() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+        await asks(assistant)
+        other = await raw()
+        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
+        await allowed(op)
+        await op.until("Shelf: at most 10, not 12")
+        assert op.app.view.snapshot.history == ()
+        other.close()
+
+
 async def test_once_allowed_is_once() -> None:
     async with beside(*FAST) as (op, assistant):
         await asks(assistant)
