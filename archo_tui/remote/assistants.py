@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from archo_tui.remote.waits import RanOut, timeout_of, wait_for
@@ -16,10 +16,12 @@ from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.requests import EXPIRES, Request, Stand, written
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
-from archo_tui.verbs.base import Verb
+from archo_tui.verbs.base import PATIENCE, Verb
 from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.parse import parse, schema
 
+# waits until that holds, so many seconds, or until who asks has left
+Until = Callable[[Asker, Callable[[], object], float], Awaitable[None]]
 _LOOKS = ("status", "events", "history", "params", "get")
 _LONGEST_TEXT = 300  # characters of a goal that a person has to read
 _LONGEST_WAIT = 50.0  # s: tools give up after a minute
@@ -29,14 +31,14 @@ ASKED = "asked"  # in place of an outcome's code: a person has to decide
 class Assistants:
     """Knows the requests of all; each assistant sees its own."""
 
-    def __init__(self, station: Station, verbs: Mapping[str, Verb]) -> None:
-        self._station, self._verbs = station, verbs
+    def __init__(self, station: Station, verbs: Mapping[str, Verb], until: Until) -> None:
+        self._station, self._verbs, self._until = station, verbs, until
 
     async def obey(self, asker: Asker, request: dict[str, Any]) -> dict[str, Any]:
         """The result. Raises ValueError for what cannot be meant, and RanOut."""
         number, words = request.get("id"), request.get("words")
         if "ask" in request:
-            return {"id": number, **await self._ask(request["ask"])}
+            return {"id": number, **await self._ask(asker, request["ask"])}
         if not (isinstance(words, list) and words and all(isinstance(w, str) for w in words)):
             raise ValueError('expected {"id": ..., "words": ["status"]}')
         word, *rest = words
@@ -71,7 +73,7 @@ class Assistants:
                 found.append({"kind": verb.id, "title": verb.title, "schema": said})
         return found
 
-    async def _ask(self, wanted: Any) -> dict[str, Any]:
+    async def _ask(self, asker: Asker, wanted: Any) -> dict[str, Any]:
         kind = wanted.get("kind") if isinstance(wanted, dict) else None
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
         if not isinstance(verb, Go):
@@ -80,7 +82,9 @@ class Assistants:
         if self._station.robot.watching:
             return {"code": Code.REFUSED.value, "text": WATCHING}
         values = self._values(verb, wanted.get("values"))
-        await verb.prepare(self._station, {GOALS: [values]})
+        goals = {GOALS: [values]}
+        await self._until(asker, lambda: verb.is_ready(self._station, goals), PATIENCE)
+        await verb.prepare(self._station, goals)
         refusal = verb.refusal(self._station)
         if refusal:
             return {"code": Code.REFUSED.value, "text": refusal}

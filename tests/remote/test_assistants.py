@@ -19,6 +19,7 @@ from archo_tui.plain.input import Input
 from archo_tui.plain.output import Output
 from archo_tui.remote import place
 from archo_tui.station import requests
+from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console
 from tests.support.shells import Raw, heard, raw, served, until
@@ -398,6 +399,31 @@ async def test_what_cannot_be_meant_is_said_and_nobody_is_asked(wanted: Any, why
         said = await asks(assistant, wanted)
         assert (said["code"], why in said["text"]) == ("misuse", True), said
         assert op.app.view.requests == ()
+
+
+async def test_a_request_waits_for_limits_that_were_not_reported_yet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with beside(*FAST) as (op, assistant):
+        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+        known = threading.Event()
+        monkeypatch.setattr(Go, "is_ready", lambda *_: known.is_set())
+        assistant.send({"id": 1, "assistant": True, "ask": GO})
+        other = await raw()
+        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
+        known.set()
+        assert (await assistant.result())["text"] == "Shelf: at most 10, not 12"
+        other.close()
+
+
+async def test_who_gives_up_waiting_may_ask_again() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        assistant.send({"id": 2, "assistant": True, "words": ["wait", "request", "1"]})
+        assistant.send({"give_up": True})
+        assert (await assistant.result())["code"] == "cancelled"
+        assert (await asks(assistant))["code"] == "asked"
+        assert [one.number for one in op.app.station.requests.waiting] == [1, 2]
 
 
 async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
