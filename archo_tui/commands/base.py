@@ -53,6 +53,10 @@ class Console(Protocol):
     def screen(self) -> Screen[Any]:
         """The dialog in front, or the main screen."""
 
+    @property
+    def is_stuck(self) -> bool:
+        """True while the terminal does not show what was drawn."""
+
     def blocked(self, command: Command) -> str:
         """Why a command cannot run now, or an empty string."""
 

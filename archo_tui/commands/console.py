@@ -40,7 +40,8 @@ class ShowAlarms(Command):
         station, waiting = console.station, console.station.requests.waiting
         if waiting and not is_grave(console.view.alarms):  # which are looked at first
             told = partial(_answer, console), console.dialog_gone
-            console.open(AnswerRequest(waiting[0], console.view, *told))
+            unseen = lambda: console.is_stuck  # noqa: E731
+            console.open(AnswerRequest(waiting[0], console.view, unseen, *told))
             return
         console.open(AlarmList(console.view, station.acknowledge, station.shelve, console.look))
 

@@ -40,13 +40,17 @@ class AnswerRequest(Dialog[None]):
         self,
         request: Request,
         view: View,
+        unseen: Callable[[], bool],
         answer: Callable[[int, bool], None],
         gone: Callable[[str], None],
     ) -> None:
-        """`gone(why)` is called when the request is over before anybody has answered."""
+        """`unseen()` is true while the terminal does not show what was drawn.
+
+        `gone(why)` is called when the request is over before anybody has answered.
+        """
         super().__init__()
         self._request, self._view = request, view
-        self._answer, self._gone = answer, gone
+        self._unseen, self._answer, self._gone = unseen, answer, gone
         self._drawn = math.inf  # when it was, in s as messages have their time
         self._text = Static(classes="asked")
 
@@ -98,6 +102,8 @@ class AnswerRequest(Dialog[None]):
             self.dismiss()
         elif waits:
             self._write()
+            if self._unseen():
+                self._draw_anew()
 
     def _write(self) -> None:
         one, view = self._request, self._view
@@ -114,7 +120,8 @@ class AnswerRequest(Dialog[None]):
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
         read = read_of(event)
-        if read is None or read.at - self._drawn < READ or read.pause < APART:
+        soon = read is None or read.at - self._drawn < READ or read.pause < APART
+        if soon or self._unseen():
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return
         is_allowed = event.button.id == "allow"

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from textual import events
 
+from archo_tui.keyed_app import HELD
 from archo_tui.paths import journal_file
 from archo_tui.plain.input import Input
 from archo_tui.plain.output import Output
@@ -176,6 +177,28 @@ async def test_what_was_away_is_read_anew(way: str) -> None:
             op.app.app_resume_signal.publish(op.app)
         await op.until("An assistant asks")
         await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + 1.1)
+        await op.press("enter")
+        await op.until("MOVING to 12")
+
+
+async def test_what_the_terminal_does_not_show_is_read_once_it_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        monkeypatch.setattr(type(op.app), "is_stuck", True)
+        await opened(op)
+        await op.press("tab")
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + HELD)
+        op.app.tick()
+        monkeypatch.setattr(type(op.app), "is_stuck", False)
+        op.app.clear_notifications()
         await op.press("enter")
         await op.until("Read it first, then answer.")
         await op.at(seconds() + 1.1)
