@@ -44,7 +44,7 @@ class Request(NamedTuple):
     goal: QueuedGoal
     text: str  # `go to shelf 12`
     made: float  # monotonic s
-    stops: int  # that had been read then
+    stops: int  # that were known of then, here and at other consoles
     stand: Stand = Stand.WAITS
     why: str = ""  # it is void
     end: Future[Outcome] | None = None  # how the goal ends, once it is allowed

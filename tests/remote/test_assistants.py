@@ -12,6 +12,8 @@ from random import Random
 from typing import Any
 
 import pytest
+from rclpy.node import Node
+from std_msgs.msg import String
 from textual import events
 
 from archo_tui.keyed_app import HELD
@@ -19,6 +21,10 @@ from archo_tui.paths import journal_file
 from archo_tui.plain.input import Input
 from archo_tui.plain.output import Output
 from archo_tui.remote import place
+from archo_tui.robot import acts
+from archo_tui.robot.acts import Act
+from archo_tui.robot.outcome import Code
+from archo_tui.session import _robots_nodes
 from archo_tui.station import requests
 from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
@@ -27,6 +33,7 @@ from tests.support.shells import Raw, heard, raw, served, until
 
 pytestmark = pytest.mark.real_time
 
+ROBOT = [*_robots_nodes(False).values()]
 GO = {"kind": "go", "values": {"shelf_number": 12}}
 
 
@@ -266,6 +273,38 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
         goals = [*op.app.view.snapshot.history, op.app.view.snapshot.goal]
         assert all(goal is None or goal.target == "3" for goal in goals)
         other.close()
+
+
+class Other(Node):
+    """Another console, as far as it tells what it did."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("_archo_console_other_lab_1", **options)
+        self._acts = self.create_publisher(String, acts.TOPIC, 10)
+
+    def tell(self, verb: str) -> None:
+        said = acts.write("other_lab_1", Act(verb, {}, Code.DONE), f"{verb}: done")
+        self._acts.publish(String(data=said))
+
+
+async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() -> None:
+    made: list[Other] = []
+
+    def other(**options: Any) -> Other:
+        made.append(Other(**options))
+        return made[-1]
+
+    async with beside(*LONG, node_makers=[*ROBOT, other]) as (op, assistant):
+        await op.until("2 consoles")
+        await asks(assistant)
+        made[0].tell("stop")
+        made[0].tell("release")
+        said = await says(assistant, "wait", "request", "1", timeout=10)
+        assert (said["code"], said["text"]) == ("void", "request 1 is void: a STOP came")
+        await asks(assistant)
+        made[0].tell("release")
+        await op.until("release: done")
+        assert [one.number for one in op.app.station.requests.waiting] == [2]
 
 
 async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
