@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections.abc import Mapping
 from typing import cast
 
@@ -19,7 +20,7 @@ from archo_tui.screens.dialog import Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
-from archo_tui.terminal.typed import mark, typed_after
+from archo_tui.terminal.typed import Read, mark, mark_read, typed_after, with_its_marks
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Verb
 from archo_tui.widgets.board import Board
@@ -66,7 +67,7 @@ class KeyedApp(TerminalApp):
         self._answers_void = 0  # keys with a lower count were for a question that is not put
         self._swallows = False  # enter is held, and what that does was said
         self.repeated = False
-        self.pause = 0.0  # s between the last two keys or clicks
+        self._read = Read(-math.inf, math.inf)  # the last key or click, however late it is taken
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
         """All that there are."""
@@ -122,6 +123,8 @@ class KeyedApp(TerminalApp):
             return
         clicked = isinstance(event, events.MouseDown) and not event.is_forwarded
         repeated = (typed or clicked) and self._repeats(event)
+        if isinstance(event, events.MouseUp):  # what was pressed acts as it is let go
+            mark_read(event, self._read)
         if typed and (self._early or not self._takes_keys):
             self._early.append((event, repeated))
             self.call_later(self._release_keys)
@@ -188,7 +191,8 @@ class KeyedApp(TerminalApp):
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
-        self.pause = self._last_typed - since
+        self._read = Read(event.time, event.time - self._read.at)
+        mark_read(event, self._read)
         apart, self._last_stops = self._last_stops, typed_after(event)  # a STOP between them
         repeated = key != "" and key == before and self._last_typed - since < HELD
         repeated = repeated and (key == self.stop_key or apart == self._last_stops)
@@ -201,7 +205,8 @@ class KeyedApp(TerminalApp):
             if repeated and not self._may_repeat():
                 return
             self._entered = self._place
-        with self.stops.at(typed_after(event)):  # it may have waited behind others
+        # it may have waited behind others; a click is a message of its own
+        with self.stops.at(typed_after(event)), with_its_marks(event, self):
             await super().on_event(event)
 
     @property

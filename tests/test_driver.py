@@ -106,3 +106,13 @@ def test_a_frame_of_any_size_is_written_when_little_waits(pipe: Pipe) -> None:
         pipe.writer.write(part)
     assert pipe.read(b"<end>") == f"<begin>{large}<end>".encode()
     assert not pipe.drained.is_set()
+
+
+def test_a_terminal_that_takes_nothing_is_known_to_show_nothing(pipe: Pipe) -> None:
+    pipe.writer.write(frame(0))
+    pipe.read(b">")
+    assert not pipe.writer.is_stuck
+    pipe.fill()
+    wait_until(lambda: pipe.writer.is_stuck)
+    pipe.read(frame(FILLING - 1).encode())
+    wait_until(lambda: not pipe.writer.is_stuck)

@@ -42,7 +42,6 @@ class Console(Protocol):
     main: MainScreen
     theme: str  # its name
     repeated: bool  # the key of the command is being held down
-    pause: float  # s between the last two keys or clicks
     typed: dict[str, dict[str, str]]  # what was last typed into each form, by path
     used: RobotFile  # the robot's file, with what was sent and called without it
 
@@ -53,6 +52,10 @@ class Console(Protocol):
     @property
     def screen(self) -> Screen[Any]:
         """The dialog in front, or the main screen."""
+
+    @property
+    def is_stuck(self) -> bool:
+        """True while the terminal does not show what was drawn."""
 
     def blocked(self, command: Command) -> str:
         """Why a command cannot run now, or an empty string."""

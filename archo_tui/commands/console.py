@@ -39,9 +39,9 @@ class ShowAlarms(Command):
     def run(self, console: Console) -> None:
         station, waiting = console.station, console.station.requests.waiting
         if waiting and not is_grave(console.view.alarms):  # which are looked at first
-            pause = lambda: console.pause  # noqa: E731
             told = partial(_answer, console), console.dialog_gone
-            console.open(AnswerRequest(waiting[0], console.view, station.clock, pause, *told))
+            unseen = lambda: console.is_stuck  # noqa: E731
+            console.open(AnswerRequest(waiting[0], console.view, unseen, *told))
             return
         console.open(AlarmList(console.view, station.acknowledge, station.shelve, console.look))
 

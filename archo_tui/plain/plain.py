@@ -240,7 +240,7 @@ class Plain:
             self._out(help_text(self._verbs))
             return Outcome(Code.DONE, "")
         if word in ("allow", "deny"):
-            return self._answer(word, rest)
+            return await self._answer(word, rest)
         station, verb = self._station, named(self._verbs, word)
         values, yes = parse(verb, station, rest)
         outcome = await speak(station, verb, values, self._until, None if yes else self._ask)
@@ -253,18 +253,20 @@ class Plain:
         self._failed = self._failed or verb.id == "skip"  # one goal less that arrives
         return outcome
 
-    def _answer(self, word: str, rest: list[str]) -> Outcome:
+    async def _answer(self, word: str, rest: list[str]) -> Outcome:
         """What an assistant asked for is decided, by a person. Raises ValueError."""
         if not self._input.is_terminal:
             raise ValueError("only a person at a terminal answers an assistant")
         if len(rest) != 1 or not rest[0].isascii() or not rest[0].isdecimal() or len(rest[0]) > 9:
             raise ValueError("needs the number of a request")
+        await self._hold(lambda: self._input.is_quiet)  # the rest of a paste, or STOP, is behind it
         number, (read, pause) = int(rest[0]), self._input.last
         told = self._asked.get(number)
         if told is None and self._station.requests.get(number) is None:
             return Outcome(Code.REFUSED, f"there is no request {number}")
         # of what was typed ahead, or pasted with more, nobody has read what it answers
-        if told is None or read - told < READ or pause < _BEHIND or self._input.has_news:
+        alone = pause >= _BEHIND and not self._input.has_news
+        if told is None or read - told < READ or not alone or not self._output.is_done:
             return Outcome(Code.REFUSED, "read it first, then answer, by a line alone")
         outcome = self._station.answer(number, allowed=word == "allow")
         self._changed.set()

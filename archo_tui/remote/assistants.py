@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from archo_tui.remote.waits import RanOut, timeout_of, wait_for
@@ -10,16 +10,18 @@ from archo_tui.robot import forms
 from archo_tui.robot.asker import Asker
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import WATCHING, values_text
-from archo_tui.robot.text import harmless
+from archo_tui.robot.text import harmless, hides
 from archo_tui.robot.values import text_of
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.station.requests import EXPIRES, Request, Stand
+from archo_tui.station.requests import EXPIRES, Request, Stand, written
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
-from archo_tui.verbs.base import Verb
+from archo_tui.verbs.base import PATIENCE, Verb
 from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.parse import parse, schema
 
+# waits until that holds, so many seconds, or until who asks has left
+Until = Callable[[Asker, Callable[[], object], float], Awaitable[None]]
 _LOOKS = ("status", "events", "history", "params", "get")
 _LONGEST_TEXT = 300  # characters of a goal that a person has to read
 _LONGEST_WAIT = 50.0  # s: tools give up after a minute
@@ -29,14 +31,14 @@ ASKED = "asked"  # in place of an outcome's code: a person has to decide
 class Assistants:
     """Knows the requests of all; each assistant sees its own."""
 
-    def __init__(self, station: Station, verbs: Mapping[str, Verb]) -> None:
-        self._station, self._verbs = station, verbs
+    def __init__(self, station: Station, verbs: Mapping[str, Verb], until: Until) -> None:
+        self._station, self._verbs, self._until = station, verbs, until
 
     async def obey(self, asker: Asker, request: dict[str, Any]) -> dict[str, Any]:
         """The result. Raises ValueError for what cannot be meant, and RanOut."""
         number, words = request.get("id"), request.get("words")
         if "ask" in request:
-            return {"id": number, **await self._ask(request["ask"])}
+            return {"id": number, **await self._ask(asker, request["ask"])}
         if not (isinstance(words, list) and words and all(isinstance(w, str) for w in words)):
             raise ValueError('expected {"id": ..., "words": ["status"]}')
         word, *rest = words
@@ -71,7 +73,7 @@ class Assistants:
                 found.append({"kind": verb.id, "title": verb.title, "schema": said})
         return found
 
-    async def _ask(self, wanted: Any) -> dict[str, Any]:
+    async def _ask(self, asker: Asker, wanted: Any) -> dict[str, Any]:
         kind = wanted.get("kind") if isinstance(wanted, dict) else None
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
         if not isinstance(verb, Go):
@@ -80,7 +82,9 @@ class Assistants:
         if self._station.robot.watching:
             return {"code": Code.REFUSED.value, "text": WATCHING}
         values = self._values(verb, wanted.get("values"))
-        await verb.prepare(self._station, {GOALS: [values]})
+        goals = {GOALS: [values]}
+        await self._until(asker, lambda: verb.is_ready(self._station, goals), PATIENCE)
+        await verb.prepare(self._station, goals)
         refusal = verb.refusal(self._station)
         if refusal:
             return {"code": Code.REFUSED.value, "text": refusal}
@@ -89,8 +93,11 @@ class Assistants:
         if stopped or self._station.robot.snapshot.open_stop is not None:
             said = "the robot is stopped: a person has to release it first"
             return {"code": Code.REFUSED.value, "text": said}
-        text = " ".join(filter(None, (title, values_text(verb.kind, values))))
-        if len(text) > _LONGEST_TEXT or harmless(text) != text:  # else a person sees another goal
+        shown = {path: written(value) for path, value in values.items()}
+        text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
+        typed = [value for value in values.values() if isinstance(value, str)]
+        # else a person sees another goal
+        if len(text) > _LONGEST_TEXT or harmless(text) != text or any(map(hides, typed)):
             raise ValueError(f"values: more than {_LONGEST_TEXT} characters, or some that hide")
         try:
             one = self._station.request(QueuedGoal(verb.kind, values), text)

@@ -39,7 +39,7 @@ class Desk:
         self._station, self._domain = station, domain
         self._robot = station.robot
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
-        self._assistants = Assistants(station, self.verbs)
+        self._assistants = Assistants(station, self.verbs, self._until)
         self._visits: dict[Guest, _Visit] = {}
         # STOPs that wait to be answered, and whether one is on its way to the loop
         self._stops: deque[tuple[Guest, Any, bool]] = deque(maxlen=_MOST_STOPS)
@@ -154,7 +154,8 @@ class Desk:
             client.tell(_result(None, Outcome(Code.DONE, "it had ended")))
         elif answer.get("give_up"):
             asker = visit.asker
-            asker.has_left = asker.has_left or not asker.ends  # nothing was sent, nothing will be
+            if not (asker.ends or visit.is_assistant):  # nothing was sent, nothing will be
+                asker.has_left = True
             await self._call_off(visit)
         elif visit.asked is not None and not visit.asked.done():
             visit.asked.set_result(answer.get("answer") is True)

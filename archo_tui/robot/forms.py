@@ -75,6 +75,15 @@ def check_range(leaf: Leaf, given: FormField, value: Any, shown: str) -> None:
         raise ValueError(f"{label}: not a finite number: {shown}")
 
 
+def check_ranges(
+    leaves: Iterable[Leaf], form: Mapping[str, FormField], values: Mapping[str, Any]
+) -> None:
+    """As `check_range`, of every number among the values by dotted path."""
+    for leaf in filter(is_number, leaves):
+        value = values[leaf.path]
+        check_range(leaf, form.get(leaf.path, FormField()), value, text_of(value))
+
+
 def _known(given: Limit, otherwise: float | None) -> float | None:
     """A limit of the robot file; a link to a number that nobody reports limits nothing."""
     return otherwise if given is None or isinstance(given, Link) else given

@@ -19,6 +19,11 @@ _UNSAFE = re.compile(
     "[\x00-\x1f\x7f-\x9f\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
     "\ufeff\ufff9-\ufffb\ud800-\udfff\U000e0000-\U000e007f]"
 )
+# letters and marks that look like a blank or like nothing at all
+_UNSEEN = re.compile(
+    "[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u2800\u3164\ufe00-\ufe0f\uffa0"
+    "\U000e0100-\U000e01ef]"
+)
 _COMBINING = "[\u0300-\u036f\u0483-\u0489\u1ab0-\u1aff\u1dc0-\u1dff\u20d0-\u20ff\ufe20-\ufe2f]"
 _HEAPED = re.compile(f"({_COMBINING}{{{_MARKS}}}){_COMBINING}+")
 
@@ -34,6 +39,12 @@ def safe_in_place(text: str) -> str:
     """The same in as many cells, for a line that was laid out already."""
     text = _UNSAFE.sub(lambda found: HIDDEN * cell_len(found[0]), text)
     return _HEAPED.sub(r"\1", text)
+
+
+def hides(text: str) -> bool:
+    """True when a person who reads it would take it for another one."""
+    is_plain = text.isprintable() and text == " ".join(text.split()) and harmless(text) == text
+    return not is_plain or _UNSEEN.search(text) is not None
 
 
 def harmless(text: str) -> str:

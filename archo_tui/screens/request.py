@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
+from textual.events import Resize
+from textual.widget import Widget
 from textual.widgets import Button, Static
 
-from archo_tui.clock import Clock
 from archo_tui.robot.text import harmless
-from archo_tui.robot.values import text_of
 from archo_tui.screens.dialog import Dialog
-from archo_tui.station.requests import READ, Request
+from archo_tui.station.requests import READ, Request, written
 from archo_tui.station.station import View
+from archo_tui.terminal.typed import now, read_of
 from archo_tui.words import spoken
 
+_AROUND = 5  # lines that are not the question: answers, borders, the keys below
 APART = 0.3  # s that an answer comes behind the key before it, which a paste's does not
 
 
@@ -37,19 +40,18 @@ class AnswerRequest(Dialog[None]):
         self,
         request: Request,
         view: View,
-        clock: Clock,
-        pause: Callable[[], float],
+        unseen: Callable[[], bool],
         answer: Callable[[int, bool], None],
         gone: Callable[[str], None],
     ) -> None:
-        """`pause()` is how long before the last key or click the one before it was (s).
+        """`unseen()` is true while the terminal does not show what was drawn.
 
         `gone(why)` is called when the request is over before anybody has answered.
         """
         super().__init__()
-        self._request, self._view, self._clock = request, view, clock
-        self._pause, self._answer, self._gone = pause, answer, gone
-        self._drawn: float | None = None  # monotonic s
+        self._request, self._view = request, view
+        self._unseen, self._answer, self._gone = unseen, answer, gone
+        self._drawn = math.inf  # when it was, in s as messages have their time
         self._text = Static(classes="asked")
 
     def body(self) -> ComposeResult:
@@ -65,10 +67,31 @@ class AnswerRequest(Dialog[None]):
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#deny"))
         self._write()
+        self.app.app_resume_signal.subscribe(self, lambda _: self._draw_anew())
+
+    def on_screen_resume(self) -> None:
+        """In front, at first or again."""
+        self._draw_anew()
+
+    def on_resize(self, event: Resize) -> None:
+        """The answers stay in view, and what is asked can be scrolled."""
+        box = self.query_one(VerticalScroll)
+        box.styles.max_height = max(event.size.height - _AROUND, 1)
+        self._draw_anew()
+
+    def _draw_anew(self) -> None:
+        """It was away, or looks different now: it is read from here on."""
+        self._drawn = math.inf
         self.call_after_refresh(self._now_drawn)
 
     def _now_drawn(self) -> None:
-        self._drawn = self._clock.monotonic()
+        self._drawn = now()
+
+    def _is_in_view(self, part: Widget) -> bool:
+        """True when its end is, where it is scrolled to."""
+        place = self.find_widget(part)
+        seen = place.visible_region
+        return bool(seen) and seen.bottom_right == place.region.bottom_right
 
     def show(self, view: View) -> None:
         """So it is now; what waits no more is not answered."""
@@ -79,10 +102,12 @@ class AnswerRequest(Dialog[None]):
             self.dismiss()
         elif waits:
             self._write()
+            if self._unseen():
+                self._draw_anew()
 
     def _write(self) -> None:
         one, view = self._request, self._view
-        values = [f"  {name}: {text_of(value)}" for name, value in one.goal.values.items()]
+        values = [f"  {name}: {written(value)}" for name, value in one.goal.values.items()]
         lines = [
             f"{one.asker.source} wants: {one.text}",
             *values,
@@ -94,14 +119,20 @@ class AnswerRequest(Dialog[None]):
         self._text.update(Content("\n".join(map(harmless, lines))))
 
     def on_button_pressed(self, event: Button.Pressed) -> None:
-        since = None if self._drawn is None else self._clock.monotonic() - self._drawn
-        if since is None or since < READ or self._pause() < APART:
+        read = read_of(event)
+        soon = read is None or read.at - self._drawn < READ or read.pause < APART
+        if soon or self._unseen():
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return
+        is_allowed = event.button.id == "allow"
+        if is_allowed and not (self._is_in_view(self._text) and self._is_in_view(event.button)):
+            said = "Not all of it is seen: scroll by ↓, or make the terminal larger."
+            self.notify(said, severity="warning", markup=False)
+            return
         self.dismiss()  # first: it is over by the answer then
-        self._answer(self._request.number, event.button.id == "allow")
+        self._answer(self._request.number, is_allowed)
 
     def action_scroll(self, step: int) -> None:
-        """Where not all of it has room."""
+        """Where not all of it has room; no line is left out."""
         box = self.query_one(VerticalScroll)
-        box.scroll_relative(y=step * 3, animate=False)
+        box.scroll_relative(y=step * min(3, max(box.size.height, 1)), animate=False)

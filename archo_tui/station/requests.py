@@ -5,11 +5,13 @@ from __future__ import annotations
 from asyncio import Future
 from collections.abc import Iterator
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from archo_tui.robot.asker import Asker
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Goal
+from archo_tui.robot.values import text_of
+from archo_tui.robot_file.written import flow
 from archo_tui.station.queue import QueuedGoal
 
 MOST = 3  # that wait at a time
@@ -17,6 +19,11 @@ EXPIRES = 60.0  # s after which nobody has answered
 PAUSE = 10.0  # s after a no in which nothing is asked: what it hides is seen
 READ = 1.0  # s that a request is shown before an answer counts: as long as it takes to read
 _KEPT = 100  # that are over
+
+
+def written(value: Any) -> str:
+    """A value as it is shown; a text is in quotes: nothing in it looks like the next value."""
+    return flow(value) if isinstance(value, str) else text_of(value)
 
 
 class Stand(Enum):
@@ -37,7 +44,7 @@ class Request(NamedTuple):
     goal: QueuedGoal
     text: str  # `go to shelf 12`
     made: float  # monotonic s
-    stops: int  # that had been read then
+    stops: int  # that were known of then, here and at other consoles
     stand: Stand = Stand.WAITS
     why: str = ""  # it is void
     end: Future[Outcome] | None = None  # how the goal ends, once it is allowed

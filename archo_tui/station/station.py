@@ -14,6 +14,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from archo_tui.clock import Clock
+from archo_tui.robot import forms
 from archo_tui.robot.acts import Act
 from archo_tui.robot.asker import YOU, Asker, asked_by, asking
 from archo_tui.robot.outcome import Code, Outcome
@@ -238,7 +239,8 @@ class Station:
         return "another goal is being sent" if self.queue.is_going else ""
 
     def _look_at_requests(self, now: float) -> None:
-        for one in self.requests.look(now, self.robot.stops.count, self._busy):
+        stops = self.robot.stops.count + self.robot.stops_elsewhere
+        for one in self.requests.look(now, stops, self._busy):
             said = f"request {one.number} is {one.stand.value}, {one.why}: {one.text}"
             self.robot.note("WARN", "console", said)
 
@@ -251,6 +253,7 @@ class Station:
         asker, stops = asking(), self.robot.stops.carried
         if asker.has_left or self.robot.stops.is_void(stops):
             raise ValueError(NOT_SENT)
+        stops += self.robot.stops_elsewhere
         one = self.requests.add(asker, goal, text, self.clock.monotonic(), stops)
         act = Act("request", {"request": one.number, "values": goal.values}, Code.ACCEPTED)
         said = f"asks: {text} (request {one.number})"
@@ -276,7 +279,7 @@ class Station:
             return Outcome(Code.REFUSED, f"request {number} is {one.stand.value}")
         if allowed and self.robot.stops.gate().is_shut:
             return Outcome(Code.CANCELLED, NOT_SENT)
-        refusal = self._snapshot.unavailable(one.goal.kind.action)
+        refusal = self._snapshot.unavailable(one.goal.kind.action) or self._beyond(one.goal)
         if allowed and refusal:
             return Outcome(Code.REFUSED, refusal)
         if allowed:
@@ -294,6 +297,15 @@ class Station:
             self.requests.drives(number, ends[0] if ends else answered)
         self.look()
         return Outcome(Code.DONE, said)
+
+    def _beyond(self, goal: QueuedGoal) -> str:
+        """Which of its values is beyond a limit that the robot holds now; empty: none is."""
+        leaves = self._snapshot.forms.get(goal.kind.id) or ()
+        try:
+            forms.check_ranges(leaves, self._snapshot.form(goal.kind), goal.values)
+        except ValueError as error:
+            return str(error)
+        return ""
 
     def _look_at_ends(self) -> None:
         """Tell whoever waits for it how a goal has ended."""

@@ -184,6 +184,11 @@ class TerminalApp(App[None]):
             self.screen.refresh(layout=True)
             self.refresh()
 
+    @property
+    def is_stuck(self) -> bool:
+        """True while the terminal does not show what was drawn; another driver cannot tell."""
+        return getattr(self._driver, "is_stuck", False)
+
     def on_paste_cut(self) -> None:
         text = "The paste was cut off: nothing of it was taken. Paste it again."
         self.notify(text, severity="warning", markup=False)

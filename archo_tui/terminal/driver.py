@@ -32,6 +32,7 @@ assert sys.platform != "win32"  # Textual's own driver serves there
 
 MAX_WAITING = 64 * 1024  # bytes, or two frames of a large terminal; one of 160 x 48 has 20,000
 _MARKS = 4096  # bytes of what stands around a frame
+_STUCK = 0.5  # s after which a terminal that takes nothing is not seen to show what was drawn
 _STOP_TIMEOUT = 0.5  # s that the end waits for a terminal that does not read
 _READ = 64 * 1024  # bytes that are read before they are handed on: some thousand mouse moves
 _POLL, _POLL_SOON = 0.1, 0.03  # s; soon while an escape may be a key
@@ -68,6 +69,7 @@ class Writer(threading.Thread):
         self._largest = 0  # write so far: a frame of any size has room, and the marks around it
         self._changed = threading.Condition()
         self._dropping = self._writing = self._ending = self.dead = False
+        self._moved = 0.0  # when it began to write what it writes now, monotonic s
 
     def write(self, text: str, *, keep: bool = False) -> None:
         """Take text for writing; what is not to be dropped, like the terminal's modes, is kept."""
@@ -84,6 +86,13 @@ class Writer(threading.Thread):
             self._waiting.append((data, keep))
             self._size += len(data)
             self._changed.notify_all()
+
+    @property
+    def is_stuck(self) -> bool:
+        """True while the terminal takes nothing, or something was dropped that it has not shown."""
+        with self._changed:
+            waits = self._writing and time.monotonic() - self._moved >= _STUCK
+            return self._dropping or waits
 
     def flush(self) -> None:
         """Everything is on its way already."""
@@ -102,9 +111,10 @@ class Writer(threading.Thread):
                     self._changed.wait()
                 data, _ = self._waiting.popleft()
                 self._size -= len(data)
-                self._writing = True
+                self._writing, self._moved = True, time.monotonic()
             try:
                 while data:
+                    self._moved = time.monotonic()
                     data = data[os.write(self._descriptor, data) :]
             except OSError:
                 self.kill()
@@ -176,6 +186,11 @@ class SteadyDriver(LinuxDriver):
     def write(self, data: str) -> None:
         if self._writer is not None:
             self._writer.write(data, keep=self._modes)
+
+    @property
+    def is_stuck(self) -> bool:
+        """True while what was drawn last is not on the terminal."""
+        return self._writer is not None and self._writer.is_stuck
 
     def _sigcont_application(self, *_: Any) -> None:
         if self._auto_restart and not self._started:

@@ -8,9 +8,11 @@ the types that `prevent` names: the count goes along among them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from typing import NamedTuple, Protocol, cast
 
 from textual.message import Message
+from textual.message_pump import MessagePump
 
 from archo_tui.robot.stops import Stops
 
@@ -43,6 +45,34 @@ def typed_after(message: Message) -> int | None:
         return None
     found: set[object] = {*message._prevent}
     return min((one.stops for one in found if isinstance(one, Typed)), default=None)
+
+
+class Read(NamedTuple):
+    """A mark on a message: when its input was read, and how long behind what was typed before."""
+
+    at: float  # s, as messages have their time
+    pause: float  # s
+
+
+def now() -> float:
+    """The time (s), as messages have theirs."""
+    return Message().time
+
+
+def mark_read(message: Message, read: Read) -> None:
+    """It comes of what was read then."""
+    message._prevent.add(cast("type[Message]", read))
+
+
+def with_its_marks(message: Message, pump: MessagePump) -> AbstractContextManager[None]:
+    """What is posted meanwhile has the marks that the message got after it came."""
+    return pump.prevent(*message._prevent)
+
+
+def read_of(message: Message) -> Read | None:
+    """The input that it comes of; None for what nobody typed."""
+    found: set[object] = {*message._prevent}
+    return next((one for one in found if isinstance(one, Read)), None)
 
 
 def hand_on(

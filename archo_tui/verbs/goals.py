@@ -7,7 +7,6 @@ from collections.abc import Awaitable, Sequence
 from archo_tui.robot import forms
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Leaf, Phase, Snapshot, in_namespace
-from archo_tui.robot.values import text_of
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import FormField, GoalKind, Link
 from archo_tui.station.queue import QueuedGoal
@@ -64,11 +63,8 @@ class Go(Verb):
     async def prepare(self, station: Station, values: Values) -> Values:
         """Raises ValueError for a number beyond a limit that the robot holds now."""
         form = station.robot.snapshot.form(self.kind)
-        numbers = [leaf for leaf in self._leaves or () if forms.is_number(leaf)]
         for goal in values[GOALS]:
-            for leaf in numbers:
-                given, value = form.get(leaf.path, FormField()), goal[leaf.path]
-                forms.check_range(leaf, given, value, text_of(value))
+            forms.check_ranges(self._leaves or (), form, goal)
         return values
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:

@@ -4,23 +4,36 @@ from __future__ import annotations
 
 import json
 import os
+import threading
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from random import Random
 from typing import Any
 
 import pytest
+from rclpy.node import Node
+from std_msgs.msg import String
 from textual import events
 
+from archo_tui.keyed_app import HELD
 from archo_tui.paths import journal_file
+from archo_tui.plain.input import Input
+from archo_tui.plain.output import Output
 from archo_tui.remote import place
+from archo_tui.robot import acts
+from archo_tui.robot.acts import Act
+from archo_tui.robot.outcome import Code
+from archo_tui.session import _robots_nodes
 from archo_tui.station import requests
+from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console
 from tests.support.shells import Raw, heard, raw, served, until
 
 pytestmark = pytest.mark.real_time
 
+ROBOT = [*_robots_nodes(False).values()]
 GO = {"kind": "go", "values": {"shelf_number": 12}}
 
 
@@ -112,6 +125,35 @@ async def test_the_focus_stays_and_what_is_typed_meanwhile_answers_nothing() -> 
         assert op.app.view.snapshot.goal is None
 
 
+def busy(op: Console, span: float) -> None:
+    """Have the console do nothing else for so long (s), once it has taken what was typed before."""
+    op.app.call_later(lambda: time.sleep(span))
+
+
+async def test_a_paste_answers_nothing_while_the_console_is_busy() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        op.send("tab")
+        busy(op, 0.5)
+        op.send("enter")  # read at the same time, and taken later
+        await op.until("Read it first, then answer.")
+        assert [one.number for one in op.app.station.requests.waiting] == [1]
+
+
+async def test_what_was_typed_too_soon_is_too_soon_however_late_it_is_taken() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        op.send("tab")
+        await op.at(seconds() + 0.4)
+        busy(op, 1.0)
+        op.send("enter")
+        await op.until("Read it first, then answer.")
+        assert [one.number for one in op.app.station.requests.waiting] == [1]
+
+
 async def test_a_click_counts_as_late_as_a_key() -> None:
     async with beside(*FAST) as (op, assistant):
         await asks(assistant)
@@ -123,6 +165,82 @@ async def test_a_click_counts_as_late_as_a_key() -> None:
         await op.at(seconds() + 1.1)
         click(op.app, button.region.x + 2, button.region.y)
         await op.until("Arrived at shelf 12")
+
+
+@pytest.mark.parametrize("way", ["covered", "resized", "suspended"])
+async def test_what_was_away_is_read_anew(way: str) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await opened(op)
+        await op.press("tab")
+        await op.at(seconds() + 0.4)
+        if way == "covered":
+            await op.press("f1")
+            await op.until("┏━ Keys ━")
+            await op.press("f1")
+        elif way == "resized":
+            await op.pilot.resize_terminal(100, 30)
+        else:
+            op.app.app_resume_signal.publish(op.app)
+        await op.until("An assistant asks")
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + 1.1)
+        await op.press("enter")
+        await op.until("MOVING to 12")
+
+
+async def test_what_the_terminal_does_not_show_is_read_once_it_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        monkeypatch.setattr(type(op.app), "is_stuck", True)
+        await opened(op)
+        await op.press("tab")
+        await op.at(seconds() + 0.4)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + HELD)
+        op.app.tick()
+        monkeypatch.setattr(type(op.app), "is_stuck", False)
+        op.app.clear_notifications()
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
+        await op.at(seconds() + 1.1)
+        await op.press("enter")
+        await op.until("MOVING to 12")
+
+
+@pytest.mark.parametrize("size", [(20, 4), (30, 6), (40, 10)])
+async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        await op.pilot.resize_terminal(*size)
+        await op.press("tab")
+        await op.at(seconds() + 1.1)
+        await op.press("enter")
+        await op.until(lambda: any("Not all of it" in one.message for one in op.app._notifications))
+        assert [one.number for one in op.app.station.requests.waiting] == [1]
+        assert op.app.view.snapshot.goal is None
+
+
+async def test_in_a_small_terminal_what_is_asked_is_scrolled_to_its_end() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await asks(assistant)
+        await op.press("A")
+        await op.until("An assistant asks")
+        await op.pilot.resize_terminal(40, 10)
+        await op.until("Allow once")
+        assert "expires in" not in op.text
+        await op.press("down", "down", "tab")
+        await op.until("expires in")
+        await op.at(seconds() + 1.1)
+        await op.press("enter")
+        await op.until(lambda: op.app.view.snapshot.running_goal is not None)
 
 
 @pytest.mark.parametrize("way", ["stop", "key", "goal", "time", "gone"])
@@ -155,6 +273,38 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
         goals = [*op.app.view.snapshot.history, op.app.view.snapshot.goal]
         assert all(goal is None or goal.target == "3" for goal in goals)
         other.close()
+
+
+class Other(Node):
+    """Another console, as far as it tells what it did."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("_archo_console_other_lab_1", **options)
+        self._acts = self.create_publisher(String, acts.TOPIC, 10)
+
+    def tell(self, verb: str) -> None:
+        said = acts.write("other_lab_1", Act(verb, {}, Code.DONE), f"{verb}: done")
+        self._acts.publish(String(data=said))
+
+
+async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() -> None:
+    made: list[Other] = []
+
+    def other(**options: Any) -> Other:
+        made.append(Other(**options))
+        return made[-1]
+
+    async with beside(*LONG, node_makers=[*ROBOT, other]) as (op, assistant):
+        await op.until("2 consoles")
+        await asks(assistant)
+        made[0].tell("stop")
+        made[0].tell("release")
+        said = await says(assistant, "wait", "request", "1", timeout=10)
+        assert (said["code"], said["text"]) == ("void", "request 1 is void: a STOP came")
+        await asks(assistant)
+        made[0].tell("release")
+        await op.until("release: done")
+        assert [one.number for one in op.app.station.requests.waiting] == [2]
 
 
 async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
@@ -203,6 +353,18 @@ async def test_each_request_tells_of_its_own_goal() -> None:
         for number, shelf in (("1", 5), ("2", 6)):
             told = await says(assistant, "wait", "request", number)
             assert told["data"]["values"] == {"shelf_number": shelf}
+
+
+async def test_a_limit_that_came_after_the_request_holds_for_its_answer() -> None:
+    async with beside(*LONG) as (op, assistant):
+        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+        await asks(assistant)
+        other = await raw()
+        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
+        await allowed(op)
+        await op.until("Shelf: at most 10, not 12")
+        assert op.app.view.snapshot.history == ()
+        other.close()
 
 
 async def test_once_allowed_is_once() -> None:
@@ -301,6 +463,31 @@ async def test_what_cannot_be_meant_is_said_and_nobody_is_asked(wanted: Any, why
         assert op.app.view.requests == ()
 
 
+async def test_a_request_waits_for_limits_that_were_not_reported_yet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with beside(*FAST) as (op, assistant):
+        await op.until(lambda: op.app.view.snapshot.parameter("shelf_count"))
+        known = threading.Event()
+        monkeypatch.setattr(Go, "is_ready", lambda *_: known.is_set())
+        assistant.send({"id": 1, "assistant": True, "ask": GO})
+        other = await raw()
+        assert (await other.ask("set", "motor_controller", "shelf_count", "10"))["code"] == "done"
+        known.set()
+        assert (await assistant.result())["text"] == "Shelf: at most 10, not 12"
+        other.close()
+
+
+async def test_who_gives_up_waiting_may_ask_again() -> None:
+    async with beside(*FAST) as (op, assistant):
+        await asks(assistant)
+        assistant.send({"id": 2, "assistant": True, "words": ["wait", "request", "1"]})
+        assistant.send({"give_up": True})
+        assert (await assistant.result())["code"] == "cancelled"
+        assert (await asks(assistant))["code"] == "asked"
+        assert [one.number for one in op.app.station.requests.waiting] == [1, 2]
+
+
 async def test_of_a_stopped_robot_nothing_is_asked_and_its_stop_is_its_own() -> None:
     async with beside(*FAST) as (op, assistant):
         assert (await says(assistant, "status"))["code"] == "done"
@@ -384,4 +571,49 @@ async def test_where_a_program_types_nobody_can_allow_anything() -> None:
         )
         person.type("allow 1\n")
         await heard(person, "only a person at a terminal answers an assistant")
+        assistant.close()
+
+
+@pytest.mark.parametrize("behind", ["status", "stop"])
+async def test_in_plain_what_stands_behind_an_answer_is_read_first(
+    behind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reads, goes_on = Input._chunk, threading.Event()
+
+    def chunk(of: Input) -> bytes:
+        goes_on.wait()
+        return reads(of)
+
+    async with served(at_terminal=True) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        await asks(assistant)
+        await heard(person, "(allow 1 or deny 1, within 60 s)")
+        since = seconds()
+        await until(lambda: seconds() > since + 1.1)
+        monkeypatch.setattr(Input, "_chunk", chunk)  # from the next on: a terminal gives lines
+        person.type(f"allow 1\n{behind}\n")
+        await until(lambda: person._plain._input.last[0] > since)
+        await until(lambda: not person._plain._input._waiting)
+        goes_on.set()
+        await heard(person, "failed: allow: read it first, then answer, by a line alone")
+        assert "accepted" not in person.said
+        assistant.close()
+
+
+async def test_in_plain_nothing_is_answered_that_the_terminal_has_not_taken_yet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with served(at_terminal=True) as person:
+        assistant = await raw()
+        assert (await assistant.ask("wait", "ready"))["code"] == "done"
+        await asks(assistant)
+        await heard(person, "(allow 1 or deny 1, within 60 s)")
+        since = seconds()
+        await until(lambda: seconds() > since + 1.1)
+        monkeypatch.setattr(Output, "is_done", False)  # as after ctrl+s
+        person.type("allow 1\n")
+        await heard(person, "failed: allow: read it first, then answer, by a line alone")
+        monkeypatch.undo()
+        assert "accepted" not in person.said
         assistant.close()

@@ -15,6 +15,7 @@ pytest.importorskip("depot_interfaces")
 from tests.robots.rover import Rover
 from tests.support.console import Console, console
 from tests.support.plain import plain
+from tests.support.shells import raw
 
 FILE = Path(__file__).with_name("rover.yaml")
 
@@ -163,3 +164,35 @@ async def test_it_is_operated_line_by_line() -> None:
         "goal ARRIVED",
     ):
         assert part in text, text
+
+
+@pytest.mark.real_time
+async def test_what_an_assistant_writes_hides_nothing_and_looks_like_no_other_value(
+    tmp_path: Path,
+) -> None:
+    named = tmp_path / "named.yaml"  # the frame is asked for, too
+    text = FILE.read_text().replace("    fixed: {target.frame_id: map}\n", "")
+    named.write_text(
+        text.replace("    form:\n", "    form:\n      target.frame_id: {label: frame}\n")
+    )
+    place = {f"target.pose.position.{axis}": 1.5 for axis in "xy"}
+    place["target.pose.orientation"] = 0
+    async with rover(named, remote=True) as (op, node):
+        assistant = await raw()
+
+        async def asks(frame: str) -> str:
+            wanted = {"kind": "go", "values": {"target.frame_id": frame, **place}}
+            assistant.send({"id": 1, "assistant": True, "ask": wanted})
+            return str((await assistant.result())["text"])
+
+        unseen = (
+            "\u00ad\u034f\u115f\u2800\u3164\ufe0f\u00a0\u3000\u200b\u202e\ufeff\U000e0100\n\x1b"
+        )
+        for text in (*(f"ma{char}p" for char in unseen), "map ", " map", "m  ap"):
+            assert "or some that hide" in await asks(text), ascii(text)
+        said = await asks("map, x 9")
+        assert said.endswith('go to pose frame "map, x 9", x 1.5, y 1.5, yaw 0.0')
+        await op.press("A")
+        await op.until('target.frame_id: "map, x 9"')
+        assert node.heard == []
+        assistant.close()
