@@ -6,7 +6,7 @@ import sys
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from textual.screen import Screen
 from textual.widgets import Input
@@ -39,6 +39,13 @@ TICK = 1.0  # s between two looks at ages and the time of day
 LONGEST = 30.0  # s that the end waits for answers: longer than any request is waited for
 
 
+class _Sent(NamedTuple):
+    """A command that was given."""
+
+    at: float  # monotonic s
+    stops: int  # that had been read then
+
+
 class ArchoApp(KeyedApp):
     """The operator's console."""
 
@@ -63,7 +70,7 @@ class ArchoApp(KeyedApp):
         self._failed_before = failed
         self._leaves = False
         self.has_sent = True  # a goal, as far as is known
-        self._sent: dict[str, float] = {}  # when each command that is not answered yet was given
+        self._sent: dict[str, _Sent] = {}  # each command that is not answered yet
         self.view = self._view()
 
     def get_default_screen(self) -> Screen[None]:
@@ -156,7 +163,7 @@ class ArchoApp(KeyedApp):
         if command.once and (self.repeated or self._waits(name)):
             return
         given = self._sent.get(name)
-        held = given is not None and self.station.clock.monotonic() - given < command.every
+        held = given is not None and self.station.clock.monotonic() - given.at < command.every
         if held and self.repeated:  # pressed anew it is given anew: something may be in between
             return
         reason = self.blocked(command)
@@ -177,17 +184,19 @@ class ArchoApp(KeyedApp):
                 self.closed_by_stop()  # what is typed for it acts nowhere else
 
     def _waits(self, name: str) -> bool:
-        """True, and said, when the robot has not answered a command yet."""
-        if name in self._sent and not self.repeated:
+        """True, and said, when the robot has not answered a command yet, and no STOP voided it."""
+        given = self._sent.get(name)
+        waits = given is not None and not self.stops.is_void(given.stops)
+        if waits and not self.repeated:
             self.notify("still waiting for the robot's answer", severity="warning", markup=False)
-        return name in self._sent
+        return waits
 
     async def _answered(self, name: str, work: Work) -> None:
-        sent = self._sent[name] = self.station.clock.monotonic()
+        sent = self._sent[name] = _Sent(self.station.clock.monotonic(), self.stops.carried)
         try:
             await work
         finally:
-            if self._sent.get(name) == sent:
+            if self._sent.get(name) is sent:
                 del self._sent[name]
 
     def action_command_palette(self) -> None:

@@ -90,7 +90,6 @@ class Robot:
         self.file = file
         self._clock, self._happened = clock, happened
         self.stops = Stops()
-        self.stops_elsewhere = 0  # that other consoles told of
         self._mailbox = Mailbox()
         self._log = EventLog()
         self._dirty = False
@@ -574,7 +573,7 @@ class Robot:
         if told is None or told.console not in self._graph.consoles:
             return
         self._others.told(told.act, self._clock.monotonic())
-        self.stops_elsewhere += told.act.verb == "stop"
+        self.stops.elsewhere += told.act.verb == "stop"
         now = self._clock.now()
         self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))
 

@@ -26,6 +26,7 @@ class Stops:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self.count = 0
+        self.elsewhere = 0  # that other consoles told of
         self._carried: ContextVar[int | None] = ContextVar("stops", default=None)
 
     def read(self) -> int:

@@ -239,7 +239,7 @@ class Station:
         return "another goal is being sent" if self.queue.is_going else ""
 
     def _look_at_requests(self, now: float) -> None:
-        stops = self.robot.stops.count + self.robot.stops_elsewhere
+        stops = self.robot.stops.count + self.robot.stops.elsewhere
         for one in self.requests.look(now, stops, self._busy):
             said = f"request {one.number} is {one.stand.value}, {one.why}: {one.text}"
             self.robot.note("WARN", "console", said)
@@ -253,7 +253,7 @@ class Station:
         asker, stops = asking(), self.robot.stops.carried
         if asker.has_left or self.robot.stops.is_void(stops):
             raise ValueError(NOT_SENT)
-        stops += self.robot.stops_elsewhere
+        stops += self.robot.stops.elsewhere
         one = self.requests.add(asker, goal, text, self.clock.monotonic(), stops)
         act = Act("request", {"request": one.number, "values": goal.values}, Code.ACCEPTED)
         said = f"asks: {text} (request {one.number})"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -80,6 +81,25 @@ async def test_a_second_stop_with_a_key_between_is_sent_at_once() -> None:
             it.write(typed)
             await Quiet(it.app).settle()
         assert it.asked == ["emergency_stop", "release_emergency_stop", "emergency_stop"]
+
+
+async def test_a_command_behind_a_stop_waits_for_no_answer_from_before_it() -> None:
+    it = Screen("motor stopped")
+    robot: Any = it.app.station.robot
+    answer, asked = asyncio.Event(), []
+
+    async def unanswered(*_: Any, **__: Any) -> Outcome:
+        asked.append(it.app.stops.gate().is_shut)
+        await answer.wait()
+        return Outcome(Code.DONE, "done")
+
+    robot.command = unanswered
+    async with it.app.run_test(size=(120, 36)):
+        await Quiet(it.app).settle()
+        for typed in (b"c", b"c", b"\x18", b"c", b"c"):
+            await it.type(typed)
+        assert asked == [False, False]  # the second one of each pair has to wait
+        answer.set()
 
 
 @pytest.mark.parametrize("opened", [b"\x10", b"R"])

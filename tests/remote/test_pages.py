@@ -100,7 +100,7 @@ PRINTED = [
     ["8", "shelf 12 Arrived at shelf 12", "0.5"],
     ["misuse Shelf: at most 40, not 99", "not yet"],
     [],
-    ["INFO Arrived at shelf 3"],
+    [" Arrived at shelf 3"],  # by the log or the goal, whichever comes first
 ]
 
 
