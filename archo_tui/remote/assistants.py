@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
+from archo_tui.remote.protocol import words_of
 from archo_tui.remote.waits import RanOut, timeout_of, wait_for
 from archo_tui.robot import forms
 from archo_tui.robot.asker import Asker
@@ -36,17 +37,15 @@ class Assistants:
 
     async def obey(self, asker: Asker, request: dict[str, Any]) -> dict[str, Any]:
         """The result. Raises ValueError for what cannot be meant, and RanOut."""
-        number, words = request.get("id"), request.get("words")
+        number = request.get("id")
         if "ask" in request:
             return {"id": number, **await self._ask(asker, request["ask"])}
-        if not (isinstance(words, list) and words and all(isinstance(w, str) for w in words)):
-            raise ValueError('expected {"id": ..., "words": ["status"]}')
-        word, *rest = words
+        word, *rest = words_of(request)
         if word == "goals" and not rest:
             return {"id": number, "code": "done", "text": "", "data": self._goals()}
         if word == "wait" and rest[:1] == ["request"]:
             return {"id": number, **await self._wait(asker, rest[1:], request)}
-        if words == ["cancel"]:
+        if word == "cancel" and not rest:
             outcome = await self._cancel(asker)
             return {"id": number, "code": outcome.code.value, "text": outcome.text}
         if word not in _LOOKS:

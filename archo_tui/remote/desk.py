@@ -13,7 +13,7 @@ from archo_tui import __version__
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.remote.assistants import Assistants
 from archo_tui.remote.follow import follow
-from archo_tui.remote.protocol import GONE, LOST, PROTOCOL, is_stop
+from archo_tui.remote.protocol import GONE, LOST, PROTOCOL, is_stop, words_of
 from archo_tui.remote.server import Guest
 from archo_tui.remote.waits import LOOK, RanOut, wait_for
 from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
@@ -191,16 +191,12 @@ class Desk:
             client.done()
 
     async def _obey(self, visit: _Visit, request: dict[str, Any]) -> dict[str, Any]:
-        words, number = request.get("words"), request.get("id")
+        number = request.get("id")
         if visit.is_assistant:
             return await self._assistants.obey(visit.asker, request)
         if request.get("follow"):
             await follow(self._station, visit.client.tell, number)
-        if not (isinstance(words, list) and words and all(isinstance(w, str) for w in words)):
-            raise ValueError('expected {"id": ..., "words": ["status"]}')
-        if any("\ud800" <= char <= "\udfff" for word in words for char in word):
-            raise ValueError("words: half a character, a lone surrogate, is in them")
-        word, *rest = words
+        word, *rest = words_of(request)
         if word == "wait":
             sent = visit.sent if rest == ["arrived"] else []
             waited = self._arrived(sent) if sent else None
