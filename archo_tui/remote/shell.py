@@ -251,7 +251,7 @@ def _interrupt(_number: int, _frame: FrameType | None) -> None:
 
 
 def _has_person() -> bool:
-    return sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+    return all(one is not None and one.isatty() for one in (sys.stdin, sys.stderr))
 
 
 def _answer(question: str) -> bool:

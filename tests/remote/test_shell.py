@@ -82,6 +82,30 @@ async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> 
         assert await ended(second) == (5, "", "queued\narcho-tui: go: held: 7 (cancelled)\n")
 
 
+async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> None:
+    async with served(ros_args=FAST) as person:
+        station = person._plain._station
+        assert (await typed("go", "12", "7")).code == 0
+        await typed("stop")
+        await until(lambda: station.queue.held)
+        assert (await typed("release", "--yes")).code == 0
+        waits = await typed("go", "3", "5", "--wait")
+        assert waits == (5, "", "accepted\narcho-tui: go: held: 5 (STOP)\n")
+        assert "Arrived at shelf 3" in person.said
+
+
+async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:
+    async with served(ros_args=("-p", "feedback_period:=0.1", "-p", "time_scale:=5.0")) as person:
+        station = person._plain._station
+        waits = client("go", "12", "7", "--wait")
+        await heard(person, "MOVING to 12")
+        station.queue.hold("low battery")
+        station.look()
+        await heard(person, "queue held: 7 (low battery)")
+        assert (await typed("continue")).code == 0
+        assert await ended(waits) == (0, "", "accepted\nArrived at shelf 7\n")
+
+
 async def test_a_stop_is_final_for_what_a_shell_sent_before_it() -> None:
     async with served(ros_args=LONG) as person:
         waits = client("go", "12", "7", "--wait")
