@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import signal
 import sys
@@ -269,8 +270,9 @@ def _print_json(said: dict[str, Any]) -> None:
 
 
 def _complain(text: str, prefix: str = "archo-tui: ") -> None:
-    if sys.stderr is not None:
-        print(f"{prefix}{_safe(text)}", file=sys.stderr)
+    with contextlib.suppress(OSError):  # nobody reads it: that changes nothing of what was done
+        if sys.stderr is not None:
+            print(f"{prefix}{_safe(text)}", file=sys.stderr)
 
 
 def _safe(text: str) -> str:

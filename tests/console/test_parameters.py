@@ -73,6 +73,16 @@ async def test_a_bad_value_is_said_and_changes_nothing() -> None:
         assert op.app.view.snapshot.parameters == before
 
 
+async def test_the_dialog_says_what_the_value_is_now_whoever_changes_it() -> None:
+    async with console(*FAST) as op:
+        await op.press("4")
+        op.send("home", *["down"] * op.parameters.index("max_speed"), "enter")
+        await op.until("now    0.8")
+        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+        await op.until("now    1.25")
+        assert op.app.screen.query_one("#value", Input).value == "0.8"
+
+
 async def test_a_whole_number_for_a_double_is_taken_as_a_double() -> None:
     async with console(*FAST) as op:
         await edit(op, "max_speed", "1")

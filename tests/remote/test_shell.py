@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import io
 import json
+import os
 import signal
 import subprocess
 import sys
+from unittest.mock import patch
 
 import pytest
 
+from archo_tui.cli import SUBCOMMANDS
+from archo_tui.remote import shell
 from tests.support.console import FAST, LONG
 from tests.support.script import SLOW, Script
 from tests.support.shells import Said, heard, said, served, typed, until
@@ -28,10 +34,10 @@ def client(*words: str) -> subprocess.Popen[str]:
     )
 
 
-async def ended(shell: subprocess.Popen[str]) -> Said:
+async def ended(process: subprocess.Popen[str]) -> Said:
     """How a client in a process of its own ends."""
-    out, err = await asyncio.to_thread(shell.communicate, timeout=DEADLINE)
-    return Said(shell.returncode, out, err)
+    out, err = await asyncio.to_thread(process.communicate, timeout=DEADLINE)
+    return Said(process.returncode, out, err)
 
 
 async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
@@ -141,6 +147,29 @@ async def test_data_is_on_standard_output_and_nothing_else() -> None:
         params = json.loads((await typed("params", "--json")).out)["data"]
         speed = next(p for p in params if p["name"] == "max_speed")
         assert (speed["value"], speed["high"]) == (0.8, 2.0)
+
+
+class Full(io.StringIO):
+    """A terminal that takes nothing more."""
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize("stderr", [None, Full()])
+async def test_who_cannot_read_why_still_gets_the_exit_code(stderr: Full | None) -> None:
+    def run(*words: str) -> int:
+        with patch.object(sys, "stderr", stderr), patch.object(sys, "stdin", Full()):
+            return shell.run(words, SUBCOMMANDS)
+
+    async with served(ros_args=FAST) as person:
+        assert await asyncio.to_thread(run, "go", "12", "--wait") == 0
+        assert await asyncio.to_thread(run, "stop") == 0
+        assert await asyncio.to_thread(run, "go", "99") == 2
+        assert "Arrived at shelf 12" in person.said
 
 
 async def test_without_a_console_it_is_one_line_and_3() -> None:
