@@ -341,7 +341,8 @@ class Station:
         goals = [wanted._replace(stops=stops) for wanted in goals]
         first = self.queue.submit(goals, self._snapshot)
         if first is None:
-            answer.set_result(Outcome(Code.ACCEPTED, "queued"))
+            held = f", held: {self.queue.held}" if self.queue.held else ""
+            answer.set_result(Outcome(Code.ACCEPTED, f"queued{held}"))
         else:
             self._drive(first, answer)
         self.look()

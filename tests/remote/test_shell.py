@@ -100,6 +100,15 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
         assert "Arrived at shelf 3" in person.said
 
 
+async def test_a_goal_behind_a_held_queue_is_said_to_be_held() -> None:
+    async with served(ros_args=LONG) as person:
+        assert (await typed("go", "12", "7")).code == 0
+        assert (await typed("cancel")).code == 0
+        await heard(person, "queue held: 7 (cancelled)")
+        assert (await typed("go", "3")) == (0, "", "accepted\n")
+        assert (await typed("go", "5")) == (0, "", "queued, held: cancelled\n")
+
+
 async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:
     async with served(ros_args=("-p", "feedback_period:=0.1", "-p", "time_scale:=5.0")) as person:
         station = person._plain._station
