@@ -40,20 +40,23 @@ class _Words:
     """What is meant for us, taken out of what is meant for the console."""
 
     def __init__(self, words: Sequence[str]) -> None:
-        """Raises ValueError with one line."""
+        """Raises ValueError with one line; not for STOP, which is a STOP whatever follows it."""
+        self.stops = is_stop({"words": list(words[:1])})
         self.flags: set[str] = set()
         self.values: dict[str, str] = {}
         self.rest: list[str] = []
         given = iter(words)
         for word in given:
             if any("\ud800" <= char <= "\udfff" for char in word):  # bytes that are no text
+                if self.stops:
+                    continue
                 raise ValueError(f"not UTF-8: {word!r}")
             name, equals, value = word.partition("=")
             if word in _FLAGS:
                 self.flags.add(word)
             elif name in _VALUES:
                 self.values[name] = value if equals else next(given, "")
-                if not self.values[name]:
+                if not (self.values[name] or self.stops):
                     raise ValueError(f"{name} needs a value")
             else:
                 self.rest.append(word)
@@ -61,7 +64,7 @@ class _Words:
     @property
     def timeout(self) -> float | None:
         """Raises ValueError."""
-        text = self.values.get("--timeout")
+        text = None if self.stops else self.values.get("--timeout")
         try:
             seconds = None if text is None else float(text)
         except ValueError:
@@ -91,7 +94,7 @@ def run(
         if attach is not None and not _runs(to):
             with attach() as robot:
                 return _ask(robot, given, timeout)
-        if is_stop({"words": given.rest}):
+        if given.stops:
             return _stop(to, given)
         console = one(to)
         try:

@@ -135,7 +135,10 @@ async def test_a_stop_is_final_for_what_a_shell_sent_before_it() -> None:
         assert (await typed("release", "--yes")).code == 0
 
 
-@pytest.mark.parametrize("spelled", ["STOP", "Stop!", "stop now please"])
+@pytest.mark.parametrize(
+    "spelled",
+    ["STOP", "Stop!", "stop now please", "stop --timeout soon", "stop --json --to", "stop \udcff"],
+)
 async def test_for_a_stop_no_spelling_is_wrong(spelled: str) -> None:
     async with served(ros_args=FAST) as person:
         assert (await typed(*spelled.split())).code == 0
