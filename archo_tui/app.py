@@ -21,7 +21,9 @@ from archo_tui.robot.stops import NOT_SENT
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.confirm import Confirm
 from archo_tui.screens.dialog import Leaving
+from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.screens.main import MainScreen
+from archo_tui.screens.node import NodeDialog
 from archo_tui.screens.request import AnswerRequest
 from archo_tui.screens.text import ShowText
 from archo_tui.station import recall
@@ -36,6 +38,7 @@ from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.shown import Shown
 
 TICK = 1.0  # s between two looks at ages and the time of day
+_LIVE = (AlarmList, AnswerRequest, EditParameter, NodeDialog)  # dialogs that show what there is now
 LONGEST = 30.0  # s that the end waits for answers: longer than any request is waited for
 
 
@@ -141,7 +144,7 @@ class ArchoApp(KeyedApp):
         self.main.show(self.view, footer)
         self.ring(self.view.alarms)
         for screen in self.screen_stack:
-            if isinstance(screen, (AlarmList, AnswerRequest)) and screen.is_mounted:
+            if isinstance(screen, _LIVE) and screen.is_mounted:
                 screen.show(self.view)
 
     def _view(self) -> Shown:

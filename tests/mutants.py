@@ -291,7 +291,7 @@ FAULTS = [
     Fault("commands/robot.py", "if console.repeated and (goal is None", "if False and (goal is None", CONSOLE + "/test_goals.py"),
     Fault("robot/client.py", "if queued and (self._stopping.open is not None or", "if queued and (", ROBOT + "/test_robot.py"),
     Fault("station/queue.py", "if alarm.name in (LOW, EMPTY) and", "if alarm.name == LOW and", CONSOLE + "/test_queue.py"),
-    Fault("station/station.py", "if self.queue.held and not held:", "if self.targets.held:", CONSOLE + "/test_queue.py"),
+    Fault("station/station.py", "if self._held and not before:", "if self._held:", CONSOLE + "/test_queue.py"),
     Fault("verbs/nodes.py", "grave = (_last(goal.kind.action), _stop(station))", "grave = (_last(goal.kind.action),)", CONSOLE + "/test_nodes.py"),
     Fault("station/alarms.py", "return shelved, self.acknowledged, self.is_over, _ORDER", "return shelved, self.acknowledged, False, _ORDER", "tests/test_alarms.py"),
     Fault("station/alarms.py", "monotonic >= alarm.shelf_ends:", "now >= (alarm.shelved_until or 0.0):", "tests/test_alarms.py"),

@@ -8,7 +8,10 @@ from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.screens.node import NodeDialog
-from archo_tui.words.nodes import NodeRow
+from archo_tui.station.station import View
+from archo_tui.words.nodes import NodeRow, node_rows
+
+_GONE = "? not on the graph any more"
 
 
 class _InNodes(Command):
@@ -71,11 +74,16 @@ class Details(Command):
 
 def show(console: Console, row: NodeRow) -> None:
     """What is known about a node."""
-    text = row.details(console.view.now, console.view.snapshot)
+
+    def tell(view: View) -> str:
+        now = next((one for one in node_rows(view) if one.name == row.name), None)
+        return _GONE if now is None else now.details(view.second, view.snapshot)
+
     robot, verb, station = console.station.robot, console.verbs["log_level"], console.station
 
     async def set_level(level: str) -> Outcome:
         return await verb.run(station, {"node": row.name, "level": level})
 
     refused = verb.refusal(station)
-    console.open(NodeDialog(row.name, text, partial(robot.describe, row.name), set_level, refused))
+    describe = partial(robot.describe, row.name)
+    console.open(NodeDialog(row.name, tell, console.view, describe, set_level, refused))

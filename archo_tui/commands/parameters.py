@@ -12,7 +12,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Parameter
 from archo_tui.screens.ask_path import AskPath
 from archo_tui.screens.edit_parameter import EditParameter
-from archo_tui.verbs.parameters import NOBODY
+from archo_tui.verbs.parameters import CHANGE, NOBODY
 
 _DEFAULT_FILE = "archo_params.yaml"
 
@@ -120,6 +120,9 @@ class Undo(Speak):
     where, panel = IN_PANEL, PARAMETERS
     key = "u"
     once = True
+
+    def run(self, console: Console) -> Work | None:
+        return console.speak(self.verb, {CHANGE: console.station.edits.last})
 
 
 class Save(Speak):

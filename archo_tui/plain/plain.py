@@ -30,7 +30,7 @@ from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
 from archo_tui.words.event import event_text
 from archo_tui.words.goal import goal_line
-from archo_tui.words.spoken import in_words
+from archo_tui.words.spoken import in_words, queue
 
 if TYPE_CHECKING:
     from archo_tui.station.station import Station
@@ -247,9 +247,9 @@ class Plain:
         self._take(self._robot.snapshot)  # a goal is known before the end is looked for
         if verb.tells and outcome.ok:
             self._out(outcome.text)
-        queue = station.queue
-        if verb.moves and outcome.code == Code.ACCEPTED and queue.waiting and not queue.held:
-            self._say(f"queue: {self._waiting}")
+        waiting = [wanted.text for wanted in station.queue.waiting]
+        if verb.moves and outcome.code == Code.ACCEPTED and waiting:
+            self._say(f"queue: {queue(waiting, station.queue.held)}")
         self._failed = self._failed or verb.id == "skip"  # one goal less that arrives
         return outcome
 

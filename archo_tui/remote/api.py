@@ -240,4 +240,4 @@ def _made(kind: type[_Kind], told: Mapping[str, Any]) -> _Kind:
 
 def _text(value: Any) -> str:
     """A value as it is typed."""
-    return value if isinstance(value, str) else json.dumps(value)
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

@@ -282,9 +282,9 @@ def _asker(client: Guest, *, assistant: bool = False) -> Asker:
 
 
 async def _ended(ends: list[asyncio.Future[Outcome]]) -> Outcome:
-    """How goals ended, when all have."""
-    for end in ends:
-        await end
+    """How goals ended, when all have; one that was held, and goes on, has another end."""
+    while waited := [end for end in ends if not end.done()]:
+        await waited[0]
     return _outcome(ends)
 
 

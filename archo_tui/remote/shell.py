@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import signal
 import sys
@@ -39,20 +40,23 @@ class _Words:
     """What is meant for us, taken out of what is meant for the console."""
 
     def __init__(self, words: Sequence[str]) -> None:
-        """Raises ValueError with one line."""
+        """Raises ValueError with one line; not for STOP, which is a STOP whatever follows it."""
+        self.stops = is_stop({"words": list(words[:1])})
         self.flags: set[str] = set()
         self.values: dict[str, str] = {}
         self.rest: list[str] = []
         given = iter(words)
         for word in given:
             if any("\ud800" <= char <= "\udfff" for char in word):  # bytes that are no text
+                if self.stops:
+                    continue
                 raise ValueError(f"not UTF-8: {word!r}")
             name, equals, value = word.partition("=")
             if word in _FLAGS:
                 self.flags.add(word)
             elif name in _VALUES:
                 self.values[name] = value if equals else next(given, "")
-                if not self.values[name]:
+                if not (self.values[name] or self.stops):
                     raise ValueError(f"{name} needs a value")
             else:
                 self.rest.append(word)
@@ -60,7 +64,7 @@ class _Words:
     @property
     def timeout(self) -> float | None:
         """Raises ValueError."""
-        text = self.values.get("--timeout")
+        text = None if self.stops else self.values.get("--timeout")
         try:
             seconds = None if text is None else float(text)
         except ValueError:
@@ -90,7 +94,7 @@ def run(
         if attach is not None and not _runs(to):
             with attach() as robot:
                 return _ask(robot, given, timeout)
-        if is_stop({"words": given.rest}):
+        if given.stops:
             return _stop(to, given)
         console = one(to)
         try:
@@ -251,7 +255,7 @@ def _interrupt(_number: int, _frame: FrameType | None) -> None:
 
 
 def _has_person() -> bool:
-    return sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+    return all(one is not None and one.isatty() for one in (sys.stdin, sys.stderr))
 
 
 def _answer(question: str) -> bool:
@@ -269,8 +273,9 @@ def _print_json(said: dict[str, Any]) -> None:
 
 
 def _complain(text: str, prefix: str = "archo-tui: ") -> None:
-    if sys.stderr is not None:
-        print(f"{prefix}{_safe(text)}", file=sys.stderr)
+    with contextlib.suppress(OSError):  # nobody reads it: that changes nothing of what was done
+        if sys.stderr is not None:
+            print(f"{prefix}{_safe(text)}", file=sys.stderr)
 
 
 def _safe(text: str) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Goal
 from archo_tui.robot.values import parse_number
+from archo_tui.station.alarms import CONTACT_LOST, EMPTY
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Verb
 
@@ -57,12 +58,12 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
 
     def idle() -> Outcome | None:
         busy = robot.snapshot.running_goal is not None or station.queue.is_going
-        return None if busy else Outcome(Code.DONE, "idle")
+        return None if busy or _may_move(station) else Outcome(Code.DONE, "idle")
 
     def ready() -> Outcome | None:
         why = verbs["go"].refusal(station) if "go" in verbs else "the robot file names no goal"
         if not why:
-            return Outcome(Code.DONE, "ready")
+            return None if _goes_nowhere(station) else Outcome(Code.DONE, "ready")
         return Outcome(Code.REFUSED, why) if robot.watching or "go" not in verbs else None
 
     running = robot.snapshot.running_goal
@@ -86,13 +87,29 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
             raise ValueError("the robot file names no battery")
 
         def charged() -> Outcome | None:
-            charge = robot.snapshot.battery.percentage
-            if charge is None or charge < wanted:
+            battery = robot.snapshot.battery
+            charge, old = battery.percentage, battery.is_old(station.clock.monotonic())
+            if charge is None or charge < wanted or old:  # what it was says nothing about now
                 return None
             return Outcome(Code.DONE, f"{charge:.1f} %")
 
         return charged
     raise ValueError(f"wait needs {WAITS}")
+
+
+def _may_move(station: Station) -> bool:
+    """True while the robot says that it moves, or does not say, though it could."""
+    motion, described = station.robot.snapshot.motion, station.robot.file.motion
+    silent = motion.received is None or motion.is_old(station.clock.monotonic())
+    return described is not None and (silent or bool(motion.moving))
+
+
+def _goes_nowhere(station: Station) -> bool:
+    """True while the robot is stopped, empty or not heard: it would refuse a goal, or be lost."""
+    snapshot = station.robot.snapshot
+    stopped = snapshot.open_stop is not None or bool(snapshot.motion.stopped)
+    names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
+    return stopped or not names.isdisjoint((CONTACT_LOST, EMPTY))
 
 
 def _same(station: Station, wanted: Goal) -> Goal | None:

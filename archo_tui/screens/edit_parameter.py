@@ -16,8 +16,9 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.parameter_values import parse, range_text, typed_text
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.text import HIDDEN, harmless, safe
-from archo_tui.robot.values import text_of
+from archo_tui.robot.values import same, text_of
 from archo_tui.screens.dialog import Form
+from archo_tui.station.station import View
 from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.field import Field
 
@@ -35,6 +36,7 @@ class EditParameter(Form):
         self._offered = offered
         self._text = safe(typed_text(offered))  # in full: what is sent must not be a part of it
         self._parameter, self._send = parameter, send
+        self._shown = parameter.value  # as it is now
         self._sending = False
         if parameter.read_only:
             self.standing = f"{parameter.name} is read-only: it can only be set at startup"
@@ -49,7 +51,7 @@ class EditParameter(Form):
             yield Static(Content(parameter.description or "no description"))
             kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
             yield Static(Content(f"type   {kind}"))
-            yield Static(Content(f"now    {harmless(text_of(parameter.value))}"))
+            yield Static(_now(parameter.value), id="now")
             yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
             field = Field(self._text, id="value")
             field.disabled = parameter.read_only
@@ -58,6 +60,15 @@ class EditParameter(Form):
             with Horizontal(classes="answers"):
                 yield Button("Cancel", id="leave", compact=True)
                 yield Button("Set", id="set", compact=True, disabled=parameter.read_only)
+
+    def show(self, view: View) -> None:
+        """Somebody else may change it meanwhile."""
+        wanted = self._parameter.node, self._parameter.name
+        known = (p.value for p in view.snapshot.parameters if (p.node, p.name) == wanted)
+        value = next(known, None)
+        if not same(value, self._shown):
+            self._shown = value
+            self.write("#now", _now(value))
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#leave" if self._parameter.read_only else "#value"))
@@ -87,3 +98,7 @@ class EditParameter(Form):
         outcome = await self._send(value)
         self._sending = False
         self.end(outcome)
+
+
+def _now(value: Any) -> Content:
+    return Content(f"now    {harmless(text_of(value))}")

@@ -14,6 +14,7 @@ from textual.widgets import Button, Static
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import LEVELS, NodeInfo
 from archo_tui.screens.dialog import Dialog
+from archo_tui.station.station import View
 from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.styled import content
 from archo_tui.words.nodes import on_graph
@@ -33,14 +34,15 @@ class NodeDialog(Dialog[None]):
     def __init__(
         self,
         name: str,
-        text: str,
+        tell: Callable[[View], str],
+        view: View,
         describe: Callable[[], Awaitable[NodeInfo | Outcome]],
         set_level: Callable[[str], Awaitable[Outcome]],
         refused: str,
     ) -> None:
-        """`text` is what is known already; `refused` says why no level can be set."""
+        """`tell` says what is known already; `refused` why no level can be set."""
         super().__init__()
-        self._node, self._text, self._refused = name, text, refused
+        self._node, self._tell, self._view, self._refused = name, tell, view, refused
         self._describe, self._set_level = describe, set_level
         self._sending = False
 
@@ -49,7 +51,7 @@ class NodeDialog(Dialog[None]):
             box.border_title = escape(self._node)
             box.border_subtitle = "esc close"
             with VerticalScroll(classes="question", id="node-text"):
-                yield Static(Content(self._text))
+                yield Static(Content(self._tell(self._view)), id="node-known")
                 yield Static(Content("asking the graph ..."), id="node-graph")
             yield Static(classes="level")
             with Horizontal(classes="answers", id="levels") as levels:
@@ -61,6 +63,12 @@ class NodeDialog(Dialog[None]):
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#node-text"))
         begin(self, self._ask, _GROUP)
+
+    def show(self, view: View) -> None:
+        """Bring what is known up to date, once a second."""
+        if view.second != self._view.second or view.hosted != self._view.hosted:
+            self._view = view
+            self.write("#node-known", Content(self._tell(view)))
 
     async def _ask(self) -> None:
         self._show(await self._describe())

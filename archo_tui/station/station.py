@@ -24,7 +24,7 @@ from archo_tui.station.alarms import Alarm, AlarmBoard, Ringer, conditions
 from archo_tui.station.history import History
 from archo_tui.station.queue import GoalQueue, QueuedGoal
 from archo_tui.station.requests import Request, Requests, Stand
-from archo_tui.station.undo import UndoList
+from archo_tui.station.undo import Edit, UndoList
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
@@ -130,6 +130,7 @@ class Station:
         self.attached, self.on_disconnect = attached, on_disconnect
         self.edits = UndoList()
         self.queue = GoalQueue()
+        self._held = ""  # why it was held at the last look
         self.requests = Requests()
         self.clients: tuple[str, ...] = ()  # the programs that are connected
         self.history = History()
@@ -322,14 +323,13 @@ class Station:
 
     def _advance(self) -> None:
         """Send what is due in the queue, and say when it is held."""
-        held = self.queue.held
         due = self.queue.next(self._snapshot, self._board.all(), self.robot.stops.count)
-        if self.queue.held and not held:
+        before, self._held = self._held, self.queue.held
+        if self._held and not before:
             texts = ", ".join(wanted.text for wanted in self.queue.waiting)
-            said = f"queue held: {texts} ({self.queue.held})"
-            self.robot.note("WARN", "console", said)
-            for wanted in self.queue.waiting:
-                _end(wanted, Outcome(Code.HELD, f"held: {wanted.text} ({self.queue.held})"))
+            self.robot.note("WARN", "console", f"queue held: {texts} ({self._held})")
+        for wanted in self.queue.waiting if self._held else ():
+            _end(wanted, Outcome(Code.HELD, f"held: {wanted.text} ({self._held})"))
         if due is not None:
             self._drive(due)
 
@@ -353,7 +353,8 @@ class Station:
         goals = [wanted._replace(stops=stops) for wanted in goals]
         first = self.queue.submit(goals, self._snapshot)
         if first is None:
-            answer.set_result(Outcome(Code.ACCEPTED, "queued"))
+            held = f", held: {self.queue.held}" if self.queue.held else ""
+            answer.set_result(Outcome(Code.ACCEPTED, f"queued{held}"))
         else:
             self._drive(first, answer)
         self.look()
@@ -365,10 +366,13 @@ class Station:
         outcome = Outcome(Code.CANCELLED, NOT_SENT) if gate.is_shut else Outcome(Code.DONE, "")
         if outcome.ok:
             self.queue.resume(gate.typed)
+            self.queue.waiting = list(map(_unended, self.queue.waiting))
+            self.look()
+            if self.queue.held:  # what is in the way is not over
+                outcome = Outcome(Code.REFUSED, f"still held: {self.queue.held}")
         said = f": {outcome.text}" if outcome.text else ""
         act = Act("continue", {}, outcome.code)
         self.robot.note("YOU", "console", f"continue the queue{said}", act=act)
-        self.look()
         return outcome
 
     def skip(self) -> Outcome:
@@ -430,9 +434,9 @@ class Station:
         """Set parameters of a node, all or none; what was done can be undone."""
         return await self.edits.set_parameters(self.robot, node, values)
 
-    async def undo(self) -> Outcome:
-        """Take the last change of a parameter back."""
-        return await self.edits.undo(self.robot)
+    async def undo(self, asked: Edit | None) -> Outcome:
+        """Take the last change of a parameter back, if it is the one `asked` for."""
+        return await self.edits.undo(self.robot, asked)
 
     def _record(self, changed: Iterable[Alarm]) -> None:
         for alarm in changed:
@@ -460,6 +464,16 @@ class Station:
             clients=self.clients,
             requests=self.requests.waiting,
         )
+
+
+def _unended(wanted: QueuedGoal) -> QueuedGoal:
+    """A goal that was held, and goes on: who has not left yet waits for its end again."""
+    if wanted.end is None or not wanted.end.done():
+        return wanted
+    anew = wanted.end.get_loop().create_future()
+    ends = wanted.asker.ends
+    ends[:] = [anew if end is wanted.end else end for end in ends]
+    return wanted._replace(end=anew)
 
 
 def _end(wanted: QueuedGoal, outcome: Outcome) -> None:

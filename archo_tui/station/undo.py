@@ -77,11 +77,13 @@ class UndoList:
             self._done = [*self._done, Edit(node, before, values)][-LIMIT:]
         return outcome
 
-    async def undo(self, robot: Robot) -> Outcome:
-        """Set the parameters of the last change to what they were."""
+    async def undo(self, robot: Robot, asked: Edit | None = None) -> Outcome:
+        """Set the parameters of the last change to what they were, if it is the one `asked` for."""
         edit = self.last
         if edit is None:
             return Outcome(Code.REFUSED, "nothing to undo")
+        if asked is not None and asked is not edit:  # the answer was about that one
+            return Outcome(Code.REFUSED, "another change is the last one now: nothing was undone")
         outcome = await self._set(robot, edit.node, edit.before)
         if outcome.ok:
             self._done = [one for one in self._done if one is not edit]  # others may be equal

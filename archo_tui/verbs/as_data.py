@@ -7,6 +7,7 @@ from typing import Any
 
 from archo_tui.robot.acts import bounded
 from archo_tui.robot.state import Event, Goal, Parameter, Snapshot
+from archo_tui.station.alarms import Priority
 from archo_tui.station.station import Station
 from archo_tui.words.goal import doing, way_left
 from archo_tui.words.spoken import in_words
@@ -58,7 +59,7 @@ def state(station: Station) -> dict[str, Any]:
 
 
 def in_line(station: Station) -> str:
-    """`ARCHO 87 % MOVING to 12, 9.0 m left`: for a status line."""
+    """`ARCHO 87 % MOVING to 12, 9.0 m left`: for a status line, with the gravest alarms' names."""
     snapshot, now = station.robot.snapshot, station.clock.monotonic()
     charge, goal = snapshot.battery.percentage, snapshot.running_goal
     parts = [snapshot.file.name]
@@ -73,6 +74,10 @@ def in_line(station: Station) -> str:
         parts.append(_word(snapshot, now, 40))
     if station.queue.held:
         parts.append(f"held: {', '.join(wanted.text for wanted in station.queue.waiting)}")
+    high = (alarm for alarm in station.view.alarms if alarm.priority == Priority.HIGH)
+    grave = ", ".join(alarm.name for alarm in high if not alarm.is_over)
+    if grave:
+        parts.append(f"alarm: {grave}")
     return " ".join(parts)
 
 

@@ -23,6 +23,7 @@ from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
 
 _NODE, _NAME = Argument("node"), Argument("name")
 _FILE = Argument("file")
+CHANGE = "change"  # the value of `undo`: what is to be undone
 SAME = "All parameters already have the values in the file."
 NOBODY = "no node has reported its parameters yet"
 
@@ -130,8 +131,11 @@ class Undo(Verb):
         )
         return Question("Undo", text, "Leave it", "Restore")
 
+    async def prepare(self, station: Station, values: Values) -> Values:
+        return {CHANGE: station.edits.last}
+
     async def run(self, station: Station, values: Values) -> Outcome:
-        return await station.undo()
+        return await station.undo(values[CHANGE])
 
 
 class Params(Verb):

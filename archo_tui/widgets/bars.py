@@ -57,7 +57,8 @@ def header(view: View, width: int) -> Content:
                 return Content.assemble((f" {head}", "bold"), f"{' ' * gap}{tail} ")
     whole = " ".join(filter(None, what))
     if cell_len(whole) >= width:  # its name is what a person knows best
-        whole = " ".join(filter(None, what[1:]))
+        what = [view.replay, *(text for text in what[1:] if text != view.replay)]  # no robot of now
+        whole = " ".join(filter(None, what))
     engine = f" {view.engine}" if cell_len(f" {whole} {view.engine} ") <= width else ""
     return Content.styled(f" {whole}{engine}", "bold")
 

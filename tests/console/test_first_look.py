@@ -172,6 +172,16 @@ async def test_only_a_namespace_that_tells_something_is_in_the_header() -> None:
         assert header(replace(app.view, namespace="/left"), 80).plain.endswith(" /left ")
 
 
+async def test_the_header_of_a_replay_says_so_in_the_smallest_terminal() -> None:
+    app = stub_app(STATES["normal"])
+    async with app.run_test(size=(120, 36)):
+        await Quiet(app).settle()
+        view = replace(app.view, replay="REPLAY 2026-11-23 19:12:50")
+        assert header(view, 80).plain.startswith(" ARCHO   ● online   REPLAY 2026-11-23 19:12:50 ")
+        for width in (11, 20, 31):
+            assert header(view, width).plain.startswith(" REPLAY 20")
+
+
 @pytest.mark.parametrize("size", [(80, 24), (80, 30), (100, 30), (110, 24), (150, 30), (200, 60)])
 async def test_all_panels_have_room_from_80_x_24_on(size: tuple[int, int]) -> None:
     app = stub_app(NORMAL, size=size)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 from rclpy.node import Node
@@ -10,8 +11,10 @@ from std_msgs.msg import Float32
 
 from archo_tui.robot.state import WATCHING
 from archo_tui.robot.stops import NOT_SENT
+from archo_tui.screens.node import NodeDialog
 from tests.console.test_nodes import select
 from tests.support.console import FAST, LONG, Console, console
+from tests.support.quiet import ended
 
 
 async def opened(op: Console, node: str) -> None:
@@ -121,3 +124,25 @@ async def test_a_node_that_was_stopped_is_not_on_the_graph() -> None:
         await op.press("enter")
         await op.until("not on the graph")
         assert "log level" not in op.text
+
+
+async def test_a_node_that_is_stopped_meanwhile_is_up_no_more() -> None:
+    async with console(*FAST) as op:
+        await opened(op, "/dashboard")
+        assert "● up" in op.text
+        halted = op.app.verbs["halt"].run(op.app.station, {"node": "/dashboard"})
+        assert (await ended(halted)).ok  # as from a shell, beside the dialog
+        await op.until("○ stopped by you")
+        assert "● up" not in op.text
+
+
+async def test_a_node_that_has_left_meanwhile_is_not_on_the_graph() -> None:
+    async with console(*FAST) as op:
+        await opened(op, "/dashboard")
+        snapshot = op.app.view.snapshot
+        nodes = tuple(node for node in snapshot.nodes if node.name != "/dashboard")
+        view = replace(op.app.view, snapshot=snapshot._replace(nodes=nodes), hosted=())
+        assert isinstance(op.app.screen, NodeDialog)
+        op.app.screen.show(view)
+        await op.settle()
+        assert "? not on the graph any more" in op.text

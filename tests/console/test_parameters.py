@@ -73,6 +73,16 @@ async def test_a_bad_value_is_said_and_changes_nothing() -> None:
         assert op.app.view.snapshot.parameters == before
 
 
+async def test_the_dialog_says_what_the_value_is_now_whoever_changes_it() -> None:
+    async with console(*FAST) as op:
+        await op.press("4")
+        op.send("home", *["down"] * op.parameters.index("max_speed"), "enter")
+        await op.until("now    0.8")
+        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+        await op.until("now    1.25")
+        assert op.app.screen.query_one("#value", Input).value == "0.8"
+
+
 async def test_a_whole_number_for_a_double_is_taken_as_a_double() -> None:
     async with console(*FAST) as op:
         await edit(op, "max_speed", "1")
@@ -228,6 +238,23 @@ async def test_undo_asks_when_somebody_else_has_changed_it_since() -> None:
         await op.until("Restore 0.8?")
         await op.press("tab", "enter")
         await op.until("0.8    double   0.05 .. 2")
+
+
+async def test_a_yes_to_undo_takes_back_what_was_asked_about_and_nothing_else() -> None:
+    async with console(*FAST) as op:
+        await edit(op, "max_speed", "0.4")
+        await op.until("0.4 *  double")
+        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+        await op.until("1.25 *  double")
+        await op.press("4")
+        await undo(op)
+        await op.until("Restore 0.8?")
+        threshold = {"low_battery_threshold": 30.0}  # as from a shell, beside the question
+        assert (await op.app.station.set_parameters("/battery_monitor", threshold)).ok
+        await op.press("y")
+        await op.until("another change is the last one now: nothing was undone")
+        values = {p.name: p.value for p in op.app.view.snapshot.parameters}
+        assert (values["low_battery_threshold"], values["max_speed"]) == (30.0, 1.25)
 
 
 async def test_a_filter_finds_by_node_name_and_value() -> None:

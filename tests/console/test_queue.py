@@ -91,6 +91,18 @@ async def test_a_refused_target_holds_the_rest_until_it_is_continued(unlimited: 
         await op.until(lambda: history(op)[-1] == "3 ARRIVED")
 
 
+async def test_a_queue_that_cannot_go_on_says_why_and_is_not_called_continued() -> None:
+    async with console(*LONG) as op:
+        await op.press("g", *"12 7", "enter")
+        await op.until("m left of")
+        await op.press("ctrl+x")
+        await op.until("held: 7 (STOP)")
+        await op.press("escape", "n")
+        await op.until("still held: STOP")
+        await op.until("continue the queue: still held: STOP")
+        assert op.app.view.waiting == ("7",)
+
+
 async def test_a_cancel_ends_the_running_one_and_holds_the_rest() -> None:
     async with console(*LONG) as op:
         await op.press("g", *"12 7", "enter")

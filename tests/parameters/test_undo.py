@@ -89,6 +89,19 @@ async def test_of_equal_changes_the_last_one_is_undone() -> None:
     assert edits.last is None
 
 
+async def test_a_change_that_is_not_the_last_one_any_more_is_not_undone() -> None:
+    robot: Any = Robot()
+    edits = UndoList()
+    await edits.set_parameters(robot, "/n", {"p": 1})
+    asked = edits.last
+    await edits.set_parameters(robot, "/n", {"p": 2})
+    refused = await edits.undo(robot, asked)
+    assert refused == (Code.REFUSED, "another change is the last one now: nothing was undone")
+    assert robot.value == 2
+    assert (await edits.undo(robot, edits.last)).ok
+    assert robot.value == 1
+
+
 async def test_what_a_node_that_left_has_no_more_is_not_set() -> None:
     robot: Any = Robot()
     edits = UndoList()

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rclpy.node import Node
 
 import archo_tui
 from archo_tui.errors import ArchoError
@@ -57,6 +58,23 @@ async def test_parameters_are_read_and_set_in_their_types() -> None:
 
     async with served(ros_args=FAST):
         assert await does(change) == 0.5
+
+
+class Named(Node):
+    """Has a list of texts."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__("named", **given)
+        self.declare_parameter("names", ["one"])
+
+
+async def test_a_list_of_texts_is_set_as_it_is_whatever_its_letters() -> None:
+    def change(robot: Robot) -> Any:
+        robot.set("named", "names", ["\N{ROBOT FACE}", "caf\N{LATIN SMALL LETTER E WITH ACUTE}"])
+        return robot.get("named", "names")
+
+    async with served(Named):
+        assert await does(change) == ["\N{ROBOT FACE}", "caf\N{LATIN SMALL LETTER E WITH ACUTE}"]
 
 
 async def test_a_goal_that_is_not_waited_for_can_be_waited_for_later() -> None:

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import errno
+import io
 import json
+import os
 import signal
 import subprocess
 import sys
+from unittest.mock import patch
 
 import pytest
 
+from archo_tui.cli import SUBCOMMANDS
+from archo_tui.remote import shell
 from tests.support.console import FAST, LONG
 from tests.support.script import SLOW, Script
 from tests.support.shells import Said, heard, said, served, typed, until
@@ -28,10 +34,10 @@ def client(*words: str) -> subprocess.Popen[str]:
     )
 
 
-async def ended(shell: subprocess.Popen[str]) -> Said:
+async def ended(process: subprocess.Popen[str]) -> Said:
     """How a client in a process of its own ends."""
-    out, err = await asyncio.to_thread(shell.communicate, timeout=DEADLINE)
-    return Said(shell.returncode, out, err)
+    out, err = await asyncio.to_thread(process.communicate, timeout=DEADLINE)
+    return Said(process.returncode, out, err)
 
 
 async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
@@ -82,6 +88,39 @@ async def test_a_cancelled_goal_and_those_behind_it_end_their_waits_with_5() -> 
         assert await ended(second) == (5, "", "queued\narcho-tui: go: held: 7 (cancelled)\n")
 
 
+async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> None:
+    async with served(ros_args=FAST) as person:
+        station = person._plain._station
+        assert (await typed("go", "12", "7")).code == 0
+        await typed("stop")
+        await until(lambda: station.queue.held)
+        assert (await typed("release", "--yes")).code == 0
+        waits = await typed("go", "3", "5", "--wait")
+        assert waits == (5, "", "accepted\narcho-tui: go: held: 5 (STOP)\n")
+        assert "Arrived at shelf 3" in person.said
+
+
+async def test_a_goal_behind_a_held_queue_is_said_to_be_held() -> None:
+    async with served(ros_args=LONG) as person:
+        assert (await typed("go", "12", "7")).code == 0
+        assert (await typed("cancel")).code == 0
+        await heard(person, "queue held: 7 (cancelled)")
+        assert (await typed("go", "3")) == (0, "", "accepted\n")
+        assert (await typed("go", "5")) == (0, "", "queued, held: cancelled\n")
+
+
+async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> None:
+    async with served(ros_args=("-p", "feedback_period:=0.1", "-p", "time_scale:=5.0")) as person:
+        station = person._plain._station
+        waits = client("go", "12", "7", "--wait")
+        await heard(person, "MOVING to 12")
+        station.queue.hold("low battery")
+        station.look()
+        await heard(person, "queue held: 7 (low battery)")
+        assert (await typed("continue")).code == 0
+        assert await ended(waits) == (0, "", "accepted\nArrived at shelf 7\n")
+
+
 async def test_a_stop_is_final_for_what_a_shell_sent_before_it() -> None:
     async with served(ros_args=LONG) as person:
         waits = client("go", "12", "7", "--wait")
@@ -96,7 +135,10 @@ async def test_a_stop_is_final_for_what_a_shell_sent_before_it() -> None:
         assert (await typed("release", "--yes")).code == 0
 
 
-@pytest.mark.parametrize("spelled", ["STOP", "Stop!", "stop now please"])
+@pytest.mark.parametrize(
+    "spelled",
+    ["STOP", "Stop!", "stop now please", "stop --timeout soon", "stop --json --to", "stop \udcff"],
+)
 async def test_for_a_stop_no_spelling_is_wrong(spelled: str) -> None:
     async with served(ros_args=FAST) as person:
         assert (await typed(*spelled.split())).code == 0
@@ -117,6 +159,29 @@ async def test_data_is_on_standard_output_and_nothing_else() -> None:
         params = json.loads((await typed("params", "--json")).out)["data"]
         speed = next(p for p in params if p["name"] == "max_speed")
         assert (speed["value"], speed["high"]) == (0.8, 2.0)
+
+
+class Full(io.StringIO):
+    """A terminal that takes nothing more."""
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize("stderr", [None, Full()])
+async def test_who_cannot_read_why_still_gets_the_exit_code(stderr: Full | None) -> None:
+    def run(*words: str) -> int:
+        with patch.object(sys, "stderr", stderr), patch.object(sys, "stdin", Full()):
+            return shell.run(words, SUBCOMMANDS)
+
+    async with served(ros_args=FAST) as person:
+        assert await asyncio.to_thread(run, "go", "12", "--wait") == 0
+        assert await asyncio.to_thread(run, "stop") == 0
+        assert await asyncio.to_thread(run, "go", "99") == 2
+        assert "Arrived at shelf 12" in person.said
 
 
 async def test_without_a_console_it_is_one_line_and_3() -> None:

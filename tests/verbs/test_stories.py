@@ -217,6 +217,17 @@ async def test_a_goal_of_the_file_is_sent_by_action_and_label_or_field() -> None
     assert "not driven: 7, 3 (cancelled)" in person.said
 
 
+async def test_a_goal_behind_a_queue_that_is_held_is_said_to_wait_there() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("go 12 7\n")
+        await person.until("queue: 7\n")
+        person.type("cancel\n")
+        await person.until("queue held: 7 (cancelled)")
+        person.type("go 3\ngo 5\n")
+        await person.until("queue: held: 7, 5 (cancelled)\n")
+        assert await person.end("cancel\n") == 1
+
+
 async def test_any_action_and_service_on_the_graph_take_fields_and_yaml() -> None:
     code, said = await plain(
         "send_goal fibonacci order=3\n"
