@@ -30,10 +30,14 @@ NOBODY = "no node has reported its parameters yet"
 
 def are_reported(station: Station) -> bool:
     """True when every node of the robot has reported its parameters, or had time enough."""
+    found = bool(station.robot.snapshot.nodes)
+    return (found and not _unreported(station)) or station.age >= PATIENCE
+
+
+def _unreported(station: Station) -> list[str]:
+    """The nodes whose parameters are not known."""
     snapshot = station.robot.snapshot
-    nodes = {node.name for node in snapshot.nodes}
-    reported = {parameter.node for parameter in snapshot.parameters}
-    return (bool(nodes) and nodes <= reported) or station.age >= PATIENCE
+    return sorted({n.name for n in snapshot.nodes} - {p.node for p in snapshot.parameters})
 
 
 def is_reported(station: Station, node: str) -> bool:
@@ -210,6 +214,9 @@ class Save(_File):
         said = f"saved to {values['file']}"
         act = Act(self.id, {"file": str(values["file"])}, Code.DONE)
         station.robot.note("YOU", "console", f"save parameters: {said}", act=act)
+        for node in _unreported(station):
+            why = f"not saved, {node.lstrip('/')} does not report its parameters"
+            station.robot.note("WARN", "console", why)
         for what in left_out:
             why = f"not saved, a parameter file cannot hold it: {what}"
             station.robot.note("WARN", "console", why)

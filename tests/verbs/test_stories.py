@@ -42,6 +42,20 @@ async def test_parameters_are_saved_and_loaded_and_undone(here: Path) -> None:
     assert "max_speed: 0.6" in (here / "a b.yaml").read_text()
 
 
+async def test_a_node_that_does_not_report_is_named_when_the_others_are_saved(here: Path) -> None:
+    def known(**options: Any) -> Node:
+        return Node("known", **options)
+
+    def silent(**options: Any) -> Node:
+        return Node("silent", start_parameter_services=False, **options)
+
+    code, said = await plain("save a.yaml\n", known, silent)
+    assert code == 0, said
+    assert "WARN console: not saved, silent does not report its parameters" in said
+    assert "known:" in (here / "a.yaml").read_text()
+    assert "not saved, known" not in said
+
+
 async def test_what_a_file_says_of_others_is_left_out_and_said(here: Path) -> None:
     text = "motor_controller:\n  ros__parameters:\n    max_speed: 0.8\n    nosuch: 1\n"
     (here / "a.yaml").write_text(text)
