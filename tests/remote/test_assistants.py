@@ -24,6 +24,7 @@ from archo_tui.remote import place
 from archo_tui.robot import acts
 from archo_tui.robot.acts import Act
 from archo_tui.robot.outcome import Code
+from archo_tui.screens import request
 from archo_tui.session import _robots_nodes
 from archo_tui.station import requests
 from archo_tui.verbs.goals import Go
@@ -141,15 +142,19 @@ async def test_a_paste_answers_nothing_while_the_console_is_busy() -> None:
         assert [one.number for one in op.app.station.requests.waiting] == [1]
 
 
-async def test_what_was_typed_too_soon_is_too_soon_however_late_it_is_taken() -> None:
+async def test_what_was_typed_too_soon_is_too_soon_however_late_it_is_taken(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     async with beside(*LONG) as (op, assistant):
         await asks(assistant)
+        since = seconds()
         await op.press("A")
         await op.until("An assistant asks")
         op.send("tab")
         await op.at(seconds() + 0.4)
         busy(op, 1.0)
         op.send("enter")
+        monkeypatch.setattr(request, "READ", seconds() - since)  # also where all of it took longer
         await op.until("Read it first, then answer.")
         assert [one.number for one in op.app.station.requests.waiting] == [1]
 
@@ -168,12 +173,13 @@ async def test_a_click_counts_as_late_as_a_key() -> None:
 
 
 @pytest.mark.parametrize("way", ["covered", "resized", "suspended"])
-async def test_what_was_away_is_read_anew(way: str) -> None:
+async def test_what_was_away_is_read_anew(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     async with beside(*LONG) as (op, assistant):
         await asks(assistant)
         await opened(op)
+        since = seconds()
         await op.press("tab")
-        await op.at(seconds() + 0.4)
+        await op.at(seconds() + 1.5)
         if way == "covered":
             await op.press("f1")
             await op.until("┏━ Keys ━")
@@ -184,8 +190,10 @@ async def test_what_was_away_is_read_anew(way: str) -> None:
             op.app.app_resume_signal.publish(op.app)
         await op.until("An assistant asks")
         await op.at(seconds() + 0.4)
+        monkeypatch.setattr(request, "READ", seconds() - since)  # it was drawn before that
         await op.press("enter")
         await op.until("Read it first, then answer.")
+        monkeypatch.undo()
         await op.at(seconds() + 1.1)
         await op.press("enter")
         await op.until("MOVING to 12")
@@ -198,16 +206,19 @@ async def test_what_the_terminal_does_not_show_is_read_once_it_does(
         await asks(assistant)
         monkeypatch.setattr(type(op.app), "is_stuck", True)
         await opened(op)
+        since = seconds()
         await op.press("tab")
-        await op.at(seconds() + 0.4)
+        await op.at(seconds() + 1.5)
         await op.press("enter")
         await op.until("Read it first, then answer.")
         await op.at(seconds() + HELD)
         op.app.tick()
         monkeypatch.setattr(type(op.app), "is_stuck", False)
         op.app.clear_notifications()
+        monkeypatch.setattr(request, "READ", seconds() - since)  # it was drawn before that
         await op.press("enter")
         await op.until("Read it first, then answer.")
+        monkeypatch.undo()
         await op.at(seconds() + 1.1)
         await op.press("enter")
         await op.until("MOVING to 12")

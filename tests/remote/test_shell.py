@@ -97,7 +97,7 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
         assert (await typed("release", "--yes")).code == 0
         waits = await typed("go", "3", "5", "--wait")
         assert waits == (5, "", "accepted\narcho-tui: go: held: 5 (STOP)\n")
-        assert "Arrived at shelf 3" in person.said
+        await heard(person, "Arrived at shelf 3")
 
 
 async def test_a_goal_behind_a_held_queue_is_said_to_be_held() -> None:
