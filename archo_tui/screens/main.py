@@ -42,6 +42,7 @@ _AROUND = 3  # rows of header, banner and footer
 _BORDER = 2
 _PLOTS = 17  # rows of the history: fewer are too small for its plots
 _EVENTS = 10  # rows of the events, at least
+_AWAITED = 0.3  # s that the first picture waits for the robot's nodes, or all is drawn twice
 _LATEST = 0.5  # s after which the screen is drawn, laid out for its size or not
 
 
@@ -99,8 +100,9 @@ class MainScreen(Base[None]):
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
         self._below: object = None  # what the footer shows
         self.everywhere = Content("")  # of the footer what works in dialogs, too
-        self._is_laid_out = False
+        self._is_laid_out = self._is_filled = False
         self._view: Shown | None = None  # the last one
+        self._commands: list[FooterKey] = []  # and what stood below it
         self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
 
     def compose(self) -> ComposeResult:
@@ -121,6 +123,7 @@ class MainScreen(Base[None]):
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
+        self.set_timer(_AWAITED, self._fill)
         self.set_timer(_LATEST, self._draw_from_now_on)  # behind a dialog no size may come
         self._focused_last = self._time_line or self.parameters.operated
         self.set_focus(self._focused_last, scroll_visible=False)  # nobody asked: without a cursor
@@ -242,8 +245,8 @@ class MainScreen(Base[None]):
             self.refresh()
 
     def _compositor_refresh(self) -> None:
-        """Draw, but not before the panels are laid out for the terminal's size."""
-        if self._is_laid_out:
+        """Draw, but not before the panels are filled and laid out for the terminal's size."""
+        if self._is_laid_out and self._is_filled:
             super()._compositor_refresh()
 
     def _show_focused(self) -> None:
@@ -265,8 +268,21 @@ class MainScreen(Base[None]):
         else:
             self.set_focus(before)
 
+    def _fill(self) -> None:
+        """Show what there is, with a robot or without."""
+        if not self._is_filled:
+            self._is_filled = True
+            if self._view is not None:
+                self.show(self._view, self._commands)
+            self.refresh()
+
     def show(self, view: Shown, commands: list[FooterKey]) -> None:
-        """Show a new view everywhere."""
+        """Show a new view everywhere; the first one with nodes is the first that is drawn."""
+        self._view, self._commands = view, commands
+        if not self._is_filled:
+            if view.snapshot.nodes:
+                self._fill()
+            return
         width = self.size.width
         self._header.show(bars.header(view, width - 9))
         self._clock.show(bars.clock(view))
@@ -276,13 +292,12 @@ class MainScreen(Base[None]):
             self._below = below
             self._footer.show(bars.footer(*below))
             self.everywhere = bars.footer_keys(key for key in commands if key.everywhere)
-        self._view = view
         for panel in self._panels.values():
             self._show_panel(panel, view)
         self._fit()
 
     def on_panel_resized(self, message: Panel.Resized) -> None:
-        if self._view is not None:
+        if self._view is not None and self._is_filled:
             self._show_panel(message.panel, self._view)
 
     def _show_panel(self, panel: Panel, view: Shown) -> None:
