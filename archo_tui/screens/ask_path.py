@@ -9,13 +9,14 @@ from pathlib import Path
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
-from textual.widgets import Button, Static
+from textual.widgets import Static
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Form
 from archo_tui.station import recall
 from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 
 _KIND = "a file"  # under which they are kept

@@ -6,9 +6,10 @@ from textual import events
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
-from textual.widgets import Button, Static
+from textual.widgets import Static
 
 from archo_tui.screens.dialog import Dialog
+from archo_tui.widgets.button import Button
 
 
 class Confirm(Dialog[str]):

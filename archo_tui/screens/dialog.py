@@ -8,11 +8,12 @@ from textual.app import ComposeResult
 from textual.await_complete import AwaitComplete
 from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
-from textual.widgets import Button, Static
+from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
 from archo_tui.screens.base import Base
 from archo_tui.screens.main import MainScreen
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 

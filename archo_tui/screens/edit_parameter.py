@@ -10,7 +10,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.markup import escape
-from textual.widgets import Button, Static
+from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.parameter_values import parse, range_text, typed_text
@@ -20,6 +20,7 @@ from archo_tui.robot.values import same, text_of
 from archo_tui.screens.dialog import Form
 from archo_tui.station.station import View
 from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 
 

@@ -13,7 +13,6 @@ from textual.markup import escape
 from textual.message import Message
 from textual.reactive import Reactive
 from textual.widget import Widget
-from textual.widgets import Button
 
 from archo_tui.errors import in_one_line
 from archo_tui.robot.state import Snapshot
@@ -24,6 +23,7 @@ from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.battery_panel import BatteryPanel
 from archo_tui.widgets.board import Board
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.events_panel import EventsPanel
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.graph_panel import GraphPanel

@@ -11,7 +11,7 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.markup import escape
-from textual.widgets import Button, Label, Static
+from textual.widgets import Label, Static
 
 from archo_tui.embedded.bounded_yaml import load
 from archo_tui.embedded.core_schema import YamlFault
@@ -22,6 +22,7 @@ from archo_tui.robot_file.model import FormField
 from archo_tui.robot_file.written import block
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 
 MOST_FIELDS = 12  # beyond that it is one YAML text

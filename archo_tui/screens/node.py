@@ -9,13 +9,14 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.markup import escape
-from textual.widgets import Button, Static
+from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import LEVELS, NodeInfo
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.station import View
 from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.styled import content
 from archo_tui.words.nodes import on_graph
 

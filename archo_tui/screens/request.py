@@ -10,13 +10,14 @@ from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.events import Resize
 from textual.widget import Widget
-from textual.widgets import Button, Static
+from textual.widgets import Static
 
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.requests import READ, Request, written
 from archo_tui.station.station import View
 from archo_tui.terminal.typed import now, read_of
+from archo_tui.widgets.button import Button
 from archo_tui.words import spoken
 
 _AROUND = 5  # lines that are not the question: answers, borders, the keys below

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.content import Content
-from textual.widgets import Button, Static
+from textual.widgets import Static
 
 from archo_tui.screens.dialog import Form
 from archo_tui.station.alarms import SHELF_TIME, Alarm
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 
 

@@ -12,13 +12,26 @@ INTEGER = "-0123456789 "  # what a whole number, or several, can contain
 NUMBER = f"{INTEGER}.+"
 
 
-class Field(Input):
-    """An input whose editing keys act at once.
+class Field(Input, inherit_css=False):
+    """An input of one line whose editing keys act at once.
 
     Textual's own inserts characters itself, but leaves backspace, enter and the like to bindings
     that are looked up when the key has bubbled up to the app: typed fast, `1 2 backspace 3 enter`
     submits 12.
     """
+
+    DEFAULT_CSS = """
+        Field { width: 100%; height: 1; scrollbar-size-horizontal: 0; pointer: text; }
+        Field:focus { background-tint: $foreground 5%; }
+        Field > .input--cursor {
+            background: $input-cursor-background; color: $input-cursor-foreground;
+            text-style: $input-cursor-text-style;
+        }
+        Field > .input--selection {
+            background: $input-selection-background; color: $input-selection-foreground;
+        }
+    """
+    COMPONENT_CLASSES = {"input--cursor", "input--placeholder", "input--selection"}
 
     class Refused(Message):
         """Something was pasted that this field cannot contain."""

@@ -9,11 +9,12 @@ from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import Button, Label
+from textual.widgets import Static
 
 from archo_tui.robot.forms import is_integer, is_number, parse
 from archo_tui.robot.state import WATCHING, Leaf, Phase, Snapshot
 from archo_tui.widgets.board import Board
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -77,7 +78,7 @@ class GoalPanel(Panel):
     def compose(self) -> ComposeResult:
         with Horizontal(classes="buttons"):
             for label, field in zip(self._labels, self.fields, strict=False):
-                yield Label(label)
+                yield Static(label, classes="label", markup=False)
                 yield field
             yield from (self._go, self._cancel)
             if not self._is_wide:

@@ -8,9 +8,9 @@ from textual.containers import Container
 from textual.markup import escape
 from textual.message import Message
 from textual.widget import Widget
-from textual.widgets import Button
 
 from archo_tui.station.station import View
+from archo_tui.widgets.button import Button
 from archo_tui.widgets.keys import key_markup
 from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.shown import Shown
