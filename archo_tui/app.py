@@ -18,14 +18,8 @@ from archo_tui.keyed_app import KeyedApp
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import WATCHING, Snapshot
 from archo_tui.robot.stops import NOT_SENT
-from archo_tui.screens.alarms import AlarmList
-from archo_tui.screens.confirm import Confirm
-from archo_tui.screens.dialog import Leaving
-from archo_tui.screens.edit_parameter import EditParameter
+from archo_tui.screens.leaving import Leaving
 from archo_tui.screens.main import MainScreen
-from archo_tui.screens.node import NodeDialog
-from archo_tui.screens.request import AnswerRequest
-from archo_tui.screens.text import ShowText
 from archo_tui.station import recall
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
@@ -38,7 +32,6 @@ from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.shown import Shown
 
 TICK = 1.0  # s between two looks at ages and the time of day
-_LIVE = (AlarmList, AnswerRequest, EditParameter, NodeDialog)  # dialogs that show what there is now
 LONGEST = 30.0  # s that the end waits for answers: longer than any request is waited for
 
 
@@ -87,6 +80,8 @@ class ArchoApp(KeyedApp):
         begin(self, self._recall, "recall")
         begin(self, self._tick_for_ever, "tick")
         if self._failed_before:
+            from archo_tui.screens.text import ShowText
+
             said = "The screen crashed and was restarted; the nodes kept running."
             text = f"{said}\n\n{self._failed_before}"
             self.push_screen(ShowText("An error of the console", text))
@@ -144,8 +139,8 @@ class ArchoApp(KeyedApp):
         self.main.show(self.view, footer)
         self.ring(self.view.alarms)
         for screen in self.screen_stack:
-            if isinstance(screen, _LIVE) and screen.is_mounted:
-                screen.show(self.view)
+            if isinstance(screen, Leaving) and screen.is_mounted:
+                screen.follow(self.view)
 
     def _view(self) -> Shown:
         first = not self.has_sent
@@ -246,6 +241,8 @@ class ArchoApp(KeyedApp):
 
         While another one is being asked, it is not put.
         """
+        from archo_tui.screens.confirm import Confirm
+
         if isinstance(self.screen, Confirm) or self._is_void(title):
             return
         typed = self.stops.carried  # the answer's, too: a STOP between the two closes the question

@@ -15,8 +15,7 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Command
 from archo_tui.commands.keymap import shown_keys
 from archo_tui.robot.state import Snapshot
-from archo_tui.screens.choose import Choose
-from archo_tui.screens.dialog import Leaving
+from archo_tui.screens.leaving import Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
@@ -237,7 +236,7 @@ class KeyedApp(TerminalApp):
         """False while the screen in front is being built, or opens what they are for."""
         if not self.screen_stack or not self.screen.is_mounted:
             return False
-        return not (isinstance(self.screen, Choose) and self.screen.is_choosing)
+        return not (isinstance(self.screen, Leaving) and self.screen.is_opening)
 
     async def _release_keys(self) -> None:
         """Hand on what was typed meanwhile, in its order; what it opens is waited for as well."""

@@ -18,14 +18,11 @@ from archo_tui import engine
 from archo_tui.clock import Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
-from archo_tui.hosting import own_interfaces
 from archo_tui.hosting.node_output import NodeOutput
-from archo_tui.hosting.own_interfaces import OwnInterfaces
 from archo_tui.hosting.watch import Watch, Watched
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
-from archo_tui.recording.attachments import attachments
-from archo_tui.recording.store import BUDGET
+from archo_tui.recording.box import BUDGET
 from archo_tui.robot_file import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
 from archo_tui.station.journal import Journal
@@ -35,6 +32,7 @@ if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
     from archo_tui.recording.box import BlackBox
     from archo_tui.recording.witness import Witness
+    from archo_tui.remote.desk import Desk
     from archo_tui.remote.server import Server
     from archo_tui.robot.client import Robot
     from archo_tui.robot.state import Event
@@ -121,19 +119,25 @@ class Session:
         """What other programs reach; None where the system has no such sockets."""
         if sys.platform == "win32":
             return None
-        from archo_tui.remote.desk import Desk
         from archo_tui.remote.server import Server
+
+        def desk() -> Desk:
+            from archo_tui.remote.desk import Desk
+
+            return Desk(self.station, self.options.domain_id)
 
         def say(text: str) -> None:
             self.robot.note("WARN", "console", text)
 
-        return Server(Desk(self.station, self.options.domain_id), self.robot.stops, say)
+        return Server(desk, self.robot.stops, say)
 
     def _activate(self) -> dict[str, Path]:
         """The engine; returns the interface packages of the user's own."""
         options, own = self.options, {}
         others = options.attach or options.node_makers or options.only
         if options.interfaces is not None:
+            from archo_tui.hosting import own_interfaces
+
             own = own_interfaces.find(options.interfaces, options.engine)
         engine.activate(options.engine, hosting=not others, own=own)
         return own
@@ -181,7 +185,7 @@ class Session:
             state_file("recordings"),
             self._clock,
             lambda *event: self.robot.note(*event),
-            lambda begin, end: attachments(self.file, journal_file(), begin, end),
+            self._attachments,
             self.options.recordings_limit,
             self.options.record,
         )
@@ -209,6 +213,11 @@ class Session:
             self._give_up()
             raise
 
+    def _attachments(self, begin: float, end: float) -> dict[str, str]:
+        from archo_tui.recording.attachments import attachments
+
+        return attachments(self.file, journal_file(), begin, end)
+
     def _watched(self, interfaces: dict[str, Path]) -> list[Watched]:
         """The user's own files: what becomes of them when they are saved."""
         from archo_tui.hosting.host import HostedFile
@@ -216,6 +225,8 @@ class Session:
         kept, note = self.station.edits.kept, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
         if interfaces:
+            from archo_tui.hosting.own_interfaces import OwnInterfaces
+
             watched.append(OwnInterfaces(interfaces, note, self.station.restart))
         return watched
 
@@ -376,7 +387,6 @@ def _robots_nodes(use_sim: bool) -> dict[str, Any]:
     """The classes of the robot's own nodes by their names."""
     from archo_bringup.battery_monitor import BatteryMonitor
     from archo_bringup.dashboard import Dashboard
-    from archo_bringup.fake_battery_drain import FakeBatteryDrain
     from archo_bringup.motor_controller import MotorController
 
     nodes = {
@@ -384,4 +394,8 @@ def _robots_nodes(use_sim: bool) -> dict[str, Any]:
         "dashboard": Dashboard,
         "motor_controller": MotorController,
     }
-    return nodes | {"fake_battery_drain": FakeBatteryDrain} if use_sim else nodes
+    if use_sim:
+        from archo_bringup.fake_battery_drain import FakeBatteryDrain
+
+        nodes["fake_battery_drain"] = FakeBatteryDrain
+    return nodes

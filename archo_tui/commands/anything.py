@@ -15,9 +15,6 @@ from archo_tui.robot_file.check import missing
 from archo_tui.robot_file.model import FormField, GoalKind, Service
 from archo_tui.robot_file.reserved import free
 from archo_tui.robot_file.save import dump
-from archo_tui.screens.ask_path import AskPath
-from archo_tui.screens.choose import Choice, Choose
-from archo_tui.screens.message_form import MessageForm
 from archo_tui.verbs.anything import type_of
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
 
@@ -30,6 +27,8 @@ class _AnyOf(Speak):
         raise NotImplementedError
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.choose import Choice, Choose
+
         found = self.found(console)
         choices = [
             Choice(name, partial(self._form, console, name), ", ".join(found[name]))
@@ -38,6 +37,8 @@ class _AnyOf(Speak):
         console.open(Choose(self.help, choices))
 
     async def _form(self, console: Console, name: str) -> None:
+        from archo_tui.screens.message_form import MessageForm
+
         try:
             kind = type_of("one", name, self.found(console))
         except ValueError as error:
@@ -134,5 +135,7 @@ class KeepRobot(Command):
     help = "Keep as robot file: the robot's own, and the goals and services used without it"
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.ask_path import AskPath
+
         write = write_file(console, dump(console.used), "keep as robot file")
         console.open(AskPath("Keep as robot file", "Robot file", "robot.yaml", write))

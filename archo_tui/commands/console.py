@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import TYPE_CHECKING
 
 from archo_tui.commands.base import (
     EVERYWHERE,
@@ -14,13 +15,13 @@ from archo_tui.commands.base import (
     Speak,
     Work,
 )
-from archo_tui.screens.alarms import AlarmList
-from archo_tui.screens.help import Entry, Help
-from archo_tui.screens.request import AnswerRequest
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import is_grave
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.verbs.base import Verb
+
+if TYPE_CHECKING:
+    from archo_tui.screens.help import Entry
 from archo_tui.words.goal import way
 
 
@@ -37,6 +38,9 @@ class ShowAlarms(Command):
     help = "List the alarms: acknowledge one or all, shelve one; or answer what an assistant asks"
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.alarms import AlarmList
+        from archo_tui.screens.request import AnswerRequest
+
         station, waiting = console.station, console.station.requests.waiting
         if waiting and not is_grave(console.view.alarms):  # which are looked at first
             told = partial(_answer, console), console.dialog_gone
@@ -73,6 +77,8 @@ class ShowHelp(Command):
     help = "Show all keys"
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.help import Entry, Help
+
         if isinstance(console.screen, Help):
             console.screen.action_close()
             return
@@ -85,6 +91,8 @@ class ShowHelp(Command):
 
 
 def _entry(console: Console, command: Command) -> Entry:
+    from archo_tui.screens.help import Entry
+
     key = console.view.key(command.id)
     place = f"{command.place[0].upper()}{command.place[1:]}" if key else "In the palette only"
     return Entry(place, key, command.help, console.blocked(command))

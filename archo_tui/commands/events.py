@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Console, write_file
-from archo_tui.screens.ask_path import AskPath
-from archo_tui.screens.text import ShowText
 from archo_tui.widgets.events_panel import as_text, details
 
 
@@ -59,6 +57,8 @@ class SaveEvents(_InEvents):
         return "" if console.main.events.shown else "no event is shown"
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.ask_path import AskPath
+
         text = as_text(reversed(console.main.events.shown))
         write = write_file(console, text, "save events")
         console.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
@@ -72,6 +72,8 @@ class WholeEvent(_InEvents):
         return "" if console.main.events.selected else "no event is selected"
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.text import ShowText
+
         event = console.main.events.selected
         assert event is not None
         console.open(ShowText("Event", details(event)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
-from archo_tui.screens.text import ShowText
 
 
 class Resource(Command):
@@ -14,6 +13,8 @@ class Resource(Command):
         return "" if console.main.graph.selected else "nothing is selected"
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.text import ShowText
+
         row = console.main.graph.selected
         assert row is not None
         console.open(ShowText(row.resource.name, row.details))

@@ -7,7 +7,6 @@ from functools import partial
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Hosted, Life
-from archo_tui.screens.node import NodeDialog
 from archo_tui.station.station import View
 from archo_tui.words.nodes import NodeRow, node_rows
 
@@ -74,6 +73,7 @@ class Details(Command):
 
 def show(console: Console, row: NodeRow) -> None:
     """What is known about a node."""
+    from archo_tui.screens.node import NodeDialog
 
     def tell(view: View) -> str:
         now = next((one for one in node_rows(view) if one.name == row.name), None)

@@ -10,8 +10,6 @@ from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Spea
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Parameter
-from archo_tui.screens.ask_path import AskPath
-from archo_tui.screens.edit_parameter import EditParameter
 from archo_tui.verbs.parameters import CHANGE, NOBODY
 
 _DEFAULT_FILE = "archo_params.yaml"
@@ -50,6 +48,8 @@ class Edit(_Sets):
 
     def open(self, console: Console, parameter: Parameter) -> None:
         """Open the dialog."""
+        from archo_tui.screens.edit_parameter import EditParameter
+
         send = partial(self.set, console, parameter)
         console.open(EditParameter(parameter, send, self.offered(parameter)))
 
@@ -130,6 +130,8 @@ class Save(Speak):
     key = "ctrl+s"
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.ask_path import AskPath
+
         warned: set[Path] = set()  # existing files that the operator was warned about
 
         async def save(path: Path) -> str:
@@ -151,6 +153,8 @@ class Load(Speak):
     key = "ctrl+o"
 
     def run(self, console: Console) -> None:
+        from archo_tui.screens.ask_path import AskPath
+
         async def load(path: Path) -> str:
             try:
                 values = await self.verb.prepare(console.station, {"file": str(path)})

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from archo_tui.commands.base import Command, Console, Work
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.paths import state_file
-from archo_tui.recording import store
-from archo_tui.recording.store import Recording
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.screens.recordings import RecordingList
+
+if TYPE_CHECKING:
+    from archo_tui.recording.store import Recording
+    from archo_tui.screens.recordings import RecordingList
 
 
 class ShowRecordings(Command):
@@ -19,6 +22,8 @@ class ShowRecordings(Command):
         return self._show(console)
 
     async def _show(self, console: Console) -> None:
+        from archo_tui.screens.recordings import RecordingList
+
         found = await _found(console)
         if found is None:
             return
@@ -37,6 +42,8 @@ class ShowRecordings(Command):
         console.open(dialog)
 
     async def _delete(self, console: Console, recording: Recording, dialog: RecordingList) -> None:
+        from archo_tui.recording import store
+
         try:
             await in_daemon(store.delete, recording)
         except OSError as error:
@@ -45,11 +52,13 @@ class ShowRecordings(Command):
             console.station.robot.note("YOU", "console", f"recording {recording.name} deleted")
         found = await _found(console)
         if found is not None and not dialog.has_left:
-            dialog.show(found)
+            dialog.refill(found)
 
 
 async def _found(console: Console) -> list[Recording] | None:
     """The newest first; None, and said, where they cannot be read."""
+    from archo_tui.recording import store
+
     folder = state_file("recordings")
     try:
         return (await in_daemon(store.listed, folder))[::-1]

@@ -8,7 +8,6 @@ from typing import Any
 from archo_tui.commands.base import EVERYWHERE, Command, Console, Speak, Work
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import RUNNING, Phase
-from archo_tui.screens.message_form import MessageForm
 from archo_tui.verbs import goals, services
 from archo_tui.verbs.base import Verb
 
@@ -50,6 +49,8 @@ class SendGoal(Speak):
         self.key, self.from_file = verb.kind.key, verb.kind.where
 
     def run(self, console: Console) -> Work | None:
+        from archo_tui.screens.message_form import MessageForm
+
         kind = self._go.kind
         if not kind.form:
             return console.speak(self._go, {goals.GOALS: [{}]})

@@ -11,13 +11,14 @@ from typing import Any
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.recording import bag, store
 from archo_tui.recording.ring import Heard, Ring
 
 AFTER = 5.0  # s that are recorded behind the last trigger
 LONGEST = 300.0  # s from the first trigger to the end
 PART = 600.0  # s of each bag where all is recorded
 ALL = "all of it"  # why, of these
+BUDGET = 1_000_000_000  # bytes of all recordings
+KEPT = "kept"  # why, of one that was begun by hand
 MOST_BYTES = 64_000_000  # of one recording, in memory
 _SLOW = "recording not written: the disk is too slow"
 _WAITING = 1  # recordings that may wait for the disk, beside the one that is written
@@ -66,7 +67,7 @@ class BlackBox:
         clock: Clock,
         note: Callable[[str, str, str], None],
         attached: Callable[[float, float], Mapping[str, str]],
-        budget: int = store.BUDGET,
+        budget: int = BUDGET,
         all_to: Path | None = None,
     ) -> None:
         """`note(level, source, text)` adds an event.
@@ -138,6 +139,8 @@ class BlackBox:
             job()
 
     def _write(self, opened: _Open, to: Path | None) -> None:
+        from archo_tui.recording import bag, store
+
         about = {"why": ", ".join(opened.why), "kept": "yes" if opened.kept else "no"}
         heard = opened.heard
         times = [one.time / 1e9 for one in heard] or [opened.at]
@@ -165,6 +168,8 @@ class BlackBox:
 
     def _look_again(self) -> None:
         """Somebody may have made room."""
+        from archo_tui.recording import store
+
         try:
             store.try_out(self._folder)
         except OSError as error:
@@ -177,6 +182,8 @@ class BlackBox:
             self._full = f"OLD RECORDINGS ARE NOT DELETED: {self._said(error)}"
 
     def _make_room(self) -> None:
+        from archo_tui.recording import store
+
         size, gone = store.make_room(self._folder, self._budget)
         self._full = ""
         for one in gone:

@@ -9,7 +9,7 @@ from datetime import datetime
 from archo_tui.errors import ArchoError
 from archo_tui.paths import state_file
 from archo_tui.recording import store
-from archo_tui.recording.store import KEPT
+from archo_tui.recording.box import KEPT
 
 
 def lines(*, as_json: bool) -> Iterator[str]:

@@ -15,9 +15,7 @@ from typing import NamedTuple
 
 from archo_tui.recording import bag
 
-BUDGET = 1_000_000_000  # bytes
 ALARM_AT = 0.9  # of the budget
-KEPT = "kept"  # why, of one that was begun by hand
 _UNFINISHED = "."  # how the names of those begin that are being written
 _LONGEST = 60  # characters of what happened, in a name
 _TRIED = 100_000  # bytes that a disk must have room for, before the trouble is over

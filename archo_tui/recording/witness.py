@@ -12,11 +12,10 @@ from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
 from archo_tui.recording import triggers
-from archo_tui.recording.box import AFTER, BlackBox
+from archo_tui.recording.box import AFTER, KEPT, BlackBox
 from archo_tui.recording.data import to_data
 from archo_tui.recording.ring import SPAN, Later
 from archo_tui.recording.state import parts, state
-from archo_tui.recording.store import KEPT
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import LEVELS, OWN_LEVELS, Event
 from archo_tui.station.alarms import Alarm

@@ -16,6 +16,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from functools import cached_property
 from itertools import islice
 from typing import Any, Protocol
 
@@ -179,9 +180,11 @@ def _is_answer(data: bytes) -> bool:
 class Server:
     """Listens while it is open."""
 
-    def __init__(self, desk: Desk, stops: Stops, say: Callable[[str], None]) -> None:
-        """`say(text)` is called when there can be no socket."""
-        self.desk, self.stops, self._say = desk, stops, say
+    def __init__(
+        self, make_desk: Callable[[], Desk], stops: Stops, say: Callable[[str], None]
+    ) -> None:
+        """`make_desk` is called for the first client; `say(text)` when there can be no socket."""
+        self._make_desk, self.stops, self._say = make_desk, stops, say
         self._name = f"{os.getpid()}{place.SUFFIX}"
         self._listening: socket.socket | None = None
         self._path = ""
@@ -189,6 +192,11 @@ class Server:
         self._over = asyncio.Event()
         self._open: dict[Client, None] = {}  # in the order in which they came
         self._thread = threading.Thread(target=self._run, name="socket", daemon=True)
+
+    @cached_property
+    def desk(self) -> Desk:
+        """What carries out what comes."""
+        return self._make_desk()
 
     def start(self) -> None:
         """Begin to listen."""

@@ -67,9 +67,9 @@ class AlarmList(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self._rows)
-        self.show(self._view)
+        self.follow(self._view)
 
-    def show(self, view: View) -> None:
+    def follow(self, view: View) -> None:
         """Show what there is now."""
         self._view = view
         self._rows.show(view.alarms)

@@ -115,7 +115,7 @@ class Choose(Dialog[None]):
         self._fill()
 
     @property
-    def is_choosing(self) -> bool:
+    def is_opening(self) -> bool:
         """True while an enter is on its way: what it opens takes the keys behind it."""
         return self._narrow.chooses and not self.has_left
 

@@ -1,17 +1,16 @@
-"""What all dialogs have: they end once, however often their keys are pressed."""
+"""What all dialogs have."""
 
 from __future__ import annotations
 
 from typing import ClassVar
 
 from textual.app import ComposeResult
-from textual.await_complete import AwaitComplete
 from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
-from archo_tui.screens.base import Base
+from archo_tui.screens.leaving import Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
@@ -28,35 +27,6 @@ class Below(Line):
         main = self.app.screen_stack[0]
         if isinstance(main, MainScreen):
             self.show(main.everywhere)
-
-
-class Leaving(Base[ScreenResultType]):
-    """A screen that is dismissed once; under another one, when that has gone.
-
-    Textual would dismiss the one on top, even while that is still being built. It is the last base:
-    Textual looks for styles and component classes along the first.
-    """
-
-    closes_at_stop: ClassVar[bool] = False  # its question was about the robot before the STOP
-    _left: tuple[ScreenResultType | None] | None = None  # with what, once that is known
-
-    @property
-    def has_left(self) -> bool:
-        """True when it was dismissed, whether it has gone yet or not."""
-        return self._left is not None
-
-    def dismiss(self, result: ScreenResultType | None = None) -> AwaitComplete:
-        """A second enter, or an answer that comes late, changes nothing."""
-        if self._left is None:
-            self._left = (result,)
-        if not self.is_mounted:  # its parts are looked for while it is built
-            self.call_later(self.dismiss)
-            return AwaitComplete()
-        return super().dismiss(*self._left) if self.is_active else AwaitComplete()
-
-    def on_screen_resume(self) -> None:
-        if self._left is not None:
-            self.dismiss()
 
 
 class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):

@@ -62,7 +62,7 @@ class EditParameter(Form):
                 yield Button("Cancel", id="leave", compact=True)
                 yield Button("Set", id="set", compact=True, disabled=parameter.read_only)
 
-    def show(self, view: View) -> None:
+    def follow(self, view: View) -> None:
         """Somebody else may change it meanwhile."""
         wanted = self._parameter.node, self._parameter.name
         known = (p.value for p in view.snapshot.parameters if (p.node, p.name) == wanted)

@@ -65,7 +65,7 @@ class NodeDialog(Dialog[None]):
         self.set_focus(self.query_one("#node-text"))
         begin(self, self._ask, _GROUP)
 
-    def show(self, view: View) -> None:
+    def follow(self, view: View) -> None:
         """Bring what is known up to date, once a second."""
         if view.second != self._view.second or view.hosted != self._view.hosted:
             self._view = view

@@ -51,9 +51,9 @@ class RecordingList(Dialog[None]):
     def on_mount(self) -> None:
         self.set_focus(self._rows)
         self._rows.show_cursor()
-        self.show(self._recordings)
+        self.refill(self._recordings)
 
-    def show(self, recordings: Sequence[Recording]) -> None:
+    def refill(self, recordings: Sequence[Recording]) -> None:
         """Show these."""
         self._rows.show(recordings)
 

@@ -94,7 +94,7 @@ class AnswerRequest(Dialog[None]):
         seen = place.visible_region
         return bool(seen) and seen.bottom_right == place.region.bottom_right
 
-    def show(self, view: View) -> None:
+    def follow(self, view: View) -> None:
         """So it is now; what waits no more is not answered."""
         self._view = view
         waits = any(one.number == self._request.number for one in view.requests)

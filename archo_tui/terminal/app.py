@@ -6,6 +6,7 @@ import asyncio
 import contextvars
 import gc
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from typing import Any
@@ -22,6 +23,7 @@ from textual.message import Message
 from textual.worker import Worker, WorkerFailed
 
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.imports import import_the_rest
 from archo_tui.robot.stops import Stops
 from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import RESTART, Shutdown
@@ -34,7 +36,7 @@ from archo_tui.terminal.themes import HIGH_CONTRAST, OF_16, THEMES, grey, rememb
 from archo_tui.terminal.typed import typed_after
 
 COMMANDS = "commands"  # the group of workers that the end waits for
-_STANDS = 1.0  # s after which a screen is made, and looking for garbage pays again
+_STANDS = 1.0  # s after which a screen is made
 
 
 def begin(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], group: str) -> None:
@@ -59,10 +61,16 @@ class TextFilter(LineFilter):
         ]
 
 
-def _collect_garbage() -> None:
-    """From now on; what was made so far stays, and is not looked through again and again."""
-    gc.freeze()
-    gc.enable()
+def _settle() -> None:
+    """The screen stands: import the rest, then look for garbage.
+
+    What was made so far stays, and is not looked through again and again.
+    """
+    try:
+        import_the_rest()
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 class TerminalApp(App[None]):
@@ -157,7 +165,8 @@ class TerminalApp(App[None]):
             self._ending.on_signals()
         self.app_resume_signal.subscribe(self, lambda _: self.repaint())
         if not gc.isenabled():
-            self.set_timer(_STANDS, _collect_garbage)
+            settle = threading.Thread(target=_settle, name="imports", daemon=True)
+            self.set_timer(_STANDS, settle.start)
 
     def watch_theme(self, before: str, theme: str) -> None:
         """Remember a theme that the operator chose."""

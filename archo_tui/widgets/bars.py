@@ -16,7 +16,7 @@ from archo_tui.robot.state import Battery, Motion, Phase
 from archo_tui.robot.text import harmless
 from archo_tui.station.alarms import Alarm, Priority, State, advice, is_grave, ways
 from archo_tui.station.station import View
-from archo_tui.widgets.keys import key_markup
+from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad
 from archo_tui.widgets.shown import Shown
 from archo_tui.words.goal import doing, way_left
@@ -111,13 +111,12 @@ def banner(view: Shown, width: int) -> Content:
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
     if cell_len(f"{line}   {words}") > width:
         return Content.styled(line, f"bold {style}")
-    return _to_acknowledge(line, f"bold {style}", words)
+    return Content.assemble((line, f"bold {style}"), "   ", _underlined(words, "ack"))
 
 
-@lru_cache(maxsize=1)  # made of markup, which costs more than all the rest
-def _to_acknowledge(line: str, style: str, words: str) -> Content:
-    hint = Content.from_markup(f"   [u][@click=app.command('ack')]{words}[/][/]")
-    return Content.assemble((line, style), hint)
+def _underlined(text: str, command: str) -> Content:
+    """What runs a command when it is clicked."""
+    return Content.styled(text, "u").stylize(click(f"command('{command}')"))
 
 
 def _request(view: Shown, alarms: list[Alarm], width: int) -> Content:
@@ -128,8 +127,8 @@ def _request(view: Shown, alarms: list[Alarm], width: int) -> Content:
     hint = f"({key} answer, {one.left(view.now):.0f} s)"
     room = width - cell_len(f" ?    {hint}{more}")
     said = crop(harmless(f"{one.asker.source} asks: {one.text}"), max(room, 1))
-    answer = Content.from_markup(f"   [u][@click=app.command('alarms')]{hint}[/][/]{more}")
-    return Content.assemble((f" ? {said}", "bold $warn"), answer)
+    answer = _underlined(hint, "alarms")
+    return Content.assemble((f" ? {said}", "bold $warn"), "   ", answer, more)
 
 
 def _terse(text: str) -> str:
@@ -154,19 +153,14 @@ def _first_keys(view: Shown, width: int) -> Content:
     given = next((command for command in robot.commands if view.key(command.id)), None)
     if given is not None:
         words[given.id] = (given.help or given.title).partition(",")[0].lower()
-    parts = ((name, view.key(name), word, name in view.blocked) for name, word in words.items())
-    return _in_line(tuple(part for part in parts if part[1]), width)
-
-
-@lru_cache(maxsize=1)  # as above
-def _in_line(parts: tuple[tuple[str, str, str, bool], ...], width: int) -> Content:
-    """Keys with their words, as many as there is room for."""
-    texts: list[str] = []
-    for name, key, word, blocked in parts:
-        width -= cell_len(f"   {key} {word}")
-        if width >= 0:
-            texts.append(key_markup(name, key, word, blocked=blocked))
-    return Content.from_markup(f"[$quiet] {'   '.join(texts)}[/]")
+    shown: list[Content] = []  # as many as there is room for
+    for name, word in words.items():
+        if key := view.key(name):
+            one = key_content(name, key, word, blocked=name in view.blocked)
+            width -= one.cell_length + 3
+            if width >= 0:
+                shown.append(one)
+    return Content.assemble(" ", Content("   ").join(shown)).stylize_before("$quiet")
 
 
 class FooterKey(NamedTuple):
@@ -181,18 +175,17 @@ class FooterKey(NamedTuple):
 
 def footer_keys(commands: Iterable[FooterKey]) -> Content:
     """The keys with their words; each can be clicked."""
-    parts: list[Content] = []
-    for command in commands:
-        text = key_markup(command.command, command.key, command.word, blocked=command.blocked)
-        parts.append(Content.from_markup(f" {text} "))
-    return Content("").join(parts)
+    return Content("").join(
+        Content.assemble(" ", key_content(c.command, c.key, c.word, blocked=c.blocked), " ")
+        for c in commands
+    )
 
 
 def footer(commands: Iterable[FooterKey], width: int, palette_key: str) -> Content:
     """The keys, and the palette's at the right end where there is room for it."""
     made = footer_keys(commands)
-    text = key_markup("palette", palette_key, "palette", blocked=False)
-    palette = Content.from_markup(f"{text} ")
+    shown = key_content("palette", palette_key, "palette", blocked=False)
+    palette = Content.assemble(shown, " ")
     gap = width - made.cell_length - palette.cell_length
     return Content.assemble(made, " " * gap, palette) if gap > 0 else made
 

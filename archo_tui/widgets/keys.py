@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from textual.content import Content
+from textual.style import Style
 
-def key_markup(command: str, key: str, word: str, *, blocked: bool) -> str:
-    """Markup that can be clicked: the key is bold while it does something, else all is darker."""
-    key, word = (text.replace("[", "\\[") for text in (key, word))  # the key itself may be one
-    click = f"@click=app.command('{command}')"
+
+def key_content(command: str, key: str, word: str, *, blocked: bool) -> Content:
+    """It can be clicked: the key is bold while it does something, else all is darker."""
     if blocked:
-        return f"[{click}][not bold $off]{key} {word}[/][/]"
-    return f"[{click}][bold]{key}[/bold] {word}[/]"
+        made = Content.styled(f"{key} {word}", "not bold $off")
+    else:
+        made = Content.assemble((key, "bold"), f" {word}")
+    return made.stylize(click(f"command('{command}')"))
+
+
+def click(action: str) -> Style:
+    """Of a text that does something when it is clicked: `action` is one of the app's."""
+    return Style.from_meta({"@click": f"app.{action}"})

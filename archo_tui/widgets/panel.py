@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from textual.containers import Container
+from textual.content import Content
 from textual.markup import escape
 from textual.message import Message
 from textual.widget import Widget
 
 from archo_tui.station.station import View
 from archo_tui.widgets.button import Button
-from archo_tui.widgets.keys import key_markup
+from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.shown import Shown
 
@@ -36,7 +37,7 @@ class Panel(Container):
     def __init__(self) -> None:
         super().__init__(id=f"panel-{self.number}", classes="panel")
         self.border_title = f"{self.number} {self.title_text}"
-        self._title, self._below = self.border_title, ""
+        self._title, self._below = self.border_title, Content("")
         self._keyed: object = None  # what its keys were last written for
         self._marked = ""  # the colour of its border while it has the focus
 
@@ -59,24 +60,23 @@ class Panel(Container):
         if keyed == self._keyed:
             return
         self._keyed = keyed
-        parts = [(before, before)]
+        parts = [Content(before)] if before else []
         if key_before:
-            parts = [(f"{key_before} {before}", f"[bold]{key_before}[/] {before}")]
+            parts = [Content.assemble((key_before, "bold"), f" {before}")]
         if is_full:  # how to leave is what must have room
-            parts.append(("esc back", "[@click=app.leave_field()][bold]esc[/bold] back[/]"))
-        parts = [part for part in parts if part[0]]
+            back = Content.assemble(("esc", "bold"), " back")
+            parts.append(back.stylize(click("leave_field()")))
         for command, word in self.keys:
             if command not in view.keys or (view.replay and command == "stop"):
                 continue  # of a replay, where none acts
             if is_full and word == FULL_SCREEN:
                 continue
             key, blocked = self.shown_as.get(command, view.key(command)), command in view.blocked
-            markup = key_markup(command, key, word, blocked=blocked)
-            parts.append((f"{key} {word}", markup))
-        while parts and sum(len(text) + 3 for text, _ in parts) - 3 > room:
+            parts.append(key_content(command, key, word, blocked=blocked))
+        while parts and sum(part.cell_length + 3 for part in parts) - 3 > room:
             parts.pop()
-        below = "   ".join(markup for _, markup in parts)
-        if below != self._below:
+        below = Content("   ").join(parts)
+        if not below.is_same(self._below):
             self._below = below
             self.border_subtitle = below
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.palette import choices
+from archo_tui.commands.choices import choices
 from archo_tui.keyed_app import HELD
 from archo_tui.screens.choose import Found
 from archo_tui.screens.find import Fit, fit

@@ -11,7 +11,7 @@ from textual.geometry import Size
 from textual.widgets import Input
 from textual.widgets._toast import Toast
 
-from archo_tui.commands.palette import Commands
+from archo_tui.commands.choices import Commands
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.choose import Found
 from archo_tui.screens.help import Help

@@ -10,7 +10,7 @@ from textual.widgets import Button
 
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
-from archo_tui.commands.palette import choices
+from archo_tui.commands.choices import choices
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
 from tests.replay.recorded import Watcher, replay, written
