@@ -8,7 +8,6 @@ from textual.content import Content
 from textual.widget import Widget
 
 from archo_tui.widgets.field import Field
-from archo_tui.widgets.line import Line
 
 
 class SearchLine(Horizontal):
@@ -17,27 +16,28 @@ class SearchLine(Horizontal):
     DEFAULT_CSS = """
         SearchLine { display: none; height: 1; dock: bottom; }
         SearchLine.-open { display: block; }
-        SearchLine Line { width: 1; }
-        SearchLine .count { width: 14; text-align: right; }
-        SearchLine Field { width: 1fr; margin: 0 1 0 1; }
+        SearchLine Field { width: 1fr; margin: 0 15 0 2; }
     """
 
     def __init__(self, search: Search) -> None:
         super().__init__()
         self._search = search
-        self._slash, self._count = Line(), Line(classes="count")
+        self._count = ""
 
     def compose(self) -> ComposeResult:
-        yield self._slash
         yield self._search
-        yield self._count
 
-    def on_mount(self) -> None:
-        self._slash.update(Content("/"))
+    def render(self) -> Content:
+        """What stands around the field."""
+        room = max(self.size.width - 1, len(self._count))
+        return Content.assemble("/", (f"{self._count:>{room}}", "$quiet"))
 
     def count(self, shown: int, total: int) -> None:
         """So many of so many."""
-        self._count.show(Content.styled(f"{shown} of {total}", "$quiet"))
+        count = f"{shown} of {total}"
+        if count != self._count:
+            self._count = count
+            self.refresh()
 
 
 class Search(Field):
