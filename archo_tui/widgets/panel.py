@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from textual.color import Color
 from textual.containers import Container
 from textual.content import Content
+from textual.geometry import Region
 from textual.markup import escape
 from textual.message import Message
 from textual.widget import Widget
@@ -16,6 +18,7 @@ from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.shown import Shown
 
+_EDGES = ("border_top", "border_right", "border_bottom", "border_left")
 FULL_SCREEN = "full screen"  # the word of the keys that give a panel all the room
 
 
@@ -106,7 +109,17 @@ class Panel(Container):
         colour = self.app.theme_variables["primary"] if has_focus else ""
         if colour != self._marked:
             self._marked = colour
-            self.styles.border = ("heavy", colour) if colour else None
+            edge = ("heavy", Color.parse(colour)) if colour else None
+            for name in _EDGES:  # set as one border, all that it surrounds would be drawn anew
+                self.styles.inline.set_rule(name, edge)
+            self._refresh_border()
+
+    def _refresh_border(self) -> None:
+        """Have it drawn anew, and nothing of what it surrounds."""
+        (width, height), (left, top) = self.outer_size, self.content_offset
+        across, down = Region(0, 0, width, 1), Region(0, 0, 1, height)
+        edges = across, across.translate((0, height - 1)), down, down.translate((width - 1, 0))
+        self.refresh(*(edge.translate((-left, -top)) for edge in edges))
 
     def watch_has_focus(self, focused: bool) -> None:
         """The border shows it; no style is for `:focus`, and Textual would look for some."""
