@@ -11,6 +11,7 @@ from textual._compositor import ChopsUpdate, Compositor
 from textual.screen import Screen
 from textual.widgets import Button
 
+from archo_tui.screens import main
 from archo_tui.terminal.compositor import DirtyCompositor
 from tests.console.states import STATES
 from tests.support.console import screen_text, send
@@ -27,6 +28,28 @@ _KEYS = [*"12345678", "down", "up", "end", "slash", "a", "h", "e", "escape", "l"
 def _drawn(_undrawn: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Here it counts what is drawn."""
     monkeypatch.setattr(Screen, "_compositor_refresh", _DRAW)
+
+
+async def test_the_first_picture_waits_for_the_robots_nodes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(main, "_AWAITED", 3600.0)
+    drawn: list[int] = []
+    whole = DirtyCompositor.render_full_update
+
+    def counted(compositor: DirtyCompositor, simplify: bool = False) -> Any:
+        drawn.append(len(robot.snapshot.nodes))
+        return whole(compositor, simplify)
+
+    monkeypatch.setattr(DirtyCompositor, "render_full_update", counted)
+    app = stub_app(STATES["normal"]._replace(nodes=()))
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    async with app.run_test(size=(120, 36)) as pilot:
+        await pilot.pause()
+        assert drawn == []
+        robot.put(STATES["normal"])
+        await Quiet(app).settle()
+    assert drawn[:1] == [len(STATES["normal"].nodes)]
 
 
 @pytest.mark.parametrize("size", [(40, 10), (80, 24), (120, 36), (160, 48)])
