@@ -613,6 +613,7 @@ def _check(options: Namespace) -> int:
 
 def _plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     from archo_tui.hosting.node_output import NodeOutput
+    from archo_tui.imports import OF_ALL, import_the_rest
     from archo_tui.plain import plain
     from archo_tui.shutdown import heed_signals
 
@@ -624,6 +625,7 @@ def _plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     sys.stdout.flush()  # later it would wait for a reader that stalls
     sys.stdout = NodeOutput(sys.stdout, session.robot.note)
     session.start()
+    import_the_rest(OF_ALL)
     gc.enable()
     # None where it is closed: its descriptor may have become another file's
     return plain.run(session.station, None if stdin is None else stdin.fileno())

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import pkgutil
+from collections.abc import Iterable
 from importlib import import_module
 
-_PACKAGES = ("archo_tui.commands", "archo_tui.recording", "archo_tui.remote", "archo_tui.screens")
+OF_ALL = ("archo_tui.recording", "archo_tui.remote")  # with a screen or without
+OF_THE_SCREEN = ("archo_tui.commands", "archo_tui.screens")
 
 
-def import_the_rest() -> None:
-    """Whatever a key may need: none waits for the disk, or gets a newer program's part."""
-    for package in _PACKAGES:
+def import_the_rest(packages: Iterable[str]) -> None:
+    """All of them: later nothing waits for the disk, or gets a part of a newer program."""
+    for package in packages:
         path = import_module(package).__path__
         for module in pkgutil.iter_modules(path, f"{package}."):
             import_module(module.name)

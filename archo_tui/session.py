@@ -30,7 +30,6 @@ from archo_tui.station.station import Station
 
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
-    from archo_tui.hosting.node_files import NodeFile
     from archo_tui.recording.box import BlackBox
     from archo_tui.recording.witness import Witness
     from archo_tui.remote.desk import Desk
@@ -177,6 +176,7 @@ class Session:
         )
 
         from archo_tui.hosting.host import Host
+        from archo_tui.hosting.node_files import NodeFile
         from archo_tui.recording.box import BlackBox
         from archo_tui.recording.witness import Witness
         from archo_tui.robot.client import Robot
@@ -200,7 +200,7 @@ class Session:
                 watching=self.options.watch,
             )
             self.host = Host(self._context, self.robot.note, self.robot.restarted)
-            self._node_files = self._files()
+            self._node_files = [NodeFile(str(given)) for given in self.options.node_files]
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
             self._give_up()
@@ -212,14 +212,6 @@ class Session:
         except BaseException:
             self._give_up()
             raise
-
-    def _files(self) -> list[NodeFile]:
-        """Those of the user's own nodes."""
-        if not self.options.node_files:
-            return []
-        from archo_tui.hosting.node_files import NodeFile
-
-        return [NodeFile(str(given)) for given in self.options.node_files]
 
     def _attachments(self, begin: float, end: float) -> dict[str, str]:
         from archo_tui.recording.attachments import attachments

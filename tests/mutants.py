@@ -185,7 +185,7 @@ FAULTS = [
     Fault(E + "timer.py", "        if self._now_ns() < self._last_ns:\n", "        if False:\n", CONTRACT),
     Fault("embedded/cdr.py", "    data += bytes(-len(data) % size)\n", "", CONTRACT),
     # nodes of the user's own, the history, dialogs
-    Fault("hosting/file_node.py", "                node.destroy_node()  # else", "                pass  # else", ROBOT + "/test_reloading.py"),
+    Fault("hosting/node_files.py", "                node.destroy_node()  # else", "                pass  # else", ROBOT + "/test_reloading.py"),
     Fault("hosting/host.py", "                self._on_end(old.state.serves)\n", "", ROBOT + "/test_reloading.py"),
     Fault("hosting/host.py", "                self._set_again(new, kept(new.name))", "                pass", ROBOT + "/test_reloading.py"),
     Fault("hosting/host.py", "        except BaseException as error:  # SystemExit", "        except Exception as error:  # SystemExit", ROBOT + "/test_reloading.py"),

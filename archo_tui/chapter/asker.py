@@ -13,10 +13,9 @@ from rclpy._rclpy_pybind11 import InvalidHandle, NodeNameNonExistentError
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-from archo_tui.hosting.file_node import code_of
 from archo_tui.hosting.host import HostedNode
 from archo_tui.hosting.limited import stack_of
-from archo_tui.hosting.node_files import WORDLESS
+from archo_tui.hosting.node_files import WORDLESS, code_of
 from archo_tui.hosting.source import Source
 from archo_tui.robot.graph import logger_node
 from archo_tui.robot.state import Life

@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import rclpy
 from rclpy.action import get_action_server_names_and_types_by_node
@@ -17,17 +17,14 @@ from rclpy.parameter import Parameter
 
 import archo_tui
 from archo_tui.errors import in_one_line
-from archo_tui.hosting.file_node import CONSTRUCTION_TIME, FileNode, NodeFileError
 from archo_tui.hosting.limited import Interrupted, interrupt, run_limited
+from archo_tui.hosting.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, NodeFileError
 from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps
+from archo_tui.hosting.workers import Workers, multi_threaded
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.robot.values import text_of
-
-if TYPE_CHECKING:
-    from archo_tui.hosting.node_files import NodeFile
-    from archo_tui.hosting.workers import Workers
 
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
 END_TIMEOUT = 1.5  # s for all of them when the console ends
@@ -62,8 +59,6 @@ class HostedNode:
         if threads is None:
             self._executor = SingleThreadedExecutor(context=context)
         else:
-            from archo_tui.hosting.workers import multi_threaded
-
             self._executor, self._workers = multi_threaded(context, threads, self.name)
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._spin, name=self.name, daemon=True)

@@ -23,7 +23,7 @@ from textual.message import Message
 from textual.worker import Worker, WorkerFailed
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.imports import import_the_rest
+from archo_tui.imports import OF_ALL, OF_THE_SCREEN, import_the_rest
 from archo_tui.robot.stops import Stops
 from archo_tui.robot.text import safe_in_place
 from archo_tui.shutdown import RESTART, Shutdown
@@ -67,7 +67,7 @@ def _settle() -> None:
     What was made so far stays, and is not looked through again and again.
     """
     try:
-        import_the_rest()
+        import_the_rest((*OF_ALL, *OF_THE_SCREEN))
     finally:
         gc.freeze()
         gc.enable()

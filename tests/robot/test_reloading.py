@@ -234,7 +234,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     limit = 3.0 if chosen.ENGINE == "embedded" else 8.0
-    monkeypatch.setattr("archo_tui.hosting.file_node.CONSTRUCTION_TIME", limit)
+    monkeypatch.setattr("archo_tui.hosting.node_files.CONSTRUCTION_TIME", limit)
     # while it is waited for it takes all of a core, from other tests too
     monkeypatch.setattr(HostedNode.stop, "__defaults__", (0.5,))
     file = here / "talker.py"
