@@ -58,8 +58,8 @@ async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
         assert "YOU: STOP: confirmed" in said(recording)
         behind = recording.start + recording.seconds - pressed
         assert 3.9 < behind < 6.5
-        texts = [event.text for event in op.app.view.snapshot.events]
-        assert f"recorded {recording.name}: STOP" in texts
+        wanted = f"recorded {recording.name}: STOP"  # which is said once it is written
+        await op.until(lambda: wanted in [event.text for event in op.app.view.snapshot.events])
 
 
 async def test_an_arrival_and_a_cancel_are_nothing_to_record() -> None:
