@@ -395,6 +395,7 @@ def _replay(options: Namespace) -> int:
             print(_safe(line))
         return 0
     from archo_tui.commands import keymap, registry
+    from archo_tui.imports import OF_THE_SCREEN, import_the_rest
     from archo_tui.paths import config_file
     from archo_tui.replay.player import Player
     from archo_tui.replay.robot import RecordedStation
@@ -405,6 +406,7 @@ def _replay(options: Namespace) -> int:
 
     keys, _ = keymap.load(config_file("keymap.yaml"), registry(robot))
     heed_signals()
+    import_the_rest(OF_THE_SCREEN)
     clock = Clock()
     station = RecordedStation(Player(bag, robot, clock), clock)
     app = ReplayApp(station, keys, themes.remembered())

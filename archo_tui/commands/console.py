@@ -19,10 +19,10 @@ from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import is_grave
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.verbs.base import Verb
+from archo_tui.words.goal import way
 
 if TYPE_CHECKING:
     from archo_tui.screens.help import Entry
-from archo_tui.words.goal import way
 
 
 class Acknowledge(Speak):

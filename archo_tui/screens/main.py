@@ -102,7 +102,7 @@ class MainScreen(Base[None]):
         self.everywhere = Content("")  # of the footer what works in dialogs, too
         self._is_laid_out = self._is_filled = False
         self._view: Shown | None = None  # the last one
-        self._commands: list[FooterKey] = []  # and what stood below it
+        self._commands: list[FooterKey] = []  # those of its footer
         self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
 
     def compose(self) -> ComposeResult:
@@ -288,7 +288,7 @@ class MainScreen(Base[None]):
         self._clock.show(bars.clock(view))
         self._banner.show(bars.banner(view, width))
         below = commands, width, view.key("palette")
-        if below != self._below:  # made of markup, which costs more than all the rest
+        if below != self._below:  # some ten texts: not at each view
             self._below = below
             self._footer.show(bars.footer(*below))
             self.everywhere = bars.footer_keys(key for key in commands if key.everywhere)

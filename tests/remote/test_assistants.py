@@ -172,6 +172,17 @@ async def test_a_click_counts_as_late_as_a_key() -> None:
         await op.until("Arrived at shelf 12")
 
 
+async def is_read_anew(op: Console, monkeypatch: pytest.MonkeyPatch, since: float) -> None:
+    """What was drawn after that time is answered by the second enter, a second later."""
+    monkeypatch.setattr(request, "READ", seconds() - since)
+    await op.press("enter")
+    await op.until("Read it first, then answer.")
+    monkeypatch.undo()
+    await op.at(seconds() + 1.1)
+    await op.press("enter")
+    await op.until("MOVING to 12")
+
+
 @pytest.mark.parametrize("way", ["covered", "resized", "suspended"])
 async def test_what_was_away_is_read_anew(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     async with beside(*LONG) as (op, assistant):
@@ -190,13 +201,7 @@ async def test_what_was_away_is_read_anew(way: str, monkeypatch: pytest.MonkeyPa
             op.app.app_resume_signal.publish(op.app)
         await op.until("An assistant asks")
         await op.at(seconds() + 0.4)
-        monkeypatch.setattr(request, "READ", seconds() - since)  # it was drawn before that
-        await op.press("enter")
-        await op.until("Read it first, then answer.")
-        monkeypatch.undo()
-        await op.at(seconds() + 1.1)
-        await op.press("enter")
-        await op.until("MOVING to 12")
+        await is_read_anew(op, monkeypatch, since)
 
 
 async def test_what_the_terminal_does_not_show_is_read_once_it_does(
@@ -215,13 +220,7 @@ async def test_what_the_terminal_does_not_show_is_read_once_it_does(
         op.app.tick()
         monkeypatch.setattr(type(op.app), "is_stuck", False)
         op.app.clear_notifications()
-        monkeypatch.setattr(request, "READ", seconds() - since)  # it was drawn before that
-        await op.press("enter")
-        await op.until("Read it first, then answer.")
-        monkeypatch.undo()
-        await op.at(seconds() + 1.1)
-        await op.press("enter")
-        await op.until("MOVING to 12")
+        await is_read_anew(op, monkeypatch, since)
 
 
 @pytest.mark.parametrize("size", [(20, 4), (30, 6), (40, 10)])
