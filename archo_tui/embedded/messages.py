@@ -38,7 +38,8 @@ class Message(metaclass=_MessageType):
     __slots__ = ()
     __type_name__: ClassVar[str]
     __field_types__: ClassVar[dict[str, str]]
-    __defaults__: ClassVar[dict[str, Callable[[], Any]]]
+    # of each field its name, its slot, its check and its default
+    __inits__: ClassVar[tuple[tuple[str, str, rules.Check, Callable[[], Any]], ...]]
     __number_arrays__: ClassVar[dict[str, str]]  # those of any length, with array's type code
     __copiers__: ClassVar[tuple[tuple[str, Callable[[Any], Any] | None], ...]]
     __elements__: ClassVar[int]  # values in it when it is made, those of nested messages too
@@ -50,8 +51,8 @@ class Message(metaclass=_MessageType):
         for name, code in self.__number_arrays__.items():
             if name in values:  # converted, unlike in an assignment: [1, 2] are two floats
                 values[name] = array(code, values[name])
-        for name, default in self.__defaults__.items():
-            setattr(self, name, values.pop(name) if name in values else default())
+        for name, slot, check, default in self.__inits__:
+            setattr(self, slot, check(values.pop(name) if name in values else default()))
         if values:
             raise AssertionError(f"Invalid arguments passed to constructor: {', '.join(values)}")
 
@@ -101,7 +102,7 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
         "__constants__": frozenset(name for name, _, _ in section.constants),
         **{name: rules.from_file(kind, value) for name, kind, value in section.constants},
     }
-    defaults: dict[str, Callable[[], Any]] = {}
+    inits: list[tuple[str, str, rules.Check, Callable[[], Any]]] = []
     elements = 1
     copiers: list[tuple[str, Callable[[Any], Any] | None]] = []
     layout: list[tuple[str, FieldType, Any]] = []
@@ -119,10 +120,10 @@ def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Mes
             check = rules.array_check(field.name, field.type, check)
         slot = f"_{field.name}"
         body[field.name] = property(attrgetter(slot), _setter(slot, check))
-        defaults[field.name] = _default(field, nested)
+        inits.append((field.name, slot, check, _default(field, nested)))
         layout.append((slot, field.type, nested))
         copiers.append((slot, rules.copier(field.type, check, nested)))
-    body["__defaults__"] = defaults
+    body["__inits__"] = tuple(inits)
     body["__number_arrays__"] = {
         field.name: TYPE_CODES[field.type.base]
         for field in section.fields

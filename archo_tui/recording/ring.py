@@ -12,6 +12,7 @@ MOST_BYTES = 16_000_000  # of the messages, as objects of Python
 _LARGEST = 1_000_000  # bytes of one that stands on when it is too old
 _OBJECT = 60  # bytes of one, about, beside what it holds
 _NUMBER = 32
+_NUMBERS = (float, int, bool)
 # topics whose messages are events: of all others the last one says how things stand
 _EVENTS = ("/rosout", "/parameter_events", "/_action/feedback", "/archo_tui/journal")
 
@@ -44,7 +45,11 @@ def weight(value: Any) -> int:
         return _OBJECT + len(value)
     slots = getattr(type(value), "__slots__", ())
     if slots:
-        return _OBJECT + sum([weight(getattr(value, slot, None)) for slot in slots])
+        whole = _OBJECT
+        for slot in slots:
+            part = getattr(value, slot, None)
+            whole += _NUMBER if type(part) in _NUMBERS else weight(part)  # a call less for most
+        return whole
     if isinstance(value, (list, tuple, set)):
         return _OBJECT + sum(map(weight, value))
     size = getattr(value, "nbytes", None)  # of an array, or a buffer of numpy's

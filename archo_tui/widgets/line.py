@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from rich.style import Style
+from textual.color import Color
 from textual.content import Content
+from textual.geometry import Region
+from textual.strip import Strip
+from textual.visual import Visual
 from textual.widgets import Static
 
 from archo_tui.widgets.styled import content
@@ -25,6 +31,22 @@ class Line(Static):
         """Nothing of its own: what can be clicked looks as it is written."""
         return Style()
 
+    def render_lines(self, crop: Region) -> list[Strip]:
+        """As Textual's, but for what a line never has: border, padding, opacity, a style of links.
+
+        That is more than half of what it costs, and lines are most of what changes.
+        """
+        style, width = self.visual_style, self.region.width
+        background = style.background
+        assert background is not None  # of a widget
+        strips = Visual.to_strips(self, self._render(), width, 1, style)
+        drawn = strips[0] if strips else Strip([])
+        drawn = drawn.adjust_cell_length(width, _blank(background))
+        for line_filter in self.get_line_filters():
+            drawn = drawn.apply_filter(line_filter, background)
+        whole = crop.column_span == (0, width)
+        return [drawn if whole else drawn.crop(*crop.column_span)] * crop.height
+
     def say(self, spans: Spans) -> None:
         """Show these instead; nothing is made of what is the same."""
         if spans != self._said:
@@ -37,3 +59,8 @@ class Line(Static):
         if self._shown is None or not (text is self._shown or text.is_same(self._shown)):
             self._shown = text
             self.update(text, layout=False)
+
+
+@lru_cache(64)
+def _blank(background: Color) -> Style:
+    return Style.from_color(bgcolor=background.rich_color)

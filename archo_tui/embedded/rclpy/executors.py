@@ -86,6 +86,7 @@ class Executor:
         self._round: deque[Entity | Task[Any]] = deque()  # what is left of the one that goes on
         self._blocked: list[Entity] = []  # ready, but their callback group is taken
         self._timers: list[tuple[int, int, TimedEntity]] = []
+        self._due_ns: int | None = None  # when the next one is; known where no work is left
         self._order = itertools.count()
         self._asked: tuple[object, ...] = ()  # what the round that goes on is for
         self._is_shutdown = False
@@ -311,19 +312,17 @@ class Executor:
         """The condition is held, and there was nothing to do."""
         deadline = _time_source.deadline_ns(timeout_sec)
         while True:
-            due = self._collect_timers()
-            found = self._pop_ready(nodes)
-            if found is not None:
-                return found
-            now = _time_source.monotonic_ns()
             if stop():
                 raise ConditionReachedException
-            if deadline is not None and now >= deadline:
+            if deadline is not None and _time_source.monotonic_ns() >= deadline:
                 raise TimeoutException
-            until = min((ns for ns in (deadline, due) if ns is not None), default=None)
+            until = min((ns for ns in (deadline, self._due_ns) if ns is not None), default=None)
             self._notified = False
             _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
             self._check_alive()
+            found = self._pop_ready(nodes)
+            if found is not None:
+                return found
 
     def _check_alive(self) -> None:
         if self._is_shutdown:
@@ -376,7 +375,7 @@ class Executor:
             self._tasks.clear()
             return
         self._had_tasks = False
-        self._collect_timers()
+        self._due_ns = self._collect_timers()
         self._round.extend(self._sorted(self._ready) if len(self._ready) > 1 else self._ready)
         self._ready = {}
 
