@@ -88,8 +88,7 @@ class Assistants:
         if refusal:
             return {"code": Code.REFUSED.value, "text": refusal}
         title = verb.title.lower()
-        stopped = self._station.robot.snapshot.motion.stopped
-        if stopped or self._station.robot.snapshot.open_stop is not None:
+        if self._station.robot.snapshot.is_stopped:
             said = "the robot is stopped: a person has to release it first"
             return {"code": Code.REFUSED.value, "text": said}
         shown = {path: written(value) for path, value in values.items()}

@@ -30,12 +30,17 @@ def line(said: dict[str, Any]) -> bytes:
     return json.dumps(said, ensure_ascii=False).encode("utf-8", "replace") + b"\n"
 
 
+def has_half(word: str) -> bool:
+    """True when half a character, a lone surrogate, is in it: bytes that are no text."""
+    return any("\ud800" <= char <= "\udfff" for char in word)
+
+
 def words_of(request: dict[str, Any]) -> list[str]:
     """What is asked for. Raises ValueError when that is none."""
     words = request.get("words")
     if not (isinstance(words, list) and words and all(isinstance(word, str) for word in words)):
         raise ValueError('expected {"id": ..., "words": ["status"]}')
-    if any("\ud800" <= char <= "\udfff" for word in words for char in word):
+    if any(map(has_half, words)):
         raise ValueError("words: half a character, a lone surrogate, is in them")
     return words
 

@@ -8,7 +8,16 @@ import signal
 import sys
 
 from archo_tui.remote.client import Unreached, chosen, described, fits, greeted, nobody, one
-from archo_tui.remote.protocol import EXITS, FAILED, GONE, INTERRUPTED, MISUSED, UNREACHED, is_stop
+from archo_tui.remote.protocol import (
+    EXITS,
+    FAILED,
+    GONE,
+    INTERRUPTED,
+    MISUSED,
+    UNREACHED,
+    has_half,
+    is_stop,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -47,7 +56,7 @@ class _Words:
         self.rest: list[str] = []
         given = iter(words)
         for word in given:
-            if any("\ud800" <= char <= "\udfff" for char in word):  # bytes that are no text
+            if has_half(word):
                 if self.stops:
                     continue
                 raise ValueError(f"not UTF-8: {word!r}")

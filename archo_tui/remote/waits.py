@@ -106,10 +106,8 @@ def _may_move(station: Station) -> bool:
 
 def _goes_nowhere(station: Station) -> bool:
     """True while the robot is stopped, empty or not heard: it would refuse a goal, or be lost."""
-    snapshot = station.robot.snapshot
-    stopped = snapshot.open_stop is not None or bool(snapshot.motion.stopped)
     names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
-    return stopped or not names.isdisjoint((CONTACT_LOST, EMPTY))
+    return station.robot.snapshot.is_stopped or not names.isdisjoint((CONTACT_LOST, EMPTY))
 
 
 def _same(station: Station, wanted: Goal) -> Goal | None:

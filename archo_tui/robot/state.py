@@ -369,6 +369,11 @@ class Snapshot(NamedTuple):
     paces: Mapping[str, Pace] = _NOTHING  # of the topics that the console hears
 
     @property
+    def is_stopped(self) -> bool:
+        """True when the robot says so, and while a STOP is not confirmed yet."""
+        return self.open_stop is not None or bool(self.motion.stopped)
+
+    @property
     def running_goal(self) -> Goal | None:
         """The goal, while it runs."""
         return self.goal if self.goal is not None and self.goal.is_running else None

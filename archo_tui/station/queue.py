@@ -97,7 +97,7 @@ class GoalQueue:
         if not self.waiting:
             self.held = ""
             return None
-        if _is_stopped(snapshot) or any(wanted.stops < stops for wanted in self.waiting):
+        if snapshot.is_stopped or any(wanted.stops < stops for wanted in self.waiting):
             self.held = "STOP"  # whether the goal that it ended is heard of before or after it
         else:
             self.hold(ended or _in_the_way(alarms))
@@ -109,10 +109,6 @@ class GoalQueue:
         self._sending = True
         self.before = None if snapshot.goal is None else snapshot.goal.number
         return wanted
-
-
-def _is_stopped(snapshot: Snapshot) -> bool:
-    return snapshot.open_stop is not None or bool(snapshot.motion.stopped)
 
 
 def _in_the_way(alarms: Iterable[Alarm]) -> str:

@@ -231,7 +231,7 @@ class Station:
     def _busy(self) -> str:
         """What the robot does already, or is to do."""
         snapshot = self._snapshot
-        if snapshot.motion.stopped or snapshot.open_stop is not None:
+        if snapshot.is_stopped:
             return "the robot is stopped"
         if snapshot.running_goal is not None or self._underway:
             return "another goal runs"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from textual import events
+from textual import events, on
 from textual._compositor import ChopsUpdate, Compositor
 from textual.containers import Container
 from textual.geometry import Region
@@ -14,12 +14,10 @@ from textual.strip import Strip
 class Bare(Container):
     """Only lays out what it contains, and is not drawn itself: what is beneath it shows."""
 
-    def on_descendant_focus(self, event: events.DescendantFocus) -> None:
+    @on(events.DescendantFocus)
+    @on(events.DescendantBlur)
+    def stop_event(self, event: events.Event) -> None:
         """Nobody waits for it, all the way up to the app."""
-        event.stop()
-
-    def on_descendant_blur(self, event: events.DescendantBlur) -> None:
-        """As above."""
         event.stop()
 
 

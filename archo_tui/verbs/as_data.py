@@ -66,8 +66,7 @@ def in_line(station: Station) -> str:
     if snapshot.file.battery is not None:
         old = charge is None or snapshot.battery.is_old(now)
         parts.append("-- %" if old else f"{charge:.0f} %")
-    stopped = snapshot.motion.stopped or snapshot.open_stop is not None
-    if goal is not None and not stopped:
+    if goal is not None and not snapshot.is_stopped:
         left = way_left(goal)
         parts.append(f"{doing(goal)}, {left}" if left else doing(goal))
     else:

@@ -222,14 +222,19 @@ async def test_u_undoes_the_last_change_and_says_when_there_is_none() -> None:
         await op.until("set motor_controller max_speed 0.8: max_speed is 0.8")
 
 
+async def undo_what_changed_since(op: Console) -> None:
+    """`u` behind a change of the operator's and one of somebody else."""
+    await edit(op, "max_speed", "0.4")
+    await op.until("0.4 *  double")
+    await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+    await op.until("1.25 *  double")
+    await op.press("4")
+    await undo(op)
+
+
 async def test_undo_asks_when_somebody_else_has_changed_it_since() -> None:
     async with console(*FAST) as op:
-        await edit(op, "max_speed", "0.4")
-        await op.until("0.4 *  double")
-        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
-        await op.until("1.25 *  double")
-        await op.press("4")
-        await undo(op)
+        await undo_what_changed_since(op)
         await op.until("max_speed has since changed to 1.25. Restore 0.8?")
         await op.press("enter")
         await op.until(lambda: op.app.screen is op.app.main)
@@ -242,12 +247,7 @@ async def test_undo_asks_when_somebody_else_has_changed_it_since() -> None:
 
 async def test_a_yes_to_undo_takes_back_what_was_asked_about_and_nothing_else() -> None:
     async with console(*FAST) as op:
-        await edit(op, "max_speed", "0.4")
-        await op.until("0.4 *  double")
-        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
-        await op.until("1.25 *  double")
-        await op.press("4")
-        await undo(op)
+        await undo_what_changed_since(op)
         await op.until("Restore 0.8?")
         threshold = {"low_battery_threshold": 30.0}  # as from a shell, beside the question
         assert (await op.app.station.set_parameters("/battery_monitor", threshold)).ok
