@@ -32,7 +32,7 @@ class Line(Static):
         return Style()
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """As Textual's, but for what a line never has: border, padding, opacity, a style of links.
+        """As Textual's, but for what a line never has: border, padding, opacity.
 
         That is more than half of what it costs, and lines are most of what changes.
         """
@@ -42,6 +42,9 @@ class Line(Static):
         strips = Visual.to_strips(self, self._render(), width, 1, style)
         drawn = strips[0] if strips else Strip([])
         drawn = drawn.adjust_cell_length(width, _blank(background))
+        under = self.hover_style  # the mouse
+        if under.link_id and "@click" in under.meta:
+            drawn = drawn.style_links(under.link_id, self.link_style_hover)
         for line_filter in self.get_line_filters():
             drawn = drawn.apply_filter(line_filter, background)
         whole = crop.column_span == (0, width)

@@ -1,0 +1,44 @@
+"""Lines draw themselves, and look as Textual would draw them."""
+
+from __future__ import annotations
+
+import pytest
+from rich.segment import Segment
+from textual.strip import Strip
+from textual.widget import Widget
+
+from archo_tui.widgets.line import Line
+from tests.console.states import STATES
+from tests.support.console import FAST, console
+from tests.support.quiet import Quiet
+from tests.support.stub import StandingClock, stub_app
+
+
+def cells(strips: list[Strip]) -> list[tuple[str, str]]:
+    """Each character, and how it looks."""
+    segments: list[Segment] = [segment for strip in strips for segment in strip]
+    return [(char, str(segment.style)) for segment in segments for char in segment.text]
+
+
+@pytest.mark.parametrize("state", sorted(STATES))
+async def test_a_line_looks_as_textual_draws_it(state: str) -> None:
+    app = stub_app(STATES[state], StandingClock(), size=(120, 36))
+    async with app.run_test(size=(120, 36)):
+        await Quiet(app).settle()
+        lines = [line for line in app.screen.query(Line) if line.region]
+        assert any(line.id == "header" for line in lines)
+        for line in lines:
+            region = line.size.region
+            assert cells(line.render_lines(region)) == cells(Widget.render_lines(line, region))
+
+
+async def test_what_can_be_clicked_is_lit_below_the_mouse() -> None:
+    async with console(*FAST, size=(120, 36)) as op:
+        footer = op.app.screen.query_one("#footer", Line)
+        place = op.text.splitlines()[-1].index("r Reset") + 3
+        before = cells(footer.render_lines(footer.size.region))
+        await op.pilot.hover("#footer", offset=(place, 0))
+        await op.until(lambda: cells(footer.render_lines(footer.size.region)) != before)
+        lit = cells(footer.render_lines(footer.size.region))
+        assert lit[place][1] != before[place][1]
+        assert lit == cells(Widget.render_lines(footer, footer.size.region))
