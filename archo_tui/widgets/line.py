@@ -39,7 +39,7 @@ class Line(Static):
         style, width = self.visual_style, self.region.width
         background = style.background
         assert background is not None  # of a widget
-        strips = Visual.to_strips(self, self._render(), width, 1, style)
+        strips = Visual.to_strips(self, self.visual, width, 1, style)
         drawn = strips[0] if strips else Strip([])
         drawn = drawn.adjust_cell_length(width, _blank(background))
         under = self.hover_style  # the mouse
