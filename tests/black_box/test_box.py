@@ -23,7 +23,7 @@ from archo_tui.recording import bag, store
 from archo_tui.recording.store import Recording
 from tests.support import clock
 from tests.support.console import FAST, LONG, Console, console
-from tests.support.waiting import wait_until
+from tests.support.quiet import outside
 
 
 def found() -> list[Recording]:
@@ -33,7 +33,7 @@ def found() -> list[Recording]:
 async def recorded(op: Console, count: int = 1) -> list[Recording]:
     """What is there when the seconds behind a trigger have passed, and the disk has it."""
     await op.at(clock.seconds() + 6.5)
-    wait_until(lambda: len(found()) >= count or op.session.box.failure)
+    await outside(lambda: len(found()) >= count or op.session.box.failure, "a recording")
     return found()
 
 
@@ -130,7 +130,7 @@ async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
     async with console(*FAST) as op:
         await op.press("ctrl+x")
         await op.at(clock.seconds() + 6.5)
-        wait_until(began.is_set)
+        await outside(began.is_set, "the disk")
         await op.press("R")
         await op.until("Release the stop")
         await op.press("y")
@@ -171,7 +171,7 @@ async def test_where_nothing_can_be_written_the_console_goes_on() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+x")
         await op.at(clock.seconds() + 6.5)
-        wait_until(lambda: op.session.box.failure)
+        await outside(lambda: op.session.box.failure, "what the disk says")
         await op.press("A")
         await op.until("RECORDING NOT WRITTEN")
         await op.press("escape", "R")

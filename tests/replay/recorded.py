@@ -22,7 +22,7 @@ from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.time_line import TimeLine
 from tests.support import clock
 from tests.support.console import Console, screen_text, send
-from tests.support.quiet import Quiet
+from tests.support.quiet import Quiet, outside
 from tests.support.stub import StandingClock, sized
 from tests.support.waiting import DEADLINE, wait_until
 
@@ -33,7 +33,7 @@ async def written(op: Console) -> Path:
     """The recording, when the seconds behind its trigger have passed."""
     await op.at(clock.seconds() + 6.5)
     folder = state_file("recordings")
-    wait_until(lambda: bool(store.listed(folder)) or bool(op.session.box.failure))
+    await outside(lambda: store.listed(folder) or op.session.box.failure, "a recording")
     return store.listed(folder)[-1].folder
 
 

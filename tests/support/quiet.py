@@ -98,6 +98,14 @@ async def until(holds: Callable[[], object]) -> None:
     await Quiet().until(holds, lambda: repr(holds))
 
 
+async def outside(holds: Callable[[], object], what: str) -> None:
+    """Wait for the disk or another thread of the machine: no virtual time passes meanwhile."""
+    end = time.monotonic() + 3 * DEADLINE
+    while not holds():
+        assert time.monotonic() < end, f"waited for {what}"
+        await asyncio.sleep(clock.LOOK)
+
+
 async def ended(work: Awaitable[T]) -> T:
     """Wait for the end of something that may take its time."""
     task = asyncio.ensure_future(work)
