@@ -47,8 +47,12 @@ def weight(value: Any) -> int:
     if slots:
         whole = _OBJECT
         for slot in slots:
-            part = getattr(value, slot, None)
-            whole += _NUMBER if type(part) in _NUMBERS else weight(part)  # a call less for most
+            part: Any = getattr(value, slot, None)
+            kind = type(part)  # a call less for most
+            if kind is str:
+                whole += _OBJECT + len(part)
+            else:
+                whole += _NUMBER if kind in _NUMBERS else weight(part)
         return whole
     if isinstance(value, (list, tuple, set)):
         return _OBJECT + sum(map(weight, value))

@@ -29,7 +29,7 @@ from archo_tui.robot.state import (
     level_word,
 )
 from archo_tui.robot.telemetry import Kept as Readings
-from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import safe
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.alarms import Alarm, AlarmBoard, conditions
@@ -208,7 +208,7 @@ class Story:
         level = level_word(message.level)
         self._log.add(Event(self._clock.time, level, message.name, message.msg))
 
-    def _on_reading(self, topic: str, _news: bool) -> None:
+    def _on_reading(self, topic: str, _news: News) -> None:
         full, now = self._topics.full(topic), self._clock.time
         pace = self._paces.get(full)
         self._paces[full] = Pace(now) if pace is None else pace.again(now)

@@ -54,13 +54,15 @@ from archo_tui.robot.state import (
 )
 from archo_tui.robot.stopping import ALL_ANSWERS, Stopping
 from archo_tui.robot.stops import HELD, NOT_SENT, Gate, Stops, Void
-from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file import check, model
 
-FLUSH_PERIOD = 0.2  # s between two snapshots while data streams in: 5 a second
+FLUSH_PERIOD = 0.2  # s between two snapshots while much happens: 5 a second
+STREAM_PERIOD = 0.4  # s between them while only numbers go on and nodes log: nobody reads faster
+_ROUTINE = ("DEBUG", "INFO")  # levels of what nodes log all the time
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
 _ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
@@ -92,7 +94,7 @@ class Robot:
         self.stops = Stops()
         self._mailbox = Mailbox()
         self._log = EventLog()
-        self._dirty = False
+        self._dirty = self._streams = False  # whether a snapshot is to go up, soon or later
         self._unseen = False  # something was heard that differs in its time only
         self._outlived: tuple[str, ...] = ()  # goals that still run after an answered STOP
         self._faults: dict[str, str] = {}
@@ -133,6 +135,8 @@ class Robot:
         steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
         self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
         self._flusher.cancel()
+        self._streamer = node.create_timer(STREAM_PERIOD, self._flush, clock=steady)
+        self._streamer.cancel()
         node.create_timer(LOOK_PERIOD, self._look_again, clock=steady)
         self._watcher = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._watcher.cancel()
@@ -520,7 +524,7 @@ class Robot:
         else:  # feedback: the motion that is reported beside it goes up with it
             self._mark()
 
-    def _on_telemetry(self, topic: str, news: bool) -> None:
+    def _on_telemetry(self, topic: str, news: News) -> None:
         self._graph.heard_topic(topic, self._clock.monotonic())
         motion = self.file.motion
         if motion is not None and topic == motion.topic:
@@ -536,8 +540,10 @@ class Robot:
                     self._tell_of_stop(said, Code.DONE)
                 self._stopping.over()
         self._unseen = True
-        if news:
+        if news is News.WORDS:
             self._mark()
+        elif news is News.NUMBERS:
+            self._mark_stream()
 
     def _tell_of_consoles(self) -> None:
         """Coming and going; those that are there at the start are in the header."""
@@ -565,7 +571,12 @@ class Robot:
                 self._goals.refused(message.msg.removeprefix(kind.refusals))
         self._graph.heard_log(node, self._clock.monotonic())
         # by this clock and not the stamp: the robot's may be another, and the list is in order
-        self._add_event(Event(self._clock.now(), level, message.name, message.msg))
+        event = self._log.add(Event(self._clock.now(), level, message.name, message.msg))
+        self._happened(event)
+        if level in _ROUTINE or event.count > 1:
+            self._mark_stream()
+        else:
+            self._mark()
 
     def _on_act(self, message: String) -> None:
         """What a console says that it did; our own comes, too."""
@@ -618,10 +629,17 @@ class Robot:
             self._dirty = True
             self._flusher.reset()
 
+    def _mark_stream(self) -> None:
+        """What goes on all the time went on: a snapshot goes up within STREAM_PERIOD."""
+        if not (self._dirty or self._streams):
+            self._streams = True
+            self._streamer.reset()
+
     def _flush(self) -> None:
         """A snapshot goes up now."""
-        self._dirty = self._unseen = False
+        self._dirty = self._streams = self._unseen = False
         self._flusher.cancel()
+        self._streamer.cancel()
         self._mailbox.put(
             Snapshot(
                 file=self.file,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections import OrderedDict
 from collections.abc import Iterable
-from dataclasses import replace
 from operator import itemgetter
 
 from archo_tui.robot.state import OWN_LEVELS, Event
@@ -44,14 +43,16 @@ class EventLog:
         if event.level in OWN_LEVELS:
             kept, limit, key = self._own, _OWN, self._count
         known = kept.pop(key)[1] if key in kept else None
-        event = replace(
-            event,
-            text=text,
-            source=source,
-            act=None if event.act is None else event.act.bounded(),
+        event = Event(
+            event.time,
+            event.level,
+            source,
+            text,
+            event.command,
             count=1 if known is None else known.count + 1,
             first=event.time if known is None else known.first,
             number=self._count if known is None else known.number,
+            act=None if event.act is None else event.act.bounded(),
         )
         kept[key] = self._count, event
         if len(kept) > limit:

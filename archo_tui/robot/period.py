@@ -10,7 +10,7 @@ _SMOOTHING = 0.2  # weight of the newest interval in a pace
 
 
 class Period(NamedTuple):
-    """The intervals (s) between the first messages, and when the last one came (monotonic s).
+    """The intervals (s) between the first messages, and when the last of them came (monotonic s).
 
     It stays as it was measured: of a link that grows slower and slower the silence must be seen.
     """
@@ -20,8 +20,10 @@ class Period(NamedTuple):
 
     def heard(self, now: float) -> Period:
         """With one more message."""
-        if self.last is None or len(self.intervals) == _MEASURED:
-            return Period(self.intervals, now)
+        if len(self.intervals) == _MEASURED:
+            return self
+        if self.last is None:
+            return Period((), now)
         return Period((*self.intervals, now - self.last), now)
 
     @property

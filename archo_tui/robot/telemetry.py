@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from enum import Enum, auto
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -26,6 +28,21 @@ _JUMP = 0.5  # % in the wrong direction that is more than noise
 _MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V, m/s; beyond that it is not a reading
 _MOST = 1e15  # of a gauge without a range: so many digits a double has
 
+_BATTERY = (
+    attrgetter("charging", "health", "period", "unreadable"),
+    attrgetter("percentage", "voltage"),
+)
+_MOTION = attrgetter("moving", "stopped", "period"), attrgetter("count", "speed")
+_GAUGE = attrgetter("period", "unreadable"), attrgetter("value")
+
+
+class News(Enum):
+    """What a message says that the one before did not."""
+
+    NONE = auto()  # nothing but its time
+    NUMBERS = auto()  # readings went on, as they do all the time
+    WORDS = auto()  # what a person acts on: that it is stopped, or cannot be read
+
 
 Kept = tuple[
     Battery,
@@ -44,13 +61,10 @@ class Telemetry:
         node: Listener,
         robot: RobotFile,
         clock: Clock,
-        heard: Callable[[str, bool], None],
+        heard: Callable[[str, News], None],
         warn: Callable[[str], None],
     ) -> None:
-        """`heard(topic, news)` is called after each reading, `warn` with what cannot be heard.
-
-        Without news nothing differs but its time.
-        """
+        """`heard(topic, news)` is called after each reading, `warn` with what cannot be heard."""
         self._node, self._robot, self._clock = node, robot, clock
         self._heard = heard
         self._warn = warn
@@ -169,7 +183,7 @@ class Telemetry:
             unreadable=unreadable,
         )
         self._sample(now, turned=charging != self.battery.charging)
-        self._heard(topic, self.battery != last._replace(received=now))
+        self._heard(topic, _news(last, self.battery, *_BATTERY))
 
     def _on_motion(self, message: Any, fields: Mapping[str, MessageField]) -> None:
         assert self._robot.motion is not None
@@ -183,7 +197,7 @@ class Telemetry:
             received=now,
             period=self._fixed(self._robot.motion) or self._measured("motion", now),
         )
-        self._heard(self._robot.motion.topic, self.motion != replace(last, received=now))
+        self._heard(self._robot.motion.topic, _news(last, self.motion, *_MOTION))
 
     def _on_gauge(self, place: int, message: Any, fields: Mapping[str, MessageField]) -> None:
         gauge, last, now = self._robot.gauges[place], self.gauges[place], self._clock.monotonic()
@@ -194,7 +208,7 @@ class Telemetry:
             self._warn(f"{gauge.topic}: {gauge.title} {unreadable} is not {_range_text(gauge)}")
         new = Reading(gauge, reading, now, self._measured(place, now), unreadable)
         self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
-        self._heard(gauge.topic, new != last._replace(received=now))
+        self._heard(gauge.topic, _news(last, new, *_GAUGE))
 
     def _measured(self, key: object, now: float) -> float | None:
         self._periods[key] = self._periods.get(key, Period()).heard(now)
@@ -212,6 +226,12 @@ class Telemetry:
         kept = () if turned else kept
         if percentage is not None and (not kept or now - kept[-1][0] >= _SAMPLE_PERIOD):
             self.charge = (*kept[-_SAMPLES + 1 :], (now, percentage))
+
+
+def _news(last: object, new: object, words: attrgetter[Any], numbers: attrgetter[Any]) -> News:
+    if words(last) != words(new):
+        return News.WORDS
+    return News.NONE if numbers(last) == numbers(new) else News.NUMBERS
 
 
 def _given(fields: Any) -> dict[str, MessageField]:

@@ -148,25 +148,35 @@ class Rows(ScrollView, ByLines, Generic[T], can_focus=True):
         self.redraw()
 
     def _lay_out(self) -> None:
-        before = self._width, self.columns
+        before, had_bar = (self._width, self.columns), self.show_vertical_scrollbar
         self._width = self.scrollable_content_region.width
         self.columns = self._measure(self._items, self._width)
         anew = (self._width, self.columns) != before
         total = self._wrap(anew) if self._wraps else len(self._items)
         size = Size(max(self._longest(), 1), total)
-        if size != self.virtual_size:
+        if not had_bar and self._fits(size) and self._fits(self.virtual_size):
+            self.set_reactive(Rows.virtual_size, size)  # the screen need not be laid out for it
+            self._draw_again(anew)
+        elif size != self.virtual_size:
             self.virtual_size = size
             self._keep_cursor_in_sight()
-            had_bar = self.show_vertical_scrollbar
             if self._scrolls != had_bar:  # Textual looks at this only when the size changes
                 self._refresh_scrollbars()
             self.refresh()
             if self.show_vertical_scrollbar != had_bar:  # it takes a column, or gives one back
                 self._lay_out()
-        elif anew:  # lines that are the same may be cut elsewhere
+        else:
+            self._draw_again(anew)
+
+    def _draw_again(self, anew: bool) -> None:
+        if anew:  # lines that are the same may be cut elsewhere
             self.refresh()
         else:
             self.redraw()
+
+    def _fits(self, size: Size) -> bool:
+        """True when nothing of it needs scrolling."""
+        return size.width <= self._width and size.height <= self.container_size.height
 
     def _wrap(self, anew: bool) -> int:
         """Lay out the items that are new, or all of them; returns how many lines there are."""

@@ -62,10 +62,14 @@ def disconnect(name: str, publish: Publish) -> None:
         del _rosout[name]
 
 
+def is_written() -> bool:
+    """False where standard error was switched off."""
+    return _stdout_logs
+
+
 def write(line: str) -> None:
-    """To standard error, unless that was switched off."""
-    if _stdout_logs:
-        print(line, file=sys.stderr, flush=True)
+    """To standard error."""
+    print(line, file=sys.stderr, flush=True)
 
 
 def rosout(name: str) -> Publish | None:

@@ -48,7 +48,7 @@ class MachineTime:
         idle: Callable[[], bool],
         until_ns: int | None = None,
     ) -> None:
-        seconds = None if until_ns is None else max(until_ns - self.monotonic_ns(), 0) / 1e9
+        seconds = None if until_ns is None else max(until_ns - time.monotonic_ns(), 0) / 1e9
         condition.wait(seconds)
 
 

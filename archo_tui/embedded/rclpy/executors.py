@@ -303,8 +303,16 @@ class Executor:
                 self._asked = asked
                 kept = [e for e in self._round if isinstance(e, Task) or e._node in self._nodes]
                 self._round = deque(kept)
-            found = self._pop_ready(nodes)
+            found = None if self._come_to_rest() else self._pop_ready(nodes)
             return self._wait_for_work(timeout_sec, stop, nodes) if found is None else found
+
+    def _come_to_rest(self) -> bool:
+        """The round is over. False when there is something to look at before the next wait."""
+        if self._round or self._ready or self._tasks:
+            return False
+        self._had_tasks = False
+        self._due_ns = self._timers[0][0] if self._timers else None
+        return self._due_ns is None or self._due_ns > _time_source.monotonic_ns()
 
     def _wait_for_work(
         self, timeout_sec: float | None, stop: Callable[[], bool], nodes: Collection[Node] | None
@@ -316,9 +324,12 @@ class Executor:
                 raise ConditionReachedException
             if deadline is not None and _time_source.monotonic_ns() >= deadline:
                 raise TimeoutException
-            until = min((ns for ns in (deadline, self._due_ns) if ns is not None), default=None)
+            until = self._due_ns
+            if deadline is not None and (until is None or deadline < until):
+                until = deadline
             self._notified = False
             _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
+            self._notified = True  # awake: whatever comes now is seen before the next wait
             self._check_alive()
             found = self._pop_ready(nodes)
             if found is not None:

@@ -58,7 +58,9 @@ class RcutilsLogger:
         """
         if not self.is_enabled_for(severity):
             return False
-        severity, name = LoggingSeverity(severity), self.name if name is None else name
+        if type(severity) is not LoggingSeverity:
+            severity = LoggingSeverity(severity)
+        name = self.name if name is None else name
         asked = _asked(filters) if filters else {}
         frame: FrameType | None = sys._getframe(1)
         by_warn = False
@@ -77,14 +79,15 @@ class RcutilsLogger:
             return False
         if not isinstance(message, str):
             raise TypeError(f"a log line is a str, not {type(message).__name__}")
-        stamp = _SYSTEM.now()
-        sec, nanosec = stamp.seconds_nanoseconds()
-        _logging.write(f"[{severity.name}] [{sec}.{nanosec:09}] [{name}]: {message}")
+        stamp = _SYSTEM.now().to_msg()
+        if _logging.is_written():
+            at = f"{stamp.sec}.{stamp.nanosec:09}"
+            _logging.write(f"[{severity.name}] [{at}] [{name}]: {message}")
         publish = _logging.rosout(name)
         if publish is not None:
             publish(
                 Log(
-                    stamp=stamp.to_msg(),
+                    stamp=stamp,
                     level=int(severity),
                     name=name,
                     msg=message,
