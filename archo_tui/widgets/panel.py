@@ -10,11 +10,13 @@ from textual.content import Content
 from textual.geometry import Region
 from textual.markup import escape
 from textual.message import Message
+from textual.strip import Strip
 from textual.widget import Widget
 
 from archo_tui.station.station import View
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.keys import click, key_content
+from archo_tui.widgets.quiet_focus import QuietFocus
 from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.shown import Shown
 
@@ -22,7 +24,7 @@ _EDGES = ("border_top", "border_right", "border_bottom", "border_left")
 FULL_SCREEN = "full screen"  # the word of the keys that give a panel all the room
 
 
-class Panel(Container):
+class Panel(Container, QuietFocus):
     """Base of the eight panels; `show` gets every new view."""
 
     number = 0
@@ -120,6 +122,20 @@ class Panel(Container):
         across, down = Region(0, 0, width, 1), Region(0, 0, 1, height)
         edges = across, across.translate((0, height - 1)), down, down.translate((width - 1, 0))
         self.refresh(*(edge.translate((-left, -top)) for edge in edges))
+
+    def render_lines(self, crop: Region) -> list[Strip]:
+        """As Textual's, but only one of the lines between its borders is made: all are the same."""
+        first, last = max(crop.y, 1), min(crop.bottom, self.outer_size.height - 1)
+        if last - first < 2:
+            return super().render_lines(crop)
+        left, width = crop.x, crop.width
+        above = super().render_lines(Region(left, crop.y, width, first + 1 - crop.y))
+        below = Region(left, last, width, crop.bottom - last)
+        return [
+            *above,
+            *[above[-1]] * (last - first - 1),
+            *(super().render_lines(below) if below else ()),
+        ]
 
     def watch_has_focus(self, focused: bool) -> None:
         """The border shows it; no style is for `:focus`, and Textual would look for some."""

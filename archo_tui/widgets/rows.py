@@ -16,6 +16,7 @@ from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
 from archo_tui.widgets.by_lines import ByLines
+from archo_tui.widgets.quiet_focus import QuietFocus
 
 T = TypeVar("T")
 Text = tuple[str, str]  # a line and its Rich style, or QUIET
@@ -48,7 +49,7 @@ def column(texts: Iterable[str], least: int, most: int) -> int:
     return max(least, min(most, max(map(cell_len, texts), default=0)))
 
 
-class Rows(ScrollView, ByLines, Generic[T], can_focus=True):
+class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
     """Items by the thousand cost what the seen ones cost; the cursor stays with its item."""
 
     # the app binds these with priority, so that `down` is done before the `s` behind it acts: a key
