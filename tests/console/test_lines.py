@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import pytest
 from rich.segment import Segment
+from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
 from archo_tui.widgets.line import Line
+from archo_tui.widgets.panel import Panel
 from tests.console.states import STATES
 from tests.support.console import FAST, console
 from tests.support.quiet import Quiet
@@ -42,3 +44,20 @@ async def test_what_can_be_clicked_is_lit_below_the_mouse() -> None:
         lit = cells(footer.render_lines(footer.size.region))
         assert lit[place][1] != before[place][1]
         assert lit == cells(Widget.render_lines(footer, footer.size.region))
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 36), (160, 48)])
+@pytest.mark.parametrize("state", ["normal", "motor stopped"])
+async def test_a_panel_looks_as_textual_draws_it(state: str, size: tuple[int, int]) -> None:
+    app = stub_app(STATES[state], StandingClock(), size=size)
+    async with app.run_test(size=size):
+        await Quiet(app).settle()
+        for panel in (panel for panel in app.screen.query(Panel) if panel.region):
+            whole = panel.outer_size.region
+            for top in range(whole.height):
+                for bottom in range(top + 1, whole.height + 1):
+                    part = Region(top % 3, top, whole.width - 4, bottom - top)
+                    drawn = cells(panel.render_lines(part))
+                    panel._styles_cache.clear()
+                    assert drawn == cells(Widget.render_lines(panel, part)), (panel.id, part)
+                    panel._styles_cache.clear()

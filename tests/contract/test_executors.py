@@ -381,6 +381,27 @@ def test_a_task_that_comes_while_messages_wait_is_done_before_the_second_of_them
     executor.shutdown(0)
 
 
+def test_after_a_rest_tasks_come_first_again(ros: Ros) -> None:
+    node, other = ros.node("rested"), ros.node("other")
+    ran: list[str] = []
+    node.create_subscription(Int32, "topic", lambda _: ran.append("message"), 10)
+    publisher = other.create_publisher(Int32, "topic", 10)
+    wait_until(lambda: publisher.get_subscription_count() == 1)
+    executor = SingleThreadedExecutor(context=ros.context)
+    executor.add_node(node)
+    for _ in range(2):
+        executor.create_task(lambda: ran.append("task"))
+        executor.spin_once(1.0)
+        executor.spin_once(0.05)  # nothing to do
+        publisher.publish(Int32())
+        pass_time(0.2)
+        executor.create_task(lambda: ran.append("task"))
+        executor.spin_once(1.0)
+        executor.spin_once(1.0)
+    assert ran == ["task", "task", "message"] * 2
+    executor.shutdown(0)
+
+
 class Alternating(Executor):
     """An executor of one's own: notes for which node it was asked, and does the work."""
 
