@@ -91,7 +91,7 @@ class Executor:
         self._asked: tuple[object, ...] = ()  # what the round that goes on is for
         self._is_shutdown = False
         self._had_tasks = False  # this round: its entities come next
-        self._notified = False  # since the last look at what is ready
+        self._notified = False  # since somebody last began to wait: all who wait are awake
         self._context.on_shutdown(self.wake)
 
     @property
@@ -267,7 +267,7 @@ class Executor:
 
     def _notify(self) -> None:
         """Have a waiting spin look again; the condition is held."""
-        if not self._notified:  # else nobody has begun to wait since
+        if not self._notified:
             self._notified = True
             self._condition.notify_all()
 
@@ -303,11 +303,11 @@ class Executor:
                 self._asked = asked
                 kept = [e for e in self._round if isinstance(e, Task) or e._node in self._nodes]
                 self._round = deque(kept)
-            found = None if self._come_to_rest() else self._pop_ready(nodes)
+            found = None if self._has_nothing_to_do() else self._pop_ready(nodes)
             return self._wait_for_work(timeout_sec, stop, nodes) if found is None else found
 
-    def _come_to_rest(self) -> bool:
-        """The round is over. False when there is something to look at before the next wait."""
+    def _has_nothing_to_do(self) -> bool:
+        """True before a timer is due, with no work left: the next round begins with its tasks."""
         if self._round or self._ready or self._tasks:
             return False
         self._had_tasks = False
@@ -329,7 +329,6 @@ class Executor:
                 until = deadline
             self._notified = False
             _time_source.wait(self._condition, lambda: self._is_idle() and not stop(), until)
-            self._notified = True  # awake: whatever comes now is seen before the next wait
             self._check_alive()
             found = self._pop_ready(nodes)
             if found is not None:
