@@ -10,9 +10,8 @@ import re
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from archo_tui import engine
 from archo_tui.clock import Clock
@@ -47,8 +46,7 @@ _KINDS = {
 _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)  # of a repeated event that the journal notes
 
 
-@dataclass(frozen=True)
-class Options:
+class Options(NamedTuple):
     """What the command line says."""
 
     engine: str = "embedded"
@@ -59,7 +57,7 @@ class Options:
     attach: bool = False  # host nothing: operate what is on the graph
     on_disconnect: str = CANCEL  # what becomes of a running goal: CANCEL or LEAVE
     domain_id: int | None = None
-    node_makers: Sequence[Any] = field(default=())  # instead of the robot's own nodes
+    node_makers: Sequence[Any] = ()  # instead of the robot's own nodes
     node_files: Sequence[Path | str] = ()  # nodes of the user's own, or modules by dotted names
     only: bool = False  # none of the robot's own nodes
     watch: bool = False  # send no command

@@ -32,7 +32,7 @@ KNOWN = {
     "commands/keymap.py": "_ansi_sequences _character_to_key",
     "keyed_app.py": "_bindings",
     "screens/base.py": "_on_resize",
-    "screens/main.py": "_compositor _compositor_refresh",
+    "screens/main.py": "_compositor _compositor_refresh _screen_resized",
     "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
     "_return_code",
     "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "

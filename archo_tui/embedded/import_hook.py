@@ -50,7 +50,7 @@ class InterfaceFinder:
             self._share / package,
             *(Path(prefix) / "share" / package for prefix in prefixes if prefix),
         ]
-        return [p for p in candidates if p is not None and any((p / k).is_dir() for k in KINDS)]
+        return [p for p in candidates if p is not None and _has_interfaces(p)]
 
     def names(self, package: str, kind: str) -> list[str]:
         """The interfaces of one kind that a package defines."""
@@ -141,13 +141,18 @@ class InterfaceFinder:
         module.__dict__.update(__getattr__=__getattr__, __all__=names)
 
 
+def _has_interfaces(folder: Path) -> bool:
+    # most folders that are asked for are not there: one look each, at every import of a package
+    return folder.is_dir() and any((folder / kind).is_dir() for kind in KINDS)
+
+
 def packages_in(folder: Path) -> dict[str, Path]:
     """The interface packages of a folder by name: itself, or those of a workspace's `src/`.
 
     Raises InterfaceError with file and line where one cannot be used.
     """
     places = [folder, *sorted(path.parent for path in folder.glob("**/package.xml"))]
-    interfaces = [p for p in dict.fromkeys(places) if any((p / kind).is_dir() for kind in KINDS)]
+    interfaces = [place for place in dict.fromkeys(places) if _has_interfaces(place)]
     return {_name(place / "package.xml"): place for place in interfaces}
 
 

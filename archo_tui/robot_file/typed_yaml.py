@@ -7,6 +7,7 @@ named `where` gets file and line.
 from __future__ import annotations
 
 import difflib
+import functools
 import math
 import sys
 import types
@@ -77,7 +78,7 @@ def _pairs(node: yaml.Node, path: Path) -> list[tuple[str, yaml.Node, yaml.Node]
 
 def _record(kind: Any, node: yaml.Node, path: Path) -> Any:
     known: dict[str, Field[Any]] = {item.name: item for item in fields(kind)}
-    hints = get_type_hints(kind)
+    hints = _hints(kind)
     where = f"{path}:{node.start_mark.line + 1}"
     given = {"where": where} if known.pop("where", None) else {}
     needed = [n for n, f in known.items() if f.default is MISSING and f.default_factory is MISSING]
@@ -97,6 +98,12 @@ def _record(kind: Any, node: yaml.Node, path: Path) -> Any:
         if name not in given:
             raise _error(node, path, f"{name} is missing")
     return kind(**given)
+
+
+@functools.cache
+def _hints(kind: type) -> dict[str, Any]:
+    """Of a dataclass; each is evaluated from its text, which takes long."""
+    return get_type_hints(kind)
 
 
 def _any(node: yaml.Node, path: Path) -> Any:

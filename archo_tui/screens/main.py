@@ -229,6 +229,12 @@ class MainScreen(Base[None]):
         if not self._is_laid_out:
             event.refresh_styles = False  # all of them were just set
 
+    def _screen_resized(self, size: Size) -> None:
+        if (
+            self._is_laid_out or size != self.outer_size
+        ):  # else it has just been, and was not drawn yet
+            super()._screen_resized(size)
+
     def on_resize(self) -> None:
         self._fit()
         self.call_after_refresh(self._laid_out)
