@@ -22,6 +22,7 @@ from archo_tui.station.alarms import (
     STOPPED,
     TRANSITIONS,
     UNCONFIRMED,
+    WORD,
     AlarmBoard,
     Change,
     Ringer,
@@ -45,6 +46,8 @@ from tests.support.clock import NOW
         ("battery empty", [EMPTY]),
         ("battery charging", []),
         ("battery without health", [LOW]),
+        ("battery to be replaced", [WORD]),
+        ("battery with an unknown word", [WORD]),
         ("battery not a number", []),
         ("battery old", []),
         ("contact lost", [CONTACT_LOST]),
@@ -54,6 +57,14 @@ from tests.support.clock import NOW
 )
 def test_conditions_of_every_state(state: str, names: list[str]) -> None:
     assert sorted(conditions(STATES[state], NOW)) == names
+
+
+def test_a_battery_that_is_to_be_replaced_says_so_and_is_low_by_its_percentage() -> None:
+    low = NORMAL._replace(battery=BATTERY._replace(percentage=12.0, health="replace"))
+    assert conditions(low, NOW) == {
+        LOW: "LOW BATTERY 12.0 %: dock the robot",
+        WORD: "BATTERY HEALTH replace: have the battery replaced",
+    }
 
 
 SIMULATED = Parameter("/motor_controller", "use_sim_time", "bool", True, False)

@@ -82,12 +82,13 @@ class Cancel(Speak):
         goal = console.view.snapshot.goal
         if console.repeated and (goal is None or goal.phase in _CANCELLED or not goal.mine):
             return None
-        if console.view.snapshot.running_goal is None:
+        running = console.view.snapshot.running_goal
+        if running is None:
             if not console.copy_selection():
                 keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
                 console.say(f"No goal is running. Press {keys} to quit.")
             return None
-        return super().run(console)
+        return console.speak(self.verb, {goals.RUNNING: running})
 
 
 class CancelAll(Speak):

@@ -250,8 +250,11 @@ def conditions(
             found[EMPTY] = "BATTERY EMPTY: the robot refuses moves, charge it where it stands"
         elif is_low(snapshot) and not battery.charging:
             found[LOW] = f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
-    if battery.health and not health(snapshot) and not battery.is_old(now):
-        found[WORD] = f"BATTERY HEALTH {battery.health}: the console does not know this word"
+    if battery.health and not battery.is_old(now):
+        if not health(snapshot):
+            found[WORD] = f"BATTERY HEALTH {battery.health}: the console does not know this word"
+        elif health(snapshot) == "replace":
+            found[WORD] = f"BATTERY HEALTH {battery.health}: have the battery replaced"
     if motion.received is not None and motion.is_old(now) and (moving or motion.moving):
         topic = snapshot.file.motion.topic if snapshot.file.motion else "motion"
         found[SILENT] = (
@@ -293,9 +296,9 @@ def _moves_on(snapshot: Snapshot, now: float) -> bool:
 
 
 def is_low(snapshot: Snapshot) -> bool:
-    """The robot's own judgement; without one in known words, its percentage at the threshold."""
+    """The robot's own judgement of the charge; without one, its percentage at the threshold."""
     charge, threshold = snapshot.battery.percentage, snapshot.threshold
-    if health(snapshot):
+    if health(snapshot) in ("good", "low"):
         return health(snapshot) == "low"
     return charge is not None and threshold is not None and charge < threshold
 

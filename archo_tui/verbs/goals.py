@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Sequence
 
 from archo_tui.robot import forms
-from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Leaf, Phase, Snapshot, in_namespace
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import FormField, GoalKind, Link
@@ -15,8 +15,8 @@ from archo_tui.verbs.anything import fields_of, full_name, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.verbs.parameters import is_reported
 
-# the values of these verbs: the kind, and one mapping a goal, of values by dotted path
-KIND, GOALS = "kind", "goals"
+# the values of these verbs: the kind; one mapping a goal, of values by dotted path; what ran then
+KIND, GOALS, RUNNING = "kind", "goals", "running"
 
 
 class Go(Verb):
@@ -123,6 +123,9 @@ class Cancel(Verb):
     def is_ready(self, station: Station, values: Values) -> bool:
         return bool(station.robot.snapshot.offered)
 
+    async def prepare(self, station: Station, values: Values) -> Values:
+        return {**values, RUNNING: station.robot.snapshot.running_goal}
+
     def asks(self, station: Station, values: Values) -> Question | None:
         goal = station.robot.snapshot.running_goal
         if "--all" in values:
@@ -135,8 +138,12 @@ class Cancel(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         if "--all" in values:
             return await station.robot.cancel_all()
-        goal = station.robot.snapshot.running_goal
-        return await station.robot.cancel(another=goal is not None and not goal.mine)
+        goal, now = values[RUNNING], station.robot.snapshot.running_goal
+        if goal is None or goal.mine:
+            return await station.robot.cancel()
+        if now is None or now.number != goal.number:  # a question may wait for long
+            return Outcome(Code.REFUSED, "the goal that was asked about has ended")
+        return await station.robot.cancel(another=True)
 
 
 class Continue(Verb):

@@ -124,6 +124,23 @@ async def test_ctrl_c_asks_before_it_cancels_another_clients_goal() -> None:
         await op.until("✗ cancelled (another client)")
 
 
+async def test_a_late_yes_cancels_no_other_goal_than_the_one_that_was_asked_about() -> None:
+    async with shared(*LONG) as (op, other):
+        other.go(12)
+        await op.until("MOVING (another client's goal)")
+        await op.press("ctrl+c")
+        await op.until("Another client sent this goal. Cancel it?")
+        begin(other, other.sent.cancel_goal_async)
+        await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
+        other.go(7)
+        await op.until(lambda: op.app.view.snapshot.running_goal)
+        await op.press("y")
+        await op.until("the goal that was asked about has ended")
+        await op.settle()
+        assert other.told == [GoalStatus.STATUS_CANCELED]
+        assert op.app.view.snapshot.running_goal is not None
+
+
 async def test_the_interlocks_follow_the_robot_whoever_sent_the_goal() -> None:
     async with shared(*LONG) as (op, other):
         other.go(12)
