@@ -59,7 +59,7 @@ def test_conditions_of_every_state(state: str, names: list[str]) -> None:
     assert sorted(conditions(STATES[state], NOW)) == names
 
 
-def test_a_battery_that_is_to_be_replaced_says_so_and_is_low_by_its_percentage() -> None:
+def test_a_battery_to_be_replaced_is_an_alarm_and_low_by_its_percentage() -> None:
     low = NORMAL._replace(battery=BATTERY._replace(percentage=12.0, health="replace"))
     assert conditions(low, NOW) == {
         LOW: "LOW BATTERY 12.0 %: dock the robot",
