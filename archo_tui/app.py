@@ -162,7 +162,8 @@ class ArchoApp(KeyedApp):
             return
         given = self._sent.get(name)
         held = given is not None and self.station.clock.monotonic() - given.at < command.every
-        if held and self.repeated:  # pressed anew it is given anew: something may be in between
+        # pressed anew it is given anew: something may be in between
+        if held and self.repeated and not (command.insists and self.stops.overtaken):
             return
         reason = self.blocked(command)
         if reason:

@@ -59,6 +59,11 @@ def test_conditions_of_every_state(state: str, names: list[str]) -> None:
     assert sorted(conditions(STATES[state], NOW)) == names
 
 
+def test_a_good_word_says_nothing_against_a_low_percentage() -> None:
+    empty = NORMAL._replace(battery=BATTERY._replace(percentage=3.0, health="good"))
+    assert conditions(empty, NOW) == {LOW: "LOW BATTERY 3.0 %: dock the robot"}
+
+
 def test_a_battery_to_be_replaced_is_an_alarm_and_low_by_its_percentage() -> None:
     low = NORMAL._replace(battery=BATTERY._replace(percentage=12.0, health="replace"))
     assert conditions(low, NOW) == {

@@ -22,7 +22,7 @@ def broken() -> Typed:
 
 def test_a_paste_is_one_text_whatever_is_in_it() -> None:
     pressed = typed(f"{BEGIN}1\x18 \x1b é\x00\r\n\x1b[A\x1b]11;x\a{END}r")
-    assert pressed.pastes == ["1\x18 \x1b é\r\n\x1b[A\x1b]11;x\a"]
+    assert pressed.pastes == ["1\x18 \x1b é\x00\r\n\x1b[A\x1b]11;x\a"]
     assert pressed.names == ["Paste", "Key"]
 
 
@@ -108,6 +108,15 @@ def test_the_late_end_may_come_in_two_pieces(gap: float) -> None:
 def test_the_end_may_begin_before_the_paste_is_broken() -> None:
     keyboard = Typed().read(f"{BEGIN}12\x1b[20").read("1~r", after=2.5)
     assert keyboard.names == ["PasteCut", "Key"]
+
+
+@pytest.mark.parametrize("sent", STOPS)
+@pytest.mark.parametrize("times", [2, 3, 40])
+def test_a_stop_that_is_held_ends_a_paste_too(
+    sent: str, times: int
+) -> None:
+    pressed = Typed().read(BEGIN + "12").wait(0.3).read(sent * times)
+    assert pressed.keys[:1] == ["ctrl+x"]
 
 
 @pytest.mark.parametrize("sent", [*ESCAPES, *STOPS])

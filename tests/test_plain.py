@@ -33,6 +33,12 @@ def test_a_goal_that_arrives_is_exit_code_0() -> None:
     assert "goal ARRIVED, Arrived at shelf 12, 18.0 m in" in script.said
 
 
+async def test_a_goal_whose_node_was_halted_is_not_waited_for_for_ever() -> None:
+    code, said = await plain("go 12\nhalt motor_controller --yes\n", ros_args=LONG)
+    assert code == 1
+    assert "failed: shelf 12: lost, and nobody serves it any more" in said
+
+
 @pytest.mark.parametrize("last", ["go 12\nquit\n", "go 12"])
 async def test_the_end_waits_for_the_goal_however_it_is_asked_for(last: str) -> None:
     code, said = await plain(last, ros_args=QUICK)

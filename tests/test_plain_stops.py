@@ -13,10 +13,12 @@ import pytest
 
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.session import _robots_nodes
 from tests.console.states import NORMAL
 from tests.robot.test_several_servers import Brake, making
 from tests.robots.cart import Cart
 from tests.support import clock
+from tests.support.peer import Peer
 from tests.support.plain import operated, typing
 from tests.support.quiet import Quiet, until
 from tests.support.script import Script, shell
@@ -169,6 +171,7 @@ class Quick(Slow):
         return Outcome(Code.DONE, "Released")
 
     def _say(self, *, stopped: bool) -> None:
+        self.stops.overtaken = not stopped
         self.put(self.snapshot._replace(motion=replace(self.snapshot.motion, stopped=stopped)))
 
 
@@ -273,3 +276,28 @@ async def test_a_stop_that_is_refused_late_is_said() -> None:
         person.type("stop\n")
         await person.until("failed: stop: ")
         await person.until("STOP, answered late: REFUSED")
+
+
+async def test_a_stop_does_not_wait_for_the_answer_to_the_one_before_it() -> None:
+    brakes: list[Brake] = []
+    async with operated(making(brakes, Brake, "brake", "nothing")) as person:
+        person.type("stop\n")
+        await until(lambda: brakes and brakes[0].asked)
+        before = brakes[0].asked
+        person.type("stop\n")
+        await in_no_time(lambda n: brakes[0].asked == n, before + 1)  # else in 2 s
+        assert await person.end() == 1
+
+
+async def test_a_release_that_was_asked_before_another_consoles_stop_is_void() -> None:
+    made: list[Peer] = []
+    nodes = [*_robots_nodes(False).values(), making(made, Peer)]
+    async with operated(*nodes, at_terminal=True) as person:
+        person.type("stop\n")
+        await person.until("alarm unacknowledged: STOPPED")
+        person.type("release\n")
+        await person.until("[y/N]")
+        made[0].tell("stop")
+        await person.until(f"failed: release: {VOID}")
+        assert await person.end() == 1
+    assert "release stop" not in person.said

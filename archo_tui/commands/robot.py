@@ -108,7 +108,8 @@ class StopNow(Speak):
     every = 0.5
 
     def run(self, console: Console) -> Work | None:
-        if console.repeated and console.view.snapshot.motion.stopped:
+        stops = console.station.robot.stops
+        if console.repeated and console.view.snapshot.motion.stopped and not stops.overtaken:
             return None  # the key is held, and the robot has stopped
         return super().run(console)
 

@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import shlex
 import sys
-from collections import deque
 from collections.abc import Callable, Coroutine, Mapping
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,7 @@ from archo_tui.plain.input import Input, Line
 from archo_tui.plain.output import Output
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Event, Goal, Phase, Snapshot
-from archo_tui.robot.stops import NOT_SENT, Void
+from archo_tui.robot.stops import NOT_SENT, Spared, Void
 from archo_tui.robot.text import safe
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.alarms import Alarm, State, advice
@@ -37,7 +36,6 @@ if TYPE_CHECKING:
 
 _SHOWN_LEVELS = ("YOU", "SHELL", "AI", "PEER", "WARN", "ERROR", "FATAL")
 _BEHIND = 0.3  # s that an answer to an assistant comes behind the line before it: no paste's does
-_APART = 1.0  # s between a STOP and the next but one, when they are all that is typed
 _SLOW = 2.0  # s for the reader to catch up before the next line; once, if it does not read at all
 _LAST = 0.5  # s after a signal for a STOP to be answered, and for what is not written yet
 _YES, _NO = ("y", "yes"), ("n", "no")
@@ -69,7 +67,7 @@ class Plain:
         self._asked: dict[int, float] = {}  # when requests of assistants were told, monotonic s
         self._goal: Goal | None = None
         self._failed = False  # a line, or a goal
-        self._has_run = False  # some other line since the last STOP
+        self._stopped = self._confirmed = 0  # the last STOPs that were sent, and confirmed
         self._patience = _SLOW
         self._overflows = 0  # of the input, that were said
         self._tasks: set[asyncio.Future[None]] = set()
@@ -123,23 +121,30 @@ class Plain:
         self._changed.set()
 
     async def _obey(self) -> None:
-        """Send the STOPs: one that is sent covers all that were read before."""
-        sent = deque([-_APART] * 2, maxlen=2)  # when the last two were
+        """Send the STOPs, none behind the answer to another: one covers all that were read."""
+        typed, stops = self._input.unanswered, self._robot.stops
+        spared = Spared(stops)
         while True:
-            await self._hold(lambda: not self._are_answered())
-            # of a flood only two a second reach the robot, unless something else left meanwhile
-            spared = sent[0] + _APART - self._clock.monotonic()
-            if spared > 0:
-                await self._until(lambda: self._has_run, spared)
+            await self._hold(lambda: typed and typed[-1] > self._stopped)
+            rest = spared.rest(self._clock.monotonic())
+            if rest > 0:
+                await self._until(lambda: stops.overtaken, rest)
             await self._until(lambda: self._robot.snapshot.offered, PATIENCE)
-            sent.append(self._clock.monotonic())
-            covered, self._has_run = self._robot.stops.count, False
-            outcome = await self._verbs["stop"].run(self._station, {})
-            while self._input.unanswered and self._input.unanswered[0] <= covered:
-                self._input.unanswered.popleft()
-            if not outcome.ok:
-                self._fail(f"stop: {outcome.text}")
-            self._changed.set()
+            spared.leaves(self._clock.monotonic())
+            self._stopped = stops.count
+            self._start(self._stop(self._stopped))
+
+    async def _stop(self, covered: int) -> None:
+        """Send one, for all up to that one."""
+        typed = self._input.unanswered
+        outcome = await self._verbs["stop"].run(self._station, {})
+        while typed and typed[0] <= covered:
+            typed.popleft()
+        if outcome.ok:
+            self._confirmed = max(self._confirmed, covered)
+        elif covered > self._confirmed:  # else a later one has stopped the robot
+            self._fail(f"stop: {outcome.text}")
+        self._changed.set()
 
     def _are_answered(self, last: int | None = None) -> bool:
         """True when the robot has answered every STOP that was typed, or did not in time.
@@ -155,7 +160,11 @@ class Plain:
                 with self._robot.stops.at(line.stops):
                     await self._run(line)
         await self._hold(lambda: self._input.is_quiet)  # a stop may have come with the last line
+        if self._goal is not None and self._goal.phase == Phase.LOST and not self._is_over():
+            self._say(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
         await self._hold(self._is_over)
+        if self._goal is not None and self._goal.is_running and self._goal.mine:
+            self._fail(f"{self._goal.name}: lost, and nobody serves it any more")
         last = self._robot.stops.count
         await self._hold(lambda: self._are_answered(last))
         await self._robot.catch_up()
@@ -189,9 +198,11 @@ class Plain:
         return ", ".join(wanted.text for wanted in self._station.queue.waiting)
 
     def _is_over(self) -> bool:
-        """No goal of ours runs, and none is to be sent."""
+        """No goal of ours runs, as far as anybody can still say, and none is to be sent."""
         goal, goals = self._goal, self._station.queue
         runs = goal is not None and goal.is_running and goal.mine
+        if goal is not None and goal.phase == Phase.LOST:
+            runs = runs and goal.kind.action in self._robot.snapshot.offered
         return not runs and not goals.is_going
 
     async def _tick(self) -> None:
@@ -221,8 +232,6 @@ class Plain:
             verb, *rest = line.text.split()
             self._fail(f"{verb}: a quote is not closed, or nothing follows the last \\")
             return
-        gate = self._robot.stops.gate()
-        self._has_run = self._has_run or not gate.is_shut
         try:
             outcome = await self._do(verb, rest)
         except Void:

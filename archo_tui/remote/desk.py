@@ -18,14 +18,13 @@ from archo_tui.remote.server import Guest
 from archo_tui.remote.waits import LOOK, RanOut, wait_for
 from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.stops import NOT_SENT, Void
+from archo_tui.robot.stops import NOT_SENT, Spared, Void
 from archo_tui.station.station import CALLED_OFF, Station
 from archo_tui.verbs import as_data, verbs
 from archo_tui.verbs.base import Question, Verb
 from archo_tui.verbs.parse import YES, named, parse
 from archo_tui.verbs.speak import speak
 
-_APART = 0.05  # s between two STOPs, of however many clients
 _MOST_STOPS = 1000  # that are answered: of a flood the last ones
 _PATIENCE = 60.0  # s for a person at a shell to answer
 RAN_OUT = "ran_out"  # in place of an outcome's code: the time that was waited for is over
@@ -41,10 +40,10 @@ class Desk:
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
         self._assistants = Assistants(station, self.verbs, self._until)
         self._visits: dict[Guest, _Visit] = {}
-        # STOPs that wait to be answered, and whether one is on its way to the loop
+        # STOPs that have not left, and whether somebody is about to send them
         self._stops: deque[tuple[Guest, Any, bool]] = deque(maxlen=_MOST_STOPS)
         self._comes = False
-        self._is_stopping = False
+        self._spared = Spared(self._robot.stops)
 
     # on the server's thread
 
@@ -84,27 +83,28 @@ class Desk:
     # on the console's loop
 
     async def _stop(self) -> None:
-        """All that have come while one was being answered are answered by the next."""
-        self._comes = False
-        if self._is_stopping:
-            return
-        self._is_stopping, now = True, []
+        """Send one for all that have come by then; none waits for the answer to another."""
+        clock = self._station.clock
+        now: list[tuple[Guest, Any, bool]] = []
         try:
-            while self._stops:
-                self._station.ask_no_more()
-                now = [self._stops.popleft() for _ in range(len(self._stops))]
-                with asked_by(self._asker(*now[0][::2])):
-                    outcome = await self._stopped()
-                for client, number, _ in now:
-                    client.tell(_result(number, outcome))
-                now = []
-                if self._stops:
-                    await self._station.clock.sleep(_APART)
-        finally:
-            self._is_stopping = False
-            if now or self._stops:  # the screen ends: the next one answers them
-                self._stops.extendleft(reversed(now))
-                self._station.post(self._stop)
+            due = clock.monotonic() + self._spared.rest(clock.monotonic())
+            while clock.monotonic() < due and not self._robot.stops.overtaken:
+                await clock.sleep(LOOK)
+            self._comes = False
+            now = [self._stops.popleft() for _ in range(len(self._stops))]
+            if not now:  # another one has taken them along
+                return
+            self._spared.leaves(clock.monotonic())
+            self._station.ask_no_more()
+            with asked_by(self._asker(*now[0][::2])):
+                outcome = await self._stopped()
+        except asyncio.CancelledError:  # the screen ends: the next one sends it again, and answers
+            self._stops.extendleft(reversed(now))
+            self._comes = True
+            self._station.post(self._stop)
+            raise
+        for client, number, _ in now:
+            client.tell(_result(number, outcome))
 
     def _asker(self, client: Guest, is_assistant: bool) -> Asker:
         visit = self._visits.get(client)

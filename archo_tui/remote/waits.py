@@ -97,17 +97,23 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
     raise ValueError(f"wait needs {WAITS}")
 
 
-def _may_move(station: Station) -> bool:
-    """True while the robot says that it moves, or does not say, though it could."""
+def _is_silent(station: Station) -> bool:
+    """True while the robot does not say how it moves, though it could."""
     motion, described = station.robot.snapshot.motion, station.robot.file.motion
     silent = motion.received is None or motion.is_old(station.clock.monotonic())
-    return described is not None and (silent or bool(motion.moving))
+    return described is not None and silent
+
+
+def _may_move(station: Station) -> bool:
+    """True while the robot says that it moves, or does not say."""
+    return _is_silent(station) or bool(station.robot.snapshot.motion.moving)
 
 
 def _goes_nowhere(station: Station) -> bool:
     """True while the robot is stopped, empty or not heard: it would refuse a goal, or be lost."""
     names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
-    return station.robot.snapshot.is_stopped or not names.isdisjoint((CONTACT_LOST, EMPTY))
+    is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint((CONTACT_LOST, EMPTY))
+    return is_bad or _is_silent(station)
 
 
 def _same(station: Station, wanted: Goal) -> Goal | None:

@@ -53,7 +53,7 @@ from archo_tui.robot.state import (
     values_text,
 )
 from archo_tui.robot.stopping import ALL_ANSWERS, Stopping
-from archo_tui.robot.stops import HELD, NOT_SENT, Gate, Stops, Void
+from archo_tui.robot.stops import HELD, NOT_SENT, UNCONFIRMED, Gate, Stops, Void
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
@@ -179,6 +179,7 @@ class Robot:
             return Outcome(Code.NOT_OFFERED, f"{self.file.name} {model.NO_STOP}")
 
         command = self._offers.call_command(stop.service, {})
+        self.stops.overtaken = False
         return await self._do("stop", {}, "STOP", command, lambda _: self._stopping.send())
 
     async def release_emergency_stop(self) -> Outcome:
@@ -220,6 +221,9 @@ class Robot:
             turn = self._services.turn()
             if queued and (self._stopping.open is not None or self._telemetry.motion.stopped):
                 return Outcome(Code.HELD, HELD)
+            # it may not have come, and would be asked for no more; a goal from before it is void
+            if self._stopping.open is not None and not gate.is_shut:
+                return Outcome(Code.REFUSED, UNCONFIRMED)
             rivals = self._graph.rivals(kind.action)
             if rivals:  # of another one than the robot file's as well
                 return Outcome(Code.REFUSED, check.several(kind.action, rivals))
@@ -425,6 +429,7 @@ class Robot:
         """
         if self.watching:
             return Outcome(Code.WATCHING, WATCHING)
+        self.stops.overtaken |= verb != "stop"
         gate, who = self.stops.gate(), asking()
 
         def log(outcome: Outcome) -> Outcome:
@@ -531,14 +536,13 @@ class Robot:
             self._goals.heard()
             if topic not in self._graph.publishers:  # else the readings of several come mixed
                 self._others.motion(self._telemetry.motion, self._clock.monotonic())
-            alone = self.file.stop is None or (
-                self.file.stop.service not in self._graph.several
-            )  # of several robots one says nothing about the others
-            if alone and self._telemetry.motion.stopped and self._stopping.open is not None:
-                if self._stopping.is_to_be_repeated:
-                    said = "STOP, sent again: the robot says that it is stopped"
-                    self._tell_of_stop(said, Code.DONE)
-                self._stopping.over()
+                # of several robots one says nothing about the others
+                stop = self.file.stop
+                if stop is not None and stop.service not in self._graph.several:
+                    before = self._stopping.is_unheeded
+                    self._stopping.heard(self._telemetry.motion)
+                    if self._stopping.is_unheeded != before:
+                        self._mark()
         self._unseen = True
         if news is News.WORDS:
             self._mark()
@@ -585,6 +589,7 @@ class Robot:
             return
         self._others.told(told.act, self._clock.monotonic())
         self.stops.elsewhere += told.act.verb == "stop"
+        self.stops.overtaken |= told.act.verb != "stop"
         now = self._clock.now()
         self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))
 
@@ -655,6 +660,7 @@ class Robot:
                 events=self._log.all(),
                 charge=self._telemetry.charge,
                 open_stop=self._stopping.open,
+                moves_on=self._stopping.is_unheeded,
                 outlived=self._outlived,
                 namespace=self._graph.namespace,
                 faults=self._faults,

@@ -353,6 +353,7 @@ class Snapshot(NamedTuple):
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     open_stop: OpenStop | None = None
+    moves_on: bool = False  # the robot, though it has confirmed a STOP
     outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
     namespace: str = "/"  # of the robot that is operated
     faults: Mapping[str, str] = _NOTHING  # why one of these is not used

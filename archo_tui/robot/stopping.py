@@ -18,7 +18,7 @@ from archo_tui.robot.graph import Graph
 from archo_tui.robot.offers import Offers
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import OpenStop, StopAnswer, not_offered
+from archo_tui.robot.state import Motion, OpenStop, StopAnswer, not_offered
 from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # s that the answers of several servers are waited for
@@ -61,6 +61,9 @@ class Stopping:
         self._first = 0  # the turn of that first one: an answer to an earlier one is not to it
         self._told = 0  # the turn of the one that was answered so
         self._answered: tuple[float, float] | None = None  # when the last was sent, and confirmed
+        self._unheeded: float | None = None  # when one was sent, if the robot moved ever since
+        self._is_latched = False  # as the robot said last
+        self.is_unheeded = False  # the robot says that it moves, though it has confirmed a STOP
         self._left: int | None = None  # the turn of the last one, that nothing was accepted behind
 
     async def send(self) -> Outcome:
@@ -109,6 +112,7 @@ class Stopping:
         if self.open is None:  # another one was confirmed meanwhile
             return False
         if said.outcome.ok:
+            self._unheeded = self.open.asked
             self.over()
             return True
         if number <= self._told and self.open.answer != StopAnswer.NONE:  # one has more to say
@@ -129,9 +133,26 @@ class Stopping:
         """A release or a goal of that turn was accepted: a STOP before it is past."""
         if self.is_behind(turn):
             return
-        self._left = None
+        self._left = self._unheeded = None
         if self.open is not None:
             self.over()
+
+    def heard(self, motion: Motion) -> None:
+        """What the robot says of itself, by one node only."""
+        if self.open is not None and motion.stopped:
+            self._unheeded = self.open.asked
+            if self.is_to_be_repeated:
+                said = "STOP, sent again: the robot says that it is stopped"
+                self._tell(said, Code.DONE)
+            self.over()
+        released = self._is_latched and motion.stopped is False
+        self._is_latched = bool(motion.stopped)
+        if released or not motion.moving:
+            self._unheeded = None
+        elif self._is_latched and self._unheeded is None:  # whoever stopped it
+            self._unheeded = motion.received
+        since, now = self._unheeded, motion.received
+        self.is_unheeded = since is not None and now is not None and now - since >= OBEYED
 
     def over(self) -> None:
         """It is confirmed, past, or given up."""

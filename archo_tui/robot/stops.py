@@ -7,12 +7,15 @@ is compared last, where a request leaves for the robot, whatever it waited for b
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import NamedTuple
 
 NOT_SENT = "not sent: STOP came after it"
+APART = 1.0  # s between a STOP and the next but one, when they are all that is asked for
+UNCONFIRMED = "the STOP is not confirmed: release it first, or give it up"
 HELD = "held: STOP"  # of the queue: the robot is stopped, or is to be
 
 
@@ -27,6 +30,7 @@ class Stops:
         self._lock = threading.Lock()
         self.count = 0
         self.elsewhere = 0  # that other consoles told of
+        self.overtaken = False  # something else was asked for since the last one left
         self._carried: ContextVar[int | None] = ContextVar("stops", default=None)
 
     def read(self) -> int:
@@ -60,7 +64,7 @@ class Stops:
 
     def gate(self) -> Gate:
         """For a request that comes from what is being done."""
-        return Gate(self, self.carried)
+        return Gate(self, self.carried, self.elsewhere)
 
 
 class Gate(NamedTuple):
@@ -68,13 +72,30 @@ class Gate(NamedTuple):
 
     stops: Stops
     typed: int  # how many STOPs had been read before what it comes from
+    told: int  # how many other consoles had told of
 
     @property
     def is_shut(self) -> bool:
-        """True when a STOP was read since."""
-        return self.stops.is_void(self.typed)
+        """True when a STOP was read since, or another console told of one."""
+        return self.stops.is_void(self.typed) or self.stops.elsewhere > self.told
 
     def __call__(self) -> None:
-        """Raises Void when a STOP was read since."""
+        """Raises Void when it is shut."""
         if self.is_shut:
             raise Void
+
+
+class Spared:
+    """Of a flood of STOPs two a second reach the robot, unless something else left meanwhile."""
+
+    def __init__(self, stops: Stops) -> None:
+        self._stops = stops
+        self._left = deque([-APART] * 2, maxlen=2)  # when the last two did, monotonic s
+
+    def rest(self, now: float) -> float:
+        """How long the next one is to wait, in s."""
+        return 0.0 if self._stops.overtaken else self._left[0] + APART - now
+
+    def leaves(self, now: float) -> None:
+        """One is sent."""
+        self._left.append(now)

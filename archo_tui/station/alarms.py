@@ -286,21 +286,20 @@ def stop_texts(stop: OpenStop, now: float) -> tuple[str, ...]:
 
 
 def _moves_on(snapshot: Snapshot, now: float) -> bool:
-    """True when the robot says that it moves, a while after a STOP that it has not confirmed."""
+    """True when the robot says that it moves, a while after a STOP."""
     stop, motion = snapshot.open_stop, snapshot.motion
-    if stop is None or stop.answer == StopAnswer.NOT_SENT:
-        return False
     if motion.received is None or motion.is_old(now):
         return False
+    if stop is None or stop.answer == StopAnswer.NOT_SENT:
+        return snapshot.moves_on
     return bool(motion.moving) and motion.received - stop.asked >= 1.0
 
 
 def is_low(snapshot: Snapshot) -> bool:
-    """The robot's own judgement of the charge; without one, its percentage at the threshold."""
+    """By the robot's own word, or by its percentage: a good word says nothing against that."""
     charge, threshold = snapshot.battery.percentage, snapshot.threshold
-    if health(snapshot) in ("good", "low"):
-        return health(snapshot) == "low"
-    return charge is not None and threshold is not None and charge < threshold
+    is_below = charge is not None and threshold is not None and charge < threshold
+    return is_below or health(snapshot) == "low"
 
 
 def health(snapshot: Snapshot) -> str:

@@ -143,6 +143,7 @@ class Station:
         self._engine, self._namespace = engine, namespace
         self._board = AlarmBoard()
         self._snapshot = Snapshot()
+        self._elsewhere = 0  # STOPs of other consoles that were told of
         self._begun = self._second = clock.monotonic()
         self.view = self._view()
 
@@ -173,7 +174,7 @@ class Station:
             self._face.beside(self._posted.popleft())
 
     def ask_no_more(self) -> None:
-        """A STOP came from another program."""
+        """A STOP came from another program, or another console."""
         if self._face is not None:
             self._face.ask_no_more()
 
@@ -185,6 +186,9 @@ class Station:
     def take(self, snapshot: Snapshot) -> list[Alarm]:
         """Something was heard. Returns the alarms that changed."""
         self._snapshot = snapshot
+        if self.robot.stops.elsewhere > self._elsewhere:
+            self._elsewhere = self.robot.stops.elsewhere
+            self.ask_no_more()
         return self.look()
 
     def tick(self) -> list[Alarm]:

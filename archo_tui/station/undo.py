@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from archo_tui.robot.outcome import Code, Outcome
@@ -71,11 +72,22 @@ class UndoList:
         missing = ", ".join(name for name in values if name not in known)
         if missing:  # its node has just left: what it was is not known, and so not to be had back
             return Outcome(Code.NOT_OFFERED, f"{node} does not report {missing} any more")
+        last = self.last
         outcome = await self._set(robot, node, values)
         if outcome.ok:
-            before = {name: known[name] for name in values}
+            before = {name: known[name] for name in values} | self._set_since(last, node, values)
             self._done = [*self._done, Edit(node, before, values)][-LIMIT:]
         return outcome
+
+    def _set_since(self, last: Edit | None, node: str, names: Iterable[str]) -> dict[str, Any]:
+        """What changes behind that one, that were answered meanwhile, have set."""
+        found: dict[str, Any] = {}
+        for edit in reversed(self._done):
+            if edit is last:
+                break
+            if edit.node == node:
+                found = {name: edit.after[name] for name in names if name in edit.after} | found
+        return found
 
     async def undo(self, robot: Robot, asked: Edit | None = None) -> Outcome:
         """Set the parameters of the last change to what they were, if it is the one `asked` for."""

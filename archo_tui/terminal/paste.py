@@ -64,10 +64,10 @@ class Paste:
             if mark[1] == "0":  # another one; the end of this one is lost
                 return Over(self._cut(), text[mark.start() :])
             self._keep(text[: mark.start()])
-            pasted = events.Paste("".join(self._text).replace("\x00", ""))
+            pasted = events.Paste("".join(self._text))
             return Over([] if self._broken else [pasted], text[mark.end() :])
-        if not more and self._is_key():
-            return Over(self._cut(), self._burst)
+        if not more and (key := self._key()):
+            return Over(self._cut(), key)
         begun = _BEGUN_MARK.search(text)
         self._tail = begun[0] if begun else ""
         self._keep(text[: len(text) - len(self._tail)])
@@ -94,13 +94,15 @@ class Paste:
             self._text.append(text[: self._room])
             self._room -= len(self._text[-1])
 
-    def _is_key(self) -> bool:
-        """True when what came is a key, alone, and one that acts."""
-        if self._silence < PAUSE or self._burst == ESCAPE:
-            return False
-        keys = keys_of(self._burst) or []
-        if any(key.key in self._ending for key in keys):
-            return True
+    def _key(self) -> str:
+        """The key, where one came alone that acts; else an empty string."""
+        burst = self._burst
+        if self._silence < PAUSE or burst in ("", ESCAPE):
+            return ""
+        one = burst[: burst.find(burst[0], 1)] if burst.count(burst[0]) > 1 else burst
+        is_held = (one * len(burst)).startswith(burst)  # one that is may come several times at once
+        if is_held and any(key.key in self._ending for key in keys_of(one) or []):
+            return one
         # one byte: two may be the text of a paste that comes slowly
-        one_byte = len(self._burst) == 1 and self._burst.isascii()
-        return self._silence >= STALL and (one_byte or keys != [])
+        is_byte = len(burst) == 1 and burst.isascii()
+        return burst if self._silence >= STALL and (is_byte or keys_of(burst)) else ""

@@ -7,14 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from archo_interfaces.msg import MotorStatus
 from textual.widgets import Button
 
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.session import _robots_nodes
 from archo_tui.terminal.keyboard import Keyboard
 from archo_tui.terminal.typed import hand_on
 from tests.console.states import STATES
+from tests.robot.test_stop_and_releases import Busy
+from tests.support.clock import LOOK, seconds
 from tests.support.console import FAST, console
-from tests.support.quiet import Quiet
+from tests.support.peer import Peer
+from tests.support.quiet import Quiet, ended
 from tests.support.stub import stub_app
 
 
@@ -162,3 +167,59 @@ async def test_a_file_that_was_asked_for_is_saved_before_the_end(here: Path) -> 
         op.send("enter", "ctrl+q")
         await op.until(lambda: not op.app.is_running)
     assert (here / "archo_params.yaml").exists()
+
+
+class Slow(Busy):
+    """Says whether it is stopped, too."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        self.status = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.2, self.tell)
+
+    def tell(self) -> None:
+        self.status.publish(MotorStatus(emergency_stopped=self.latched))
+
+
+async def test_a_stop_pressed_again_behind_anothers_release_is_sent() -> None:
+    made: list[Slow] = []
+
+    def slow(**options: Any) -> Slow:
+        made.append(Slow(**options))
+        return made[-1]
+
+    async with console(node_makers=[slow], wait=False) as op:
+        await op.until("STOPPED")
+        await op.press("ctrl+x")
+        release = asyncio.ensure_future(op.session.robot.release_emergency_stop())  # by a shell
+        await asyncio.sleep(0)
+        while not made[0].asked:
+            await asyncio.sleep(LOOK)
+        op.send("ctrl+x")  # the same key, and the screen still shows STOPPED
+        await op.settle()
+        made[0].wake()
+        assert (await ended(release)).ok
+        later = seconds() + 1.0
+        await op.at(later)
+        assert made[0].latched
+
+
+async def test_a_question_from_before_another_consoles_stop_is_closed() -> None:
+    made: list[Peer] = []
+
+    def peer(**options: Any) -> Peer:
+        made.append(Peer(**options))
+        return made[-1]
+
+    async with console(*FAST, node_makers=[*_robots_nodes(False).values(), peer]) as op:
+        await op.until("2 consoles")
+        await op.press("ctrl+x")
+        await op.until("✗ STOPPED")
+        await op.press("R")
+        await op.until("Release the stop?")
+        made[0].tell("stop")
+        await op.until("stop: done")
+        assert "Release the stop?" not in op.text
+        await op.press("y")  # for the question
+        await op.settle()
+        assert op.app.view.snapshot.motion.stopped

@@ -55,6 +55,21 @@ async def test_a_change_is_under_way_until_it_is_answered() -> None:
     assert edits.last is not None
 
 
+async def test_changes_that_overlap_are_undone_one_by_one() -> None:
+    robot: Any = Robot()
+    edits, answer = UndoList(), asyncio.Event()
+    robot.answer = answer
+    changes = [
+        asyncio.create_task(edits.set_parameters(robot, "/n", {"p": value})) for value in (1, 2)
+    ]
+    await asyncio.sleep(0)
+    answer.set()
+    await asyncio.gather(*changes)
+    for value in (1, 0):
+        assert (await edits.undo(robot)).ok
+        assert robot.value == value
+
+
 async def test_what_cannot_be_undone_now_can_be_undone_later() -> None:
     robot: Any = Robot()
     edits = UndoList()

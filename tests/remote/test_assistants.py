@@ -12,8 +12,6 @@ from random import Random
 from typing import Any
 
 import pytest
-from rclpy.node import Node
-from std_msgs.msg import String
 from textual import events
 
 from archo_tui.keyed_app import HELD
@@ -21,15 +19,13 @@ from archo_tui.paths import journal_file
 from archo_tui.plain.input import Input
 from archo_tui.plain.output import Output
 from archo_tui.remote import place
-from archo_tui.robot import acts
-from archo_tui.robot.acts import Act
-from archo_tui.robot.outcome import Code
 from archo_tui.screens import request
 from archo_tui.session import _robots_nodes
 from archo_tui.station import requests
 from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console
+from tests.support.peer import Peer
 from tests.support.shells import Raw, heard, raw, served, until
 
 pytestmark = pytest.mark.real_time
@@ -285,26 +281,14 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
         other.close()
 
 
-class Other(Node):
-    """Another console, as far as it tells what it did."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("_archo_console_other_lab_1", **options)
-        self._acts = self.create_publisher(String, acts.TOPIC, 10)
-
-    def tell(self, verb: str) -> None:
-        said = acts.write("other_lab_1", Act(verb, {}, Code.DONE), f"{verb}: done")
-        self._acts.publish(String(data=said))
-
-
 async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() -> None:
-    made: list[Other] = []
+    made: list[Peer] = []
 
-    def other(**options: Any) -> Other:
-        made.append(Other(**options))
+    def peer(**options: Any) -> Peer:
+        made.append(Peer(**options))
         return made[-1]
 
-    async with beside(*LONG, node_makers=[*ROBOT, other]) as (op, assistant):
+    async with beside(*LONG, node_makers=[*ROBOT, peer]) as (op, assistant):
         await op.until("2 consoles")
         await asks(assistant)
         made[0].tell("stop")

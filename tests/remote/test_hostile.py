@@ -17,6 +17,7 @@ import pytest
 from archo_tui.remote import client, place
 from archo_tui.remote.server import MOST_CLIENTS, MOST_OPEN
 from archo_tui.robot.outcome import Code, Outcome
+from tests.robot.test_several_servers import Brake, making
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed, operated
 from tests.support.shells import Raw, heard, raw, served, typed, until
@@ -309,6 +310,19 @@ async def test_a_flood_of_stops_reaches_the_robot_a_few_times_and_each_is_answer
             said = await one.result()
             assert (said["id"], said["code"]) == (number, "done")
         assert person.said.count("STOP: confirmed") < 20
+
+
+async def test_a_stop_does_not_wait_for_the_answer_to_anothers() -> None:
+    brakes: list[Brake] = []
+    async with served(making(brakes, Brake, "brake", "nothing")), guest() as one, guest() as other:
+        one.send({"id": 1, "words": ["stop"]})
+        await until(lambda: brakes and brakes[0].asked)
+        first = asyncio.ensure_future(one.result())
+        other.send({"id": 1, "words": ["stop"]})
+        await until(lambda: brakes[0].asked > 1)
+        assert not first.done()  # it is given up after 2 s
+        assert (await first)["code"] == "timeout"
+        assert (await other.result())["code"] == "timeout"
 
 
 async def test_of_a_flood_of_requests_the_surplus_is_refused_and_others_are_answered() -> None:

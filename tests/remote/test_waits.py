@@ -65,3 +65,5 @@ async def test_a_robot_that_moves_without_a_goal_or_is_silent_is_not_idle(
 ) -> None:
     moved = NORMAL._replace(motion=replace(NORMAL.motion, **motion))
     assert await waited(moved, "idle") is None
+    if "received" in motion:
+        assert await waited(moved, "ready") is None

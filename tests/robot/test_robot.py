@@ -554,15 +554,6 @@ async def test_a_goal_from_before_a_stop_does_not_confirm_it() -> None:
         assert it.snapshot.open_stop is not None
 
 
-async def test_a_goal_that_is_sent_after_an_unanswered_stop_and_accepted_ends_it() -> None:
-    async with stoppable() as (it, node):
-        assert not (await ended(it.emergency_stop())).ok
-        assert it.snapshot.open_stop is not None
-        node.answer(node.goal_answer)
-        assert (await ended(go(it, 3))).ok
-        await until(lambda: it.snapshot.open_stop is None)
-
-
 async def test_a_queued_goal_is_not_sent_behind_a_stop_that_nobody_answered() -> None:
     async with stoppable() as (it, node):
         assert not (await ended(it.emergency_stop())).ok

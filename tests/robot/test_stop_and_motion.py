@@ -1,0 +1,109 @@
+"""What the robot says of its motion, once a STOP was sent: believed where it is the worse news."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_interfaces.msg import MotorStatus
+from archo_interfaces.srv import EmergencyStop
+from rclpy.node import Node
+
+from archo_tui.robot.outcome import Code
+from archo_tui.station.alarms import OUTLIVED, UNCONFIRMED
+from tests.robot.test_several_servers import Brake, Drive, alarms, making
+from tests.support import clock
+from tests.support.archo import go
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
+
+
+class Wheels(Node):
+    """Publishes how it moves, whatever it is told."""
+
+    def __init__(self, name: str = "wheels", **options: Any) -> None:
+        super().__init__(name, **options)
+        self.moving, self.stopped = True, False
+        self.status = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.2, self.tell)
+        self.create_service(EmergencyStop, "release_emergency_stop", self.release)
+
+    def tell(self) -> None:
+        self.status.publish(
+            MotorStatus(speed=0.8, moving=self.moving, emergency_stopped=self.stopped)
+        )
+
+    def release(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        response.success = True
+        return response
+
+
+async def later(seconds: float) -> None:
+    due = clock.seconds() + seconds
+    await until(lambda: clock.seconds() >= due)
+
+
+async def test_a_robot_that_moves_on_behind_a_confirmed_stop_is_an_alarm() -> None:
+    wheels: list[Wheels] = []
+    async with robot(making([], Brake, "brake"), making(wheels, Wheels)) as it:
+        await until(lambda: it.snapshot.motion.moving)
+        assert (await ended(it.emergency_stop())).ok
+        await until(lambda: OUTLIVED in alarms(it))
+        assert alarms(it)[OUTLIVED].startswith("THE ROBOT MOVES ALTHOUGH STOP WAS SENT")
+        wheels[0].moving = False
+        await until(lambda: OUTLIVED not in alarms(it))
+        wheels[0].moving = True  # it does not latch: somebody else drives it again
+        await later(2.0)
+        assert OUTLIVED not in alarms(it)
+
+
+async def test_a_robot_that_moves_while_it_says_that_it_is_stopped_is_an_alarm() -> None:
+    wheels: list[Wheels] = []
+    async with robot(making([], Brake, "brake"), making(wheels, Wheels)) as it:
+        await until(lambda: it.snapshot.motion.moving)
+        wheels[0].stopped, wheels[0].moving = True, False
+        await later(2.0)
+        assert OUTLIVED not in alarms(it)
+        wheels[0].moving = True
+        await until(lambda: OUTLIVED in alarms(it))
+        wheels[0].stopped = False  # released
+        await until(lambda: OUTLIVED not in alarms(it))
+
+
+async def test_what_moves_behind_a_release_is_no_alarm() -> None:
+    async with robot(making([], Brake, "brake"), making([], Wheels)) as it:
+        await until(lambda: it.snapshot.motion.moving)
+        assert (await ended(it.emergency_stop())).ok
+        assert (await ended(it.release_emergency_stop())).ok
+        await later(2.0)
+        assert OUTLIVED not in alarms(it)
+
+
+async def test_of_two_nodes_that_tell_of_the_motion_none_confirms_a_stop() -> None:
+    brakes: list[Brake] = []
+    other: list[Wheels] = []
+    makers = making(brakes, Brake, "brake", "nothing"), making([], Wheels)
+    async with robot(*makers, making(other, Wheels, "other")) as it:
+        other[0].moving, other[0].stopped = False, True
+        await until(lambda: "motor_status" in it.snapshot.publishers)
+        assert not (await ended(it.emergency_stop())).ok
+        await until(lambda: brakes[0].asked > 1)  # it is sent again
+        await later(2.0)
+        assert UNCONFIRMED in alarms(it)
+
+
+async def test_no_goal_is_sent_behind_a_stop_that_is_not_confirmed() -> None:
+    brakes: list[Brake] = []
+    drives: list[Drive] = []
+    makers = making(brakes, Brake, "brake", "nothing"), making([], Wheels)
+    async with robot(*makers, making(drives, Drive, "drive")) as it:
+        await until(lambda: {"emergency_stop", "move_to_shelf"} <= it.snapshot.offered)
+        assert not (await ended(it.emergency_stop())).ok
+        outcome = await ended(go(it, 5))
+        said = "the STOP is not confirmed: release it first, or give it up"
+        assert outcome == (Code.REFUSED, said)
+        asked = brakes[0].asked
+        await until(lambda: brakes[0].asked > asked)  # it goes on to be sent
+        assert (await ended(it.release_emergency_stop())).ok
+        assert (await ended(go(it, 6))).ok
+        assert drives[0].shelves == [6]
+        assert (await ended(it.cancel())).ok
