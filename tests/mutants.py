@@ -43,7 +43,7 @@ FAULTS = [
     Fault("robot/stopping.py", "            self._unheeded = self.open.asked\n            self.over()\n            return True", "            self.over()\n            return True", ROBOT + "/test_stop_and_motion.py"),
     Fault("robot/client.py", "            if self._stopping.open is not None and not gate.is_shut:", "            if False:", ROBOT + "/test_stop_and_motion.py"),
     Fault("robot/stops.py", " or self.stops.elsewhere > self.told", "", "tests/test_plain_stops.py"),
-    Fault("robot/stops.py", "0.0 if self._stops.overtaken else ", "", "tests/test_plain_stops.py"),
+    Fault("plain/plain.py", "await self._until(lambda: stops.overtaken, rest)", "await self._clock.sleep(rest)", "tests/test_plain_stops.py"),
     Fault("commands/robot.py", " and not stops.overtaken:", ":", CONSOLE + "/test_stop_seams.py"),
     Fault("station/station.py", "            self._elsewhere = self.robot.stops.elsewhere\n            self.ask_no_more()", "            pass", CONSOLE + "/test_stop_seams.py"),
     Fault("station/undo.py", " | self._set_since(last, node, values)", "", "tests/parameters/test_undo.py"),

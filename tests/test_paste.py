@@ -112,9 +112,7 @@ def test_the_end_may_begin_before_the_paste_is_broken() -> None:
 
 @pytest.mark.parametrize("sent", STOPS)
 @pytest.mark.parametrize("times", [2, 3, 40])
-def test_a_stop_that_is_held_ends_a_paste_too(
-    sent: str, times: int
-) -> None:
+def test_a_stop_that_is_held_ends_a_paste_too(sent: str, times: int) -> None:
     pressed = Typed().read(BEGIN + "12").wait(0.3).read(sent * times)
     assert pressed.keys[:1] == ["ctrl+x"]
 

@@ -123,7 +123,7 @@ class Plain:
     async def _obey(self) -> None:
         """Send the STOPs, none behind the answer to another: one covers all that were read."""
         typed, stops = self._input.unanswered, self._robot.stops
-        spared = Spared(stops)
+        spared = Spared()
         while True:
             await self._hold(lambda: typed and typed[-1] > self._stopped)
             rest = spared.rest(self._clock.monotonic())

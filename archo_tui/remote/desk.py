@@ -43,7 +43,7 @@ class Desk:
         # STOPs that have not left, and whether somebody is about to send them
         self._stops: deque[tuple[Guest, Any, bool]] = deque(maxlen=_MOST_STOPS)
         self._comes = False
-        self._spared = Spared(self._robot.stops)
+        self._spared = Spared()
 
     # on the server's thread
 

@@ -88,13 +88,12 @@ class Gate(NamedTuple):
 class Spared:
     """Of a flood of STOPs two a second reach the robot, unless something else left meanwhile."""
 
-    def __init__(self, stops: Stops) -> None:
-        self._stops = stops
+    def __init__(self) -> None:
         self._left = deque([-APART] * 2, maxlen=2)  # when the last two did, monotonic s
 
     def rest(self, now: float) -> float:
-        """How long the next one is to wait, in s."""
-        return 0.0 if self._stops.overtaken else self._left[0] + APART - now
+        """How long the next one is to wait, in s, while nothing has `overtaken` the last."""
+        return self._left[0] + APART - now
 
     def leaves(self, now: float) -> None:
         """One is sent."""
