@@ -14,6 +14,7 @@ from io import StringIO, TextIOWrapper
 
 from archo_tui import __version__
 from archo_tui.errors import ArchoError
+from archo_tui.robot_file.reserved import VERBS
 
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
 if TYPE_CHECKING:
@@ -86,13 +87,17 @@ def parser(*, for_words: bool = True) -> argparse.ArgumentParser:
     made = _Parser(
         "archo-tui",
         _DESCRIPTION + commands,
-        usage="archo-tui [option ...]\n       archo-tui COMMAND ...",
+        usage="archo-tui [option ...]\n       archo-tui COMMAND ...\n       archo-tui VERB ...",
         epilog="A stop from here is a software stop: it does not replace the hardware one. "
         "What libraries print while the screen is shown goes to stderr.log, beside the journal.",
         add_help=False,  # it stands in the last group
     )
     if for_words:
         made.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    made.add_argument_group(
+        "verbs (archo-tui VERB --help says more)",
+        f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own; a console must run",
+    )
     nodes = made.add_argument_group("your own nodes")
     nodes.add_argument(
         "--node",
@@ -270,6 +275,8 @@ def _itself() -> list[str]:
 
 def _obey(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand that is named, else the console."""
+    if words[:1] == ["help"]:  # of a verb or a command no word more: behind a STOP it would stop
+        words = [*words[1:2], "--help"]
     if words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS:
         from archo_tui.remote import shell  # at once: it may stand in a prompt
 
@@ -302,6 +309,8 @@ def _speak(options: Namespace) -> int:
     if given:
         raise ArchoError(f"--{given[0]} is for the console, not for {options.command[0]}")
     to = ["--to", options.namespace] if options.namespace != "/" else []
+    if options.command[1:] == ["--help"] and options.command[0] in ("stop", "wait"):
+        return run(options.command, SUBCOMMANDS)  # alone, which no console is asked for
     if options.engine == "embedded":
         return run([*options.command, *to], SUBCOMMANDS)
     from archo_tui.remote.once import attached

@@ -15,7 +15,9 @@ import pytest
 from archo_tui import __version__, shutdown
 from archo_tui.cli import main, split_ros_args
 from archo_tui.robot_file.load import default
+from archo_tui.verbs import verbs
 from tests.support import chosen
+from tests.support.archo import ARCHO
 
 Refused = Callable[..., str]
 RED = "\N{REPLACEMENT CHARACTER}[31m"  # a sequence, as it is shown
@@ -95,11 +97,17 @@ def test_version_and_help() -> None:
         assert option in said
     heads = [line for line in said.splitlines() if line.endswith(":") and line[0] != " "]
     assert heads == [
-        *("examples:", "commands (archo-tui COMMAND --help says more):", "your own nodes:"),
+        *("examples:", "commands (archo-tui COMMAND --help says more):"),
+        *("verbs (archo-tui VERB --help says more):", "your own nodes:"),
         *("the robot:", "ROS 2:", "how it is operated:", "about:"),
     ]
     examples = said.partition("examples:\n")[2].partition("\n\n")[0].splitlines()
     assert [line[:11] for line in examples] == ["  archo-tui"] * 3
+    listed = said.partition("VERB --help says more):\n")[2].partition(";")[0]
+    own = {*listed.replace(",", " ").split()} - {"wait"}
+    robots = {command.id for command in ARCHO.commands} | {"discharge"}
+    assert own == {*verbs(ARCHO, {})} - robots
+    assert archo("help").stdout == said
 
 
 @pytest.mark.parametrize(("columns", "width"), [("", 80), ("wide", 80), ("0", 80), ("60", 60)])

@@ -96,6 +96,13 @@ def run(
 
     `attach` makes what is spoken to where no console runs.
     """
+    if len(words) == 2 and words[1] == "--help":
+        from archo_tui.remote.verb_help import own
+
+        known = own(words)
+        if known:
+            _print(known)
+            return 0
     try:
         given = _Words(words)
         timeout = given.timeout
@@ -236,7 +243,12 @@ def _end(result: dict[str, Any], given: _Words) -> int:
     if "--json" in given.flags:
         _print_json(result)
     elif code:
-        _complain(f"{given.rest[0] if given.rest else ''}: {result['text']}".lstrip(": "))
+        said = result["text"].replace("(help lists them)", "(archo-tui --help lists them)")
+        _complain(f"{given.rest[0] if given.rest else ''}: {said}".lstrip(": "))
+    elif given.rest[1:] == ["--help"] and not given.stops:
+        from archo_tui.remote.verb_help import with_options
+
+        _print(with_options(given.rest[0], result["text"]))
     elif "--line" in given.flags and isinstance(data, dict) and "line" in data:
         _print(data["line"])
     elif result.get("tells"):

@@ -54,7 +54,7 @@ async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
     [
         ("go 99 --wait", 2, "archo-tui: go: Shelf: at most 40, not 99"),
         ("go there", 2, "archo-tui: go: Shelf: not a whole number: there"),
-        ("jmup", 2, "archo-tui: jmup: no command 'jmup' (help lists them)"),
+        ("jmup", 2, "archo-tui: jmup: no command 'jmup' (archo-tui --help lists them)"),
         ("relaese", 2, "archo-tui: relaese: no command 'relaese' (nearest: release)"),
         ("cancel", 1, "archo-tui: cancel: no goal is running"),
         ("release", 1, "archo-tui: release: the robot is not stopped"),
@@ -143,6 +143,28 @@ async def test_for_a_stop_no_spelling_is_wrong(spelled: str) -> None:
     async with served(ros_args=FAST) as person:
         assert (await typed(*spelled.split())).code == 0
         await heard(person, "STOP: confirmed")
+
+
+async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> None:
+    async with served(ros_args=FAST) as person:
+        spoken = person._plain._verbs
+        for verb, options in (
+            ("go", {"--wait", "--leave", "--json", "--to", "--yes"}),
+            ("stop", {"--json", "--to"}),
+            ("wait", {"--timeout", "--json", "--to"}),
+            ("status", {"--line", "--json", "--to"}),
+            ("events", {"--follow", "--json", "--to"}),
+        ):
+            told = await typed(verb, "--help")
+            assert (told.code, told.err) == (0, "")
+            line, *rest = told.out.splitlines()
+            if verb in spoken:
+                assert line == spoken[verb].explained
+            assert {word for row in rest for word in row.split()[:1] if word[0] == "-"} == options
+        assert "STOP: confirmed" not in person.said
+        for words in (["stop", "--help", "now"], ["STOP", "--help"]):
+            assert (await typed(*words)).code == 0
+            await heard(person, "STOP: confirmed")
 
 
 async def test_data_is_on_standard_output_and_nothing_else() -> None:
