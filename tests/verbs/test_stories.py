@@ -12,10 +12,11 @@ import pytest
 from archo_interfaces.srv import EmergencyStop
 from rclpy.node import Node
 
-from archo_tui.robot.state import WATCHING
+from archo_tui.robot.state import WATCHING, OpenStop
 from tests.console.states import NORMAL, STATES
 from tests.robots.rover import Counting
 from tests.support import clock
+from tests.support.clock import NOW
 from tests.support.console import LONG
 from tests.support.plain import Typed, operated, plain, typing
 from tests.support.quiet import until
@@ -153,7 +154,10 @@ async def silent(state: str) -> AsyncIterator[Typed]:
         (" LOW", "acknowledged: low battery"),
         (" low battery", "acknowledged: low battery"),
         (" all", "acknowledged: contact lost, low battery"),
-        (" nosuch", "failed: ack: 'nosuch' is none of these: contact lost, low battery"),
+        (
+            " nosuch",
+            "failed: ack: no alarm begins with 'nosuch'; there is: contact lost, low battery",
+        ),
     ],
 )
 async def test_alarms_are_acknowledged_first_by_name_or_all(words: str, done: str) -> None:
@@ -172,6 +176,37 @@ async def test_a_grave_alarm_is_shelved_with_a_reason_only() -> None:
         await person.until(": the hardware stop is pressed: ")
     assert "failed: shelve: type a reason: it goes into the journal" in person.said
     assert "stop not confirmed: shelved for 10 min\n" in person.said
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        ("low", ""),
+        ("Low Bat", ""),
+        ("low battery", ""),
+        ("low battery is dead", "is dead"),
+        ("low bat is dead", "is dead"),
+        ("low in the workshop", "in the workshop"),
+        ("'low battery' battery", "battery"),
+    ],
+)
+async def test_a_reason_begins_where_the_alarms_name_ends(words: str, reason: str) -> None:
+    async with silent("battery low and moving") as person:
+        await person.until("alarm unacknowledged: CONTACT LOST")
+        person.type(f"shelve {words}\n")
+        await person.until("low battery: shelved for 10 min\n")
+        alarms = person._plain._station.view.alarms
+        assert [alarm.reason for alarm in alarms if alarm.name == "low battery"] == [reason]
+
+
+async def test_a_beginning_of_several_names_is_told_with_them() -> None:
+    stopped = STATES["motor stopped"]._replace(open_stop=OpenStop(NOW - 3.0))
+    async with typing(stub_station(StubRobot(stopped), clock.current)) as person:
+        await person.until("alarm unacknowledged: STOP SENT")
+        person.type("ack stop\nack stopped\n")
+        await person.until("acknowledged: stopped\n")
+        said = "failed: ack: several alarms begin with 'stop': stop not confirmed, stopped\n"
+        assert said in person.said
 
 
 async def test_events_are_told_as_many_as_are_asked_for() -> None:
