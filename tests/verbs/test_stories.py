@@ -126,14 +126,40 @@ async def test_a_crash_is_an_alarm_that_is_shelved_and_a_node_that_is_started() 
     async with operated(Crashing) as person:
         await person.until("alarm unacknowledged: ")
         person.type("nodes\nalarms\nshelve 'node crashed /Crashing' it is known\nalarms\n")
-        await person.until("shelved since ")
+        await person.until(", shelved until ")
         assert "Crashing crashed" in person.said
         assert "crashed /Crashing: shelved for 10 min\n" in person.said
-        assert re.search(r"crashed /Crashing: shelved .*: it is known: ", person.said)
+        assert re.search(
+            r"crashed /Crashing, since [\d:]+, shelved until [\d:]+: it is known: ", person.said
+        )
         person.type("shelve node\n")
         await person.until("crashed /Crashing: no longer shelved\n")
         person.type("start Crashing\n")
         await person.until("YOU console: start /Crashing: ")
+
+
+async def test_an_alarm_is_told_with_when_it_came_and_went_and_how_it_stands() -> None:
+    time = "[0-9:]{8}"
+    async with operated() as person:
+        person.type("stop\n")
+        await person.until("alarm unacknowledged: STOPPED")
+        person.type("shelve stopped for repair\nalarms\nrelease --yes\n")
+        await person.until("release stop: ")
+        station = person._plain._station
+        await until(lambda: station.view.alarms[0].is_over)
+        person.type("alarms\nstatus\nshelve stopped\n")
+        await person.until("no longer shelved\n")
+        assert re.search(
+            f"\nstopped, since {time}, shelved until {time}: for repair: STOP", person.said
+        )
+        over = f"\nstopped, since {time}, over at {time}, shelved until {time}: for repair: STOP"
+        assert re.search(over, person.said)
+        assert "\nalarm over, shelved: STOPPED: look for the cause\n" in person.said
+        person.type("stop\n")
+        await until(lambda: station.view.alarms)
+        person.type("ack\nalarms\nrelease --yes\n")
+        await until(lambda: not station.view.alarms)
+        assert re.search(f"\nstopped, since {time}, acknowledged: STOPPED", person.said)
 
 
 @asynccontextmanager
