@@ -129,13 +129,14 @@ def test_lost_contact_hides_what_was_last_heard() -> None:
 
 # the whole state machine: state, what happens, state afterwards (all else changes nothing)
 N, U, A = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
-O, S = State.OVER, State.SHELVED  # noqa: E741
+O, S, R = State.OVER, State.SHELVED, State.REPLACED  # noqa: E741
 TABLE = {
     N: {Change.RAISED: U},
-    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S, Change.REPLACED: N},
-    A: {Change.CLEARED: N, Change.SHELVE: S, Change.REPLACED: N},
+    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S, Change.REPLACED: R},
+    A: {Change.CLEARED: N, Change.SHELVE: S, Change.REPLACED: R},
     O: {Change.RAISED: U, Change.ACKNOWLEDGE: N, Change.SHELVE: S},
     S: {Change.UNSHELVE: N},
+    R: {},
 }
 
 
@@ -337,7 +338,7 @@ def test_a_low_battery_stays_an_alarm_until_it_counts_as_empty() -> None:
     assert [alarm.name for alarm in board.all()] == [EMPTY]
     assert [(alarm.name, alarm.state) for alarm in changed] == [
         (EMPTY, State.UNACKNOWLEDGED),
-        (LOW, State.NORMAL),
+        (LOW, State.REPLACED),
     ]
 
 

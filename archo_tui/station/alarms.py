@@ -34,6 +34,7 @@ class State(Enum):
     ACKNOWLEDGED = "acknowledged"
     OVER = "over, unacknowledged"
     SHELVED = "shelved"
+    REPLACED = "replaced by a graver one"  # of the same cause: it is not normal, and gone
 
 
 class Change(Enum):
@@ -48,7 +49,7 @@ class Change(Enum):
 
 
 _NORMAL, _UNSEEN, _SEEN = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
-_OVER, _SHELVED = State.OVER, State.SHELVED
+_OVER, _SHELVED, _REPLACED = State.OVER, State.SHELVED, State.REPLACED
 # what is not here changes nothing; a shelved alarm that clears stays shelved for its time, and is
 # raised again after it if its condition holds then
 TRANSITIONS: dict[tuple[State, Change], State] = {
@@ -56,10 +57,10 @@ TRANSITIONS: dict[tuple[State, Change], State] = {
     (_UNSEEN, Change.CLEARED): _OVER,
     (_UNSEEN, Change.ACKNOWLEDGE): _SEEN,
     (_UNSEEN, Change.SHELVE): _SHELVED,
-    (_UNSEEN, Change.REPLACED): _NORMAL,
+    (_UNSEEN, Change.REPLACED): _REPLACED,
     (_SEEN, Change.CLEARED): _NORMAL,
     (_SEEN, Change.SHELVE): _SHELVED,
-    (_SEEN, Change.REPLACED): _NORMAL,
+    (_SEEN, Change.REPLACED): _REPLACED,
     (_OVER, Change.RAISED): _UNSEEN,
     (_OVER, Change.ACKNOWLEDGE): _NORMAL,
     (_OVER, Change.SHELVE): _SHELVED,
@@ -387,7 +388,7 @@ class AlarmBoard:
             new = new._replace(since=since, until=None)
         if state != State.SHELVED:
             new = new._replace(shelf_ends=None, shelved_until=None)
-        if state == State.NORMAL:
+        if state in (State.NORMAL, State.REPLACED):
             self._alarms.pop(alarm.name, None)
         else:
             self._alarms[alarm.name] = new
