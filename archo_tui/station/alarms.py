@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
-from archo_tui.robot.state import Hosted, Life, OpenStop, Snapshot, StopAnswer
+from archo_tui.robot.state import Hosted, Life, OpenStop, Snapshot, StopAnswer, not_offered
 from archo_tui.robot_file.model import RobotFile
 
 
@@ -195,7 +195,8 @@ def conditions(
     battery, motion = snapshot.battery, snapshot.motion
     found: dict[str, str] = {}
     if snapshot.open_stop is not None:
-        found[UNCONFIRMED] = f"{stop_texts(snapshot.open_stop, now)[0]}: use the hardware stop"
+        text = stop_texts(snapshot, snapshot.open_stop, now)[0]
+        found[UNCONFIRMED] = f"{text}: use the hardware stop"
     stop = snapshot.file.stop
     if stop is not None and stop.service in snapshot.several:
         nodes = snapshot.several[stop.service]
@@ -273,11 +274,15 @@ def conditions(
     return found
 
 
-def stop_texts(stop: OpenStop, now: float) -> tuple[str, ...]:
+def stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:
     """What came of a STOP that the robot has not confirmed: in full, and ever shorter."""
     waited, answer, why = now - stop.asked, stop.answer, stop.why
     if answer not in (StopAnswer.AWAITED, StopAnswer.NONE):
         return (f"STOP {answer.value} {why}".rstrip(),)
+    service = "" if snapshot.file.stop is None else snapshot.file.stop.service
+    if service not in snapshot.offered and answer == StopAnswer.AWAITED:
+        # it waits for a server, or the one that it was sent to has left
+        return f"STOP NOT CONFIRMED ({not_offered(service)})", "STOP NOT CONFIRMED"
     if waited < 1:
         return ("STOP SENT",)
     silent = f"STOP SENT, {StopAnswer.NONE.value} {why}".rstrip() + f" for {waited:.0f} s"
