@@ -355,6 +355,25 @@ def test_a_low_battery_that_was_over_is_one_again_when_it_falls_empty() -> None:
     assert [alarm.name for alarm in board.all()] == [EMPTY]
 
 
+def test_silence_while_the_console_was_suspended_is_no_alarm() -> None:
+    board, lost = AlarmBoard(), {CONTACT_LOST: "CONTACT LOST for 6 s"}
+    board.update({STOPPED: "STOPPED: look"}, 0, 100)
+    board.update(lost, 6, 106)  # it was suspended in between
+    assert shown(board).startswith("▲ STOPPED: look (last known)")
+    board.update({STOPPED: "STOPPED: look"}, 7, 107)  # the robot is heard again
+    assert shown(board) == "▲ STOPPED: look   (a acknowledge)"
+    for later in (20, 21, 22, 22.5):
+        board.update(lost, later, 100 + later)
+    assert shown(board).startswith("✗ CONTACT LOST for 6 s")  # it is not
+
+
+def test_a_console_that_stands_still_again_and_again_raises_lost_contact() -> None:
+    board = AlarmBoard()
+    for later in (0, 5, 10):
+        board.update({CONTACT_LOST: "CONTACT LOST"} if later else {}, later, 100 + later)
+    assert shown(board).startswith("✗ CONTACT LOST")
+
+
 @pytest.mark.parametrize("acknowledged", [True, False])
 def test_a_grave_alarm_that_comes_again_rings_again(acknowledged: bool) -> None:
     board, ringer = AlarmBoard(), Ringer()
@@ -374,6 +393,12 @@ def test_a_grave_alarm_whose_shelf_ends_while_it_holds_rings_again() -> None:
     board.update({CONTACT_LOST: "lost"}, 0, 100)
     assert len(ringer.news(board.all())) == 1
     board.shelve(board.all()[0], 1, 101, "a test")
-    for later, rings in ((2, 0), (SHELF_TIME, 0), (SHELF_TIME + 1, 1), (SHELF_TIME + 2, 0)):
+    for later, rings in (
+        (2, 0),
+        (597, 0),
+        (SHELF_TIME, 0),
+        (SHELF_TIME + 1, 1),
+        (SHELF_TIME + 2, 0),
+    ):
         board.update({CONTACT_LOST: "lost"}, later, 100 + later)
         assert len(ringer.news(board.all())) == rings

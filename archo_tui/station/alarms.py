@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
+from archo_tui.robot.period import LEAST_SILENCE
 from archo_tui.robot.state import Hosted, Life, OpenStop, Snapshot, StopAnswer, not_offered
 from archo_tui.robot_file.model import RobotFile
 
@@ -321,16 +322,21 @@ class AlarmBoard:
     def __init__(self) -> None:
         self._alarms: dict[str, Alarm] = {}
         self._pending: dict[str, float] = {}  # condition -> monotonic s since it holds
+        self._looked: float | None = None  # at the last update, monotonic s
+        self._resumed: float | None = None  # behind a pause, of which silence says nothing
+        self._paused = False  # before the last update
 
     def copy(self) -> AlarmBoard:
         """Another one with the same alarms."""
         board = AlarmBoard()
         board._alarms, board._pending = dict(self._alarms), dict(self._pending)
+        board._looked, board._resumed, board._paused = self._looked, self._resumed, self._paused
         return board
 
     def update(self, found: dict[str, str], monotonic: float, now: float) -> list[Alarm]:
         """Take the conditions that hold now (`conditions`); `now` is a Unix time."""
         changed: list[Alarm] = []
+        self._notice_pause(monotonic)
         for alarm in list(self._alarms.values()):
             if alarm.shelf_ends is not None and monotonic >= alarm.shelf_ends:
                 changed += self._change(alarm, Change.UNSHELVE, now)
@@ -343,6 +349,8 @@ class AlarmBoard:
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
                 self._alarms[name] = known._replace(text=text)
+            elif _kind(name) in (CONTACT_LOST, SILENT) and self._just_resumed(monotonic):
+                continue
             elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
                 raised = known or Alarm(name, text, now, State.NORMAL)
                 changed += self._change(raised._replace(text=text), Change.RAISED, now)
@@ -379,6 +387,19 @@ class AlarmBoard:
     def all(self) -> tuple[Alarm, ...]:
         """Unacknowledged first, then active, then by priority; shelved last."""
         return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
+
+    def _notice_pause(self, monotonic: float) -> None:
+        """The console was suspended, or stood still: it could hear nobody, nor could its nodes.
+
+        One that stands still again and again has one such pause: it is not to stay silent.
+        """
+        paused = self._looked is not None and monotonic - self._looked > LEAST_SILENCE
+        if paused and not self._paused:
+            self._resumed = monotonic
+        self._looked, self._paused = monotonic, paused
+
+    def _just_resumed(self, monotonic: float) -> bool:
+        return self._resumed is not None and monotonic - self._resumed < LEAST_SILENCE
 
     def _stands(self, name: str) -> bool:
         return name in self._alarms and not self._alarms[name].is_over

@@ -10,6 +10,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float32
 
+from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
 from tests.support.quiet import until
@@ -70,6 +71,21 @@ async def test_who_speaks_rarely_or_says_what_holds_is_not_silent(maker: Any) ->
         person.type("status\n")
         await person.until("battery GOOD, 42.0 %\n")
         assert "CONTACT LOST" not in person.said
+
+
+async def test_a_console_that_was_suspended_with_its_nodes_has_lost_nobody() -> None:
+    if clock.current is None:
+        pytest.skip("real time passes for all")
+    async with operated() as person:
+        robot = person._plain._station.robot
+        later = seconds() + 5.0
+        await until(lambda: seconds() > later)
+        assert robot.snapshot.battery.period == 1.0
+        clock.current.suspend(6.0)
+        assert person._plain._station.tick() == []  # the first to go on, before the nodes
+        later = seconds() + 5.0
+        await until(lambda: seconds() > later)
+        assert "alarm" not in person.said
 
 
 async def test_what_holds_is_old_when_its_node_has_left() -> None:

@@ -168,7 +168,7 @@ async def silent(state: str) -> AsyncIterator[Typed]:
     robot, standing = StubRobot(STATES[state]), StandingClock()
     async with typing(stub_station(robot, standing)) as person:
         await until(lambda: robot.listening)
-        for standing.passed in (2.2, 8.0):  # long enough for a low battery, then for lost contact
+        for standing.passed in (2.2, 4.4, 6.6, 8.0):  # long enough for lost contact
             robot.put(robot.snapshot)
         yield person
 
