@@ -418,7 +418,7 @@ STALE = (
 @pytest.mark.parametrize(
     ("patch", "said", "hint"),
     [
-        (NO_ROS, "ROS 2 was not found", "pip install 'archo-tui[ros2]'"),
+        (NO_ROS, "ROS 2 was not found", "pip install '.[ros2]' ./interfaces"),
         (NO_INTERFACES, "archo_interfaces is not installed", "pip install ./interfaces"),
         (STALE, "archo_interfaces is out of date, it lacks msg/BatteryStatus", "colcon build"),
     ],
