@@ -275,6 +275,11 @@ def test_each_subcommand_has_a_help_of_its_own(capsys: pytest.CaptureFixture[str
         assert "--plain" not in said
 
 
+def test_where_no_console_runs_the_list_of_them_says_so() -> None:
+    done = archo("consoles")
+    assert (done.returncode, done.stdout, done.stderr) == (3, "", f"archo-tui: {NOBODY}\n")
+
+
 def test_without_a_terminal_it_says_so() -> None:
     done = archo()
     assert done.returncode == 2

@@ -7,7 +7,16 @@ import json
 import signal
 import sys
 
-from archo_tui.remote.client import Unreached, chosen, described, fits, greeted, nobody, one
+from archo_tui.remote.client import (
+    NOBODY,
+    Unreached,
+    chosen,
+    described,
+    fits,
+    greeted,
+    nobody,
+    one,
+)
 from archo_tui.remote.protocol import (
     EXITS,
     FAILED,
@@ -161,6 +170,8 @@ def consoles(words: Sequence[str]) -> int:
         else:
             _print(described(console))
         console.close()
+    if not found:
+        _complain(NOBODY)
     return 0 if found else UNREACHED
 
 
@@ -184,7 +195,7 @@ def _stop(to: str, given: _Words) -> int:
         _complain(fault)
         codes.append(UNREACHED)
     if not told:
-        raise Unreached(faults[0] if faults else nobody(to))
+        raise Unreached(nobody(to, faults))
     for console in told:
         try:
             result = next(said for said in console.rest(_STOPPED) if "code" in said)
