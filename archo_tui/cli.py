@@ -10,7 +10,7 @@ import signal
 import sys
 from argparse import Namespace
 from collections.abc import Callable, Sequence
-from io import StringIO, TextIOWrapper
+from io import StringIO, TextIOBase, TextIOWrapper
 
 from archo_tui import __version__
 from archo_tui.errors import ArchoError
@@ -254,16 +254,35 @@ def main(argv: Sequence[str] | None = None) -> int:
         _complain(str(error))
         return MISUSED
     except OSError as error:
-        if error.errno not in (errno.ENOSPC, errno.EPIPE, errno.EIO) or sys.stdout is None:
+        closed = isinstance(sys.stdout, _Closed)
+        written = error.errno in (errno.ENOSPC, errno.EPIPE, errno.EIO) or closed
+        if not written or sys.stdout is None:
             raise
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes once more
-        _complain(f"cannot write to standard output: {error.strerror}")
+        if not closed:  # Python flushes once more
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if error.errno != errno.EPIPE:  # who reads no further, as `head`, knows it
+            _complain(f"cannot write to standard output: {error.strerror}")
         return FAILED
     finally:
+        if isinstance(sys.stdout, _Closed):
+            sys.stdout = None
         gc.enable()
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
             signal.signal(signal.SIGINT, signal.default_int_handler)
     return code
+
+
+class _Closed(TextIOBase):
+    """Stands for a standard output that is closed, in which Python would lose what is printed."""
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+
+
+def _no_loss() -> None:
+    """What cannot be printed is an error from here on."""
+    if sys.stdout is None:
+        sys.stdout = _Closed()
 
 
 def _itself() -> list[str]:
@@ -280,11 +299,14 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     if words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS:
         from archo_tui.remote import shell  # at once: it may stand in a prompt
 
+        _no_loss()
         return shell.run(words, SUBCOMMANDS)
     options = parser().parse_args(words)
     if not options.command:
         return _run(options, ros_args)
     name, *rest = options.command
+    if name != "mcp":  # which speaks there, and says itself that it cannot
+        _no_loss()
     if name not in SUBCOMMANDS:
         return _speak(options)
     what, add_options, run = SUBCOMMANDS[name]
