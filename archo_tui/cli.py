@@ -10,10 +10,11 @@ import signal
 import sys
 from argparse import Namespace
 from collections.abc import Callable, Sequence
-from io import StringIO, TextIOWrapper
+from io import StringIO, TextIOBase, TextIOWrapper
 
 from archo_tui import __version__
 from archo_tui.errors import ArchoError
+from archo_tui.robot_file.reserved import VERBS
 
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
 if TYPE_CHECKING:
@@ -86,13 +87,17 @@ def parser(*, for_words: bool = True) -> argparse.ArgumentParser:
     made = _Parser(
         "archo-tui",
         _DESCRIPTION + commands,
-        usage="archo-tui [option ...]\n       archo-tui COMMAND ...",
+        usage="archo-tui [option ...]\n       archo-tui COMMAND ...\n       archo-tui VERB ...",
         epilog="A stop from here is a software stop: it does not replace the hardware one. "
         "What libraries print while the screen is shown goes to stderr.log, beside the journal.",
         add_help=False,  # it stands in the last group
     )
     if for_words:
         made.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    made.add_argument_group(
+        "verbs (archo-tui VERB --help says more)",
+        f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own; a console must run",
+    )
     nodes = made.add_argument_group("your own nodes")
     nodes.add_argument(
         "--node",
@@ -249,16 +254,35 @@ def main(argv: Sequence[str] | None = None) -> int:
         _complain(str(error))
         return MISUSED
     except OSError as error:
-        if error.errno not in (errno.ENOSPC, errno.EPIPE, errno.EIO) or sys.stdout is None:
+        closed = isinstance(sys.stdout, _Closed)
+        written = error.errno in (errno.ENOSPC, errno.EPIPE, errno.EIO) or closed
+        if not written or sys.stdout is None:
             raise
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python flushes once more
-        _complain(f"cannot write to standard output: {error.strerror}")
+        if not closed:  # Python flushes once more
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if error.errno != errno.EPIPE:  # who reads no further, as `head`, knows it
+            _complain(f"cannot write to standard output: {error.strerror}")
         return FAILED
     finally:
+        if isinstance(sys.stdout, _Closed):
+            sys.stdout = None
         gc.enable()
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
             signal.signal(signal.SIGINT, signal.default_int_handler)
     return code
+
+
+class _Closed(TextIOBase):
+    """Stands for a standard output that is closed, in which Python would lose what is printed."""
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+
+
+def _no_loss() -> None:
+    """What cannot be printed is an error from here on."""
+    if sys.stdout is None:
+        sys.stdout = _Closed()
 
 
 def _itself() -> list[str]:
@@ -270,14 +294,19 @@ def _itself() -> list[str]:
 
 def _obey(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand that is named, else the console."""
+    if words[:1] == ["help"]:  # of a verb or a command no word more: behind a STOP it would stop
+        words = [*words[1:2], "--help"]
     if words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS:
         from archo_tui.remote import shell  # at once: it may stand in a prompt
 
+        _no_loss()
         return shell.run(words, SUBCOMMANDS)
     options = parser().parse_args(words)
     if not options.command:
         return _run(options, ros_args)
     name, *rest = options.command
+    if name != "mcp":  # which speaks there, and says itself that it cannot
+        _no_loss()
     if name not in SUBCOMMANDS:
         return _speak(options)
     what, add_options, run = SUBCOMMANDS[name]
@@ -302,6 +331,8 @@ def _speak(options: Namespace) -> int:
     if given:
         raise ArchoError(f"--{given[0]} is for the console, not for {options.command[0]}")
     to = ["--to", options.namespace] if options.namespace != "/" else []
+    if options.command[1:] == ["--help"] and options.command[0] in ("stop", "wait"):
+        return run(options.command, SUBCOMMANDS)  # alone, which no console is asked for
     if options.engine == "embedded":
         return run([*options.command, *to], SUBCOMMANDS)
     from archo_tui.remote.once import attached

@@ -22,7 +22,7 @@ ENGINES = (EMBEDDED, ROS2)
 _CHECKOUT = Path(__file__).parent.parent
 _GET_ROS = (
     "source an installation (. /opt/ros/jazzy/setup.bash) or, on Linux x86-64, "
-    "pip install 'archo-tui[ros2]'"
+    "in a clone of archo-tui: pip install '.[ros2]' ./interfaces (docs/ros2.md)"
 )
 _GET_INTERFACES = (
     "pip install ./interfaces, or colcon build --packages-select archo_interfaces and source "

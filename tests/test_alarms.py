@@ -134,13 +134,14 @@ def test_lost_contact_hides_what_was_last_heard() -> None:
 
 # the whole state machine: state, what happens, state afterwards (all else changes nothing)
 N, U, A = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
-O, S = State.OVER, State.SHELVED  # noqa: E741
+O, S, R = State.OVER, State.SHELVED, State.REPLACED  # noqa: E741
 TABLE = {
     N: {Change.RAISED: U},
-    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S, Change.REPLACED: N},
-    A: {Change.CLEARED: N, Change.SHELVE: S, Change.REPLACED: N},
+    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S, Change.REPLACED: R},
+    A: {Change.CLEARED: N, Change.SHELVE: S, Change.REPLACED: R},
     O: {Change.RAISED: U, Change.ACKNOWLEDGE: N, Change.SHELVE: S},
     S: {Change.UNSHELVE: N},
+    R: {},
 }
 
 
@@ -342,7 +343,7 @@ def test_a_low_battery_stays_an_alarm_until_it_counts_as_empty() -> None:
     assert [alarm.name for alarm in board.all()] == [EMPTY]
     assert [(alarm.name, alarm.state) for alarm in changed] == [
         (EMPTY, State.UNACKNOWLEDGED),
-        (LOW, State.NORMAL),
+        (LOW, State.REPLACED),
     ]
 
 
@@ -357,6 +358,25 @@ def test_a_low_battery_that_was_over_is_one_again_when_it_falls_empty() -> None:
     assert shown(board).startswith("▲ LOW BATTERY 0.1 %")
     board.update(empty, 6, 106)
     assert [alarm.name for alarm in board.all()] == [EMPTY]
+
+
+def test_silence_while_the_console_was_suspended_is_no_alarm() -> None:
+    board, lost = AlarmBoard(), {CONTACT_LOST: "CONTACT LOST for 6 s"}
+    board.update({STOPPED: "STOPPED: look"}, 0, 100)
+    board.update(lost, 6, 106)  # it was suspended in between
+    assert shown(board).startswith("▲ STOPPED: look (last known)")
+    board.update({STOPPED: "STOPPED: look"}, 7, 107)  # the robot is heard again
+    assert shown(board) == "▲ STOPPED: look   (a acknowledge)"
+    for later in (20, 21, 22, 22.5):
+        board.update(lost, later, 100 + later)
+    assert shown(board).startswith("✗ CONTACT LOST for 6 s")  # it is not
+
+
+def test_a_console_that_stands_still_again_and_again_raises_lost_contact() -> None:
+    board = AlarmBoard()
+    for later in (0, 5, 10):
+        board.update({CONTACT_LOST: "CONTACT LOST"} if later else {}, later, 100 + later)
+    assert shown(board).startswith("✗ CONTACT LOST")
 
 
 @pytest.mark.parametrize("acknowledged", [True, False])
@@ -378,6 +398,12 @@ def test_a_grave_alarm_whose_shelf_ends_while_it_holds_rings_again() -> None:
     board.update({CONTACT_LOST: "lost"}, 0, 100)
     assert len(ringer.news(board.all())) == 1
     board.shelve(board.all()[0], 1, 101, "a test")
-    for later, rings in ((2, 0), (SHELF_TIME, 0), (SHELF_TIME + 1, 1), (SHELF_TIME + 2, 0)):
+    for later, rings in (
+        (2, 0),
+        (597, 0),
+        (SHELF_TIME, 0),
+        (SHELF_TIME + 1, 1),
+        (SHELF_TIME + 2, 0),
+    ):
         board.update({CONTACT_LOST: "lost"}, later, 100 + later)
         assert len(ringer.news(board.all())) == rings

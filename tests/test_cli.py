@@ -15,7 +15,9 @@ import pytest
 from archo_tui import __version__, shutdown
 from archo_tui.cli import main, split_ros_args
 from archo_tui.robot_file.load import default
+from archo_tui.verbs import verbs
 from tests.support import chosen
+from tests.support.archo import ARCHO
 
 Refused = Callable[..., str]
 RED = "\N{REPLACEMENT CHARACTER}[31m"  # a sequence, as it is shown
@@ -95,11 +97,17 @@ def test_version_and_help() -> None:
         assert option in said
     heads = [line for line in said.splitlines() if line.endswith(":") and line[0] != " "]
     assert heads == [
-        *("examples:", "commands (archo-tui COMMAND --help says more):", "your own nodes:"),
+        *("examples:", "commands (archo-tui COMMAND --help says more):"),
+        *("verbs (archo-tui VERB --help says more):", "your own nodes:"),
         *("the robot:", "ROS 2:", "how it is operated:", "about:"),
     ]
     examples = said.partition("examples:\n")[2].partition("\n\n")[0].splitlines()
     assert [line[:11] for line in examples] == ["  archo-tui"] * 3
+    listed = said.partition("VERB --help says more):\n")[2].partition(";")[0]
+    own = {*listed.replace(",", " ").split()} - {"wait"}
+    robots = {command.id for command in ARCHO.commands} | {"discharge"}
+    assert own == {*verbs(ARCHO, {})} - robots
+    assert archo("help").stdout == said
 
 
 @pytest.mark.parametrize(("columns", "width"), [("", 80), ("wide", 80), ("0", 80), ("60", 60)])
@@ -267,6 +275,11 @@ def test_each_subcommand_has_a_help_of_its_own(capsys: pytest.CaptureFixture[str
         assert "--plain" not in said
 
 
+def test_where_no_console_runs_the_list_of_them_says_so() -> None:
+    done = archo("consoles")
+    assert (done.returncode, done.stdout, done.stderr) == (3, "", f"archo-tui: {NOBODY}\n")
+
+
 def test_without_a_terminal_it_says_so() -> None:
     done = archo()
     assert done.returncode == 2
@@ -410,7 +423,7 @@ STALE = (
 @pytest.mark.parametrize(
     ("patch", "said", "hint"),
     [
-        (NO_ROS, "ROS 2 was not found", "pip install 'archo-tui[ros2]'"),
+        (NO_ROS, "ROS 2 was not found", "pip install '.[ros2]' ./interfaces"),
         (NO_INTERFACES, "archo_interfaces is not installed", "pip install ./interfaces"),
         (STALE, "archo_interfaces is out of date, it lacks msg/BatteryStatus", "colcon build"),
     ],

@@ -247,7 +247,10 @@ def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:
         ("archo --plain >&- </dev/null", 2, "--plain needs a standard output, and it is closed"),
         ("echo status | archo --plain >/dev/full", 1, ""),
         ("archo keys >/dev/full", 1, "cannot write to standard output: No space left"),
-        ("archo keys >&-", 0, ""),
+        ("archo keys >&-", 1, "cannot write to standard output: Bad file descriptor"),
+        ("archo recordings >&-", 1, "cannot write to standard output: Bad file descriptor"),
+        ("archo status >&-", 3, "no console runs here"),
+        ("archo keys | true", 0, ""),
         ("archo --help >&-", 0, ""),
         ("echo nonsense | archo --plain 2>&-", 1, ""),
         (
@@ -262,6 +265,7 @@ def test_no_input_or_output_whatever_is_a_traceback(command: str, code: int, sai
     done = shell(command)
     assert b"Traceback" not in done.stderr + done.stdout
     assert b"Exception" not in done.stderr
+    assert b"Broken pipe" not in done.stderr  # who reads no further knows it
     assert (done.returncode, said in done.stderr.decode()) == (code, True), done
 
 

@@ -9,10 +9,12 @@ import pytest
 from archo_tui.robot.state import Snapshot
 from archo_tui.words import spoken
 from archo_tui.words.state import motion_word
-from tests.console.states import NORMAL, STATES
+from tests.console.states import BATTERY, NORMAL, STATES
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG
-from tests.support.plain import Typed, operated, plain
+from tests.support.plain import Typed, operated, plain, typing
+from tests.support.quiet import until
+from tests.support.stub import StandingClock, StubRobot, stub_station
 
 
 def lines(said: str) -> list[str]:
@@ -57,6 +59,20 @@ async def test_a_drive_with_queue_stop_and_low_battery_repeats_nothing() -> None
     check_is_for_ears(told)
     assert [line for line in lines(told) if "shelf 3" in line] == []
     assert len([line for line in lines(told) if "release it first" in line]) == 1
+
+
+async def test_a_battery_that_falls_empty_is_never_called_normal() -> None:
+    low = NORMAL._replace(battery=BATTERY._replace(percentage=12.0, health="warning"))
+    empty = NORMAL._replace(battery=BATTERY._replace(percentage=0.0, health="warning"))
+    robot, standing = StubRobot(low), StandingClock()
+    async with typing(stub_station(robot, standing)) as person:
+        await until(lambda: robot.listening)
+        for standing.passed, snapshot in ((2.1, low), (2.2, empty), (4.3, empty)):
+            now = snapshot.battery._replace(received=standing.monotonic())
+            robot.put(snapshot._replace(battery=now))
+        await person.until("alarm unacknowledged: BATTERY EMPTY")
+        await person.until("alarm replaced by a graver one: low battery")
+    assert "alarm normal" not in person.said
 
 
 async def typed(person: Typed, line: str, said: str) -> None:

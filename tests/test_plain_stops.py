@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from rclpy.node import Node
 
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
@@ -301,3 +302,12 @@ async def test_a_release_that_was_asked_before_another_consoles_stop_is_void() -
         await person.until(f"failed: release: {VOID}")
         assert await person.end() == 1
     assert "release stop" not in person.said
+
+
+async def test_a_stop_that_no_node_serves_is_never_called_sent() -> None:
+    async with operated(lambda **options: Node("none", **options)) as person:
+        person.type("stop\n")
+        said = "STOP NOT CONFIRMED (emergency_stop is not offered by any node): use the hardware"
+        await person.until(f"alarm unacknowledged: {said}")
+        await person.until("failed: stop: /emergency_stop is not offered by any node")
+    assert "STOP SENT" not in person.said

@@ -13,7 +13,7 @@ from archo_tui.recording.box import KEPT
 
 
 def lines(*, as_json: bool) -> Iterator[str]:
-    """`2026-11-22_03-12-07_STOP   65 s   0.2 MB   STOP`, the newest first."""
+    """`2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`, the newest first."""
     found = _listed()[::-1]
     widest = max((len(one.name) for one in found), default=0)
     for one in found:
@@ -38,9 +38,9 @@ def lines(*, as_json: bool) -> Iterator[str]:
 
 def line(one: store.Recording, width: int) -> str:
     """With its name in so many cells."""
-    size = f"{one.seconds:5.0f} s  {one.bytes / 1e6:7.1f} MB"
+    size = f"{one.bytes / 1e6:7.1f} MB" if one.bytes >= 1e6 else f"{one.bytes / 1e3:7.0f} kB"
     kept = ", kept" if one.kept and KEPT not in one.why.split(", ") else ""
-    return f"{one.name:<{width}}  {size}  {one.why}{kept}"
+    return f"{one.name:<{width}}  {one.seconds:5.0f} s  {size}  {one.why}{kept}"
 
 
 def delete(names: Sequence[str]) -> Iterator[str]:

@@ -13,10 +13,12 @@ from archo_tui.remote.protocol import GONE, PROTOCOL, line, message
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
     from typing import Any
 
 CHOSEN = "ARCHO_TUI_CONSOLE"  # the environment's word for `--to`
+NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
+_MUTE = "the console does not answer"
 UNANSWERED = "the console does not answer; the robot may still be moving"
 
 
@@ -35,7 +37,7 @@ class Connection:
             self.hello = next(self._messages())
         except (StopIteration, OSError, ValueError):
             connected.close()
-            raise Unreached("the console does not answer") from None
+            raise Unreached(_MUTE) from None
         spoken = self.hello.get("protocol")
         if spoken != PROTOCOL:
             connected.close()
@@ -43,6 +45,9 @@ class Connection:
                 f"the console of pid {self.hello.get('pid')} speaks protocol {spoken}, "
                 f"this archo-tui {PROTOCOL}: use the same version of both"
             )
+        if not _is_whole(self.hello):
+            connected.close()
+            raise Unreached(_MUTE)
         connected.settimeout(None)
 
     def request(self, **asked: Any) -> Iterator[dict[str, Any]]:
@@ -102,6 +107,12 @@ class Connection:
             self._rest += chunk
 
 
+def _is_whole(hello: dict[str, Any]) -> bool:
+    """True when it has what a console is called by."""
+    texts = all(isinstance(hello.get(name), str) for name in ("robot", "namespace", "engine"))
+    return texts and type(hello.get("pid")) is int
+
+
 def greeted(faults: list[str]) -> Iterator[Connection]:
     """Those that run here, each as soon as it says hello; `faults` is told why others do not."""
     if not hasattr(socket, "AF_UNIX"):
@@ -139,9 +150,12 @@ def _ready(waiting: list[socket.socket], seconds: float) -> list[Any]:
         return [key.fileobj for key, _ in selector.select(max(seconds, 0.0))]
 
 
-def consoles() -> list[Connection]:
-    """All that run here, by their numbers. Raises Unreached when none can be spoken to."""
-    faults: list[str] = []
+def consoles(faults: list[str] | None = None) -> list[Connection]:
+    """All that run here, by their numbers; `faults` is told why others cannot be spoken to.
+
+    Raises Unreached when all of them cannot.
+    """
+    faults = [] if faults is None else faults
     found = sorted(greeted(faults), key=lambda console: int(console.hello["pid"]))
     if faults and not found:
         raise Unreached(faults[0])
@@ -163,22 +177,23 @@ def fits(console: Connection, to: str) -> bool:
 
 def chosen(to: str = "") -> list[Connection]:
     """Those that fit: of that number or namespace, or all. Raises Unreached when none does."""
-    found = consoles()
+    faults: list[str] = []
+    found = consoles(faults)
     fitting = [console for console in found if fits(console, to)]
     for other in found:
         if other not in fitting:
             other.close()
     if not fitting:
-        raise Unreached(nobody(to))
+        raise Unreached(nobody(to, faults))
     return fitting
 
 
-def nobody(to: str) -> str:
-    """That none fits."""
+def nobody(to: str, faults: Sequence[str]) -> str:
+    """That none fits; one that cannot be spoken to may be the one that was meant."""
     to = to or os.environ.get(CHOSEN, "")
-    if to:
-        return f"no console {to} runs here (archo-tui consoles lists them)"
-    return "no console runs here: start archo-tui, or archo-tui --plain"
+    if faults:
+        return f"no console {to} answers here; {faults[0]}" if to else faults[0]
+    return f"no console {to} runs here (archo-tui consoles lists them)" if to else NOBODY
 
 
 def one(to: str = "") -> Connection:

@@ -7,7 +7,16 @@ import json
 import signal
 import sys
 
-from archo_tui.remote.client import Unreached, chosen, described, fits, greeted, nobody, one
+from archo_tui.remote.client import (
+    NOBODY,
+    Unreached,
+    chosen,
+    described,
+    fits,
+    greeted,
+    nobody,
+    one,
+)
 from archo_tui.remote.protocol import (
     EXITS,
     FAILED,
@@ -96,6 +105,13 @@ def run(
 
     `attach` makes what is spoken to where no console runs.
     """
+    if len(words) == 2 and words[1] == "--help":
+        from archo_tui.remote.verb_help import own
+
+        known = own(words)
+        if known:
+            _print(known)
+            return 0
     try:
         given = _Words(words)
         timeout = given.timeout
@@ -154,6 +170,8 @@ def consoles(words: Sequence[str]) -> int:
         else:
             _print(described(console))
         console.close()
+    if not found:
+        _complain(NOBODY)
     return 0 if found else UNREACHED
 
 
@@ -177,7 +195,7 @@ def _stop(to: str, given: _Words) -> int:
         _complain(fault)
         codes.append(UNREACHED)
     if not told:
-        raise Unreached(faults[0] if faults else nobody(to))
+        raise Unreached(nobody(to, faults))
     for console in told:
         try:
             result = next(said for said in console.rest(_STOPPED) if "code" in said)
@@ -236,7 +254,12 @@ def _end(result: dict[str, Any], given: _Words) -> int:
     if "--json" in given.flags:
         _print_json(result)
     elif code:
-        _complain(f"{given.rest[0] if given.rest else ''}: {result['text']}".lstrip(": "))
+        said = result["text"].replace("(help lists them)", "(archo-tui --help lists them)")
+        _complain(f"{given.rest[0] if given.rest else ''}: {said}".lstrip(": "))
+    elif given.rest[1:] == ["--help"] and not given.stops:
+        from archo_tui.remote.verb_help import with_options
+
+        _print(with_options(given.rest[0], result["text"]))
     elif "--line" in given.flags and isinstance(data, dict) and "line" in data:
         _print(data["line"])
     elif result.get("tells"):

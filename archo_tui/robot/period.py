@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 _MEASURED = 5  # intervals, of which the median is the period
 LEAST_SILENCE = 2.5  # s
+UNMEASURED = 30.0  # s of silence before the period is known: longer than that of most topics
 _SMOOTHING = 0.2  # weight of the newest interval in a pace
 
 
@@ -56,12 +57,18 @@ class Pace(NamedTuple):
         return 1 / self.interval if self.interval else None
 
     def is_silent(self, now: float) -> bool:
-        """True when nothing was heard for three intervals, at least 2.5 s."""
-        return is_silent(self.heard, self.interval, now)
+        """True when nothing was heard for three intervals, at least 2.5 s; one was not: no."""
+        return is_silent(self.heard, self.interval, now, None)
 
 
-def is_silent(received: float | None, period: float | None, now: float) -> bool:
-    """True when nothing was heard for three periods, at least 2.5 s; unknown: not judged."""
-    if received is None or period is None:
+def is_silent(
+    received: float | None, period: float | None, now: float, grace: float | None
+) -> bool:
+    """True when nothing was heard for three periods, at least 2.5 s.
+
+    Before the period is known: for `grace` s; None: it is not judged.
+    """
+    if received is None:
         return False
-    return now - received > max(3 * period, LEAST_SILENCE)
+    longest = grace if period is None else max(3 * period, LEAST_SILENCE)
+    return longest is not None and now - received > longest

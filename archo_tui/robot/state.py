@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from archo_tui.robot.acts import Act
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.period import Pace, is_silent
+from archo_tui.robot.period import UNMEASURED, Pace, is_silent
 from archo_tui.robot.readings import number
 from archo_tui.robot.values import same, text_of
 from archo_tui.robot_file.model import FormField, Gauge, GoalKind, Limit, Link, RobotFile
@@ -36,10 +36,11 @@ class Battery(NamedTuple):
     received: float | None = None
     period: float | None = 1.0  # s; None before two readings
     unreadable: str = ""  # what came instead of a percentage
+    grace: float | None = UNMEASURED  # s of silence before the period is known; None: any
 
     def is_old(self, now: float) -> bool:
         """True when nothing was heard for three of its periods."""
-        return is_silent(self.received, self.period, now)
+        return is_silent(self.received, self.period, now, self.grace)
 
 
 @dataclass(frozen=True)
@@ -52,10 +53,11 @@ class Motion:
     stopped: bool | None = None  # latched by the software stop
     received: float | None = None
     period: float | None = 0.2  # s; None before two readings
+    grace: float | None = UNMEASURED  # s of silence before the period is known; None: any
 
     def is_old(self, now: float) -> bool:
         """True when nothing was heard for three of its periods."""
-        return is_silent(self.received, self.period, now)
+        return is_silent(self.received, self.period, now, self.grace)
 
 
 class Reading(NamedTuple):
@@ -66,10 +68,11 @@ class Reading(NamedTuple):
     received: float | None = None
     period: float | None = None  # s; None before two readings
     unreadable: str = ""  # what came instead of a number
+    grace: float | None = UNMEASURED  # s of silence before the period is known; None: any
 
     def is_old(self, now: float) -> bool:
         """True when nothing was heard for three of its periods."""
-        return is_silent(self.received, self.period, now)
+        return is_silent(self.received, self.period, now, self.grace)
 
     @property
     def warns(self) -> str:

@@ -14,7 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from archo_tui.clock import Clock
 from archo_tui.robot import message_classes, messages
 from archo_tui.robot.listener import Listener
-from archo_tui.robot.period import Period
+from archo_tui.robot.period import LEAST_SILENCE, UNMEASURED, Period
 from archo_tui.robot.readings import as_received, flag, integer, number, read
 from archo_tui.robot.state import Battery, Motion, Reading
 from archo_tui.robot.text import harmless
@@ -70,6 +70,7 @@ class Telemetry:
         self._warn = warn
         self._subscriptions: dict[object, tuple[tuple[str, bool, bool], Any]] = {}
         self._periods: dict[object, Period] = {}
+        self._graces: dict[object, float | None] = {}  # see Battery
         self.faults: dict[str, str] = {}  # why a topic, or one of its publishers, is not heard
         self.battery = Battery()
         self.motion = Motion()
@@ -94,6 +95,11 @@ class Telemetry:
                 partial(self._on_gauge, place),
                 faults,
             )
+        self.battery = self.battery._replace(grace=self._grace("battery"))
+        self.motion = replace(self.motion, grace=self._grace("motion"))
+        self.gauges = tuple(
+            reading._replace(grace=self._grace(place)) for place, reading in enumerate(self.gauges)
+        )
         for topic, fault in faults.items():
             if self.faults.get(topic) != fault:
                 self._warn(fault)
@@ -125,6 +131,7 @@ class Telemetry:
     ) -> None:
         publishers = self._node.get_publishers_info_by_topic(topic)
         if not publishers:
+            self._graces[key] = LEAST_SILENCE  # nobody is there to say more
             return  # keep listening: the publisher may come back
         kinds = sorted({info.topic_type for info in publishers})
         known = {kind: message_classes.load(kind) for kind in kinds if kind in types}
@@ -145,6 +152,8 @@ class Telemetry:
         latched = all(
             info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers
         )
+        # what is latched may be said once, and holds while its publisher is there
+        self._graces[key] = None if latched else UNMEASURED
         wanted = (kind, reliable, latched)
         if old is not None and old[0] == wanted:
             return
@@ -181,6 +190,7 @@ class Telemetry:
             received=now,
             period=self._fixed(self._robot.battery) or self._measured("battery", now),
             unreadable=unreadable,
+            grace=self._grace("battery"),
         )
         self._sample(now, turned=charging != self.battery.charging)
         self._heard(topic, _news(last, self.battery, *_BATTERY))
@@ -196,6 +206,7 @@ class Telemetry:
             stopped=flag(found.get("stopped")),
             received=now,
             period=self._fixed(self._robot.motion) or self._measured("motion", now),
+            grace=self._grace("motion"),
         )
         self._heard(self._robot.motion.topic, _news(last, self.motion, *_MOTION))
 
@@ -206,13 +217,17 @@ class Telemetry:
         unreadable = "" if reading is not None else as_received(value)
         if unreadable and not last.unreadable:
             self._warn(f"{gauge.topic}: {gauge.title} {unreadable} is not {_range_text(gauge)}")
-        new = Reading(gauge, reading, now, self._measured(place, now), unreadable)
+        period, grace = self._measured(place, now), self._grace(place)
+        new = Reading(gauge, reading, now, period, unreadable, grace)
         self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
         self._heard(gauge.topic, _news(last, new, *_GAUGE))
 
     def _measured(self, key: object, now: float) -> float | None:
         self._periods[key] = self._periods.get(key, Period()).heard(now)
         return self._periods[key].seconds
+
+    def _grace(self, key: object) -> float | None:
+        return self._graces.get(key, UNMEASURED)
 
     def _fixed(self, topic: Any) -> float | None:
         return None if topic is None else topic.period

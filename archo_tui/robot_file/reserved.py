@@ -7,13 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+# the verbs of every robot, as they are typed
+VERBS = (
+    *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
+    *("status", "history", "events", "keep", "alarms", "ack", "shelve"),
+    *("params", "get", "set", "undo", "save", "load"),
+    *("nodes", "start", "halt", "copy", "log_level", "send_goal", "call"),
+)
 RESERVED = frozenset(
     {
-        # verbs, as they are typed
-        *("go", "cancel", "continue", "skip", "stop", "release", "get", "set", "undo", "params"),
-        *("save", "load", "nodes", "start", "halt", "copy", "alarms", "ack", "shelve"),
-        *("status", "events", "history", "keep", "help", "quit"),
-        *("send_goal", "call", "give_up_stop", "log_level"),
+        *VERBS,
+        *("help", "quit"),
         # subcommands of archo-tui
         *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
         *("recordings", "replay", "rewind"),

@@ -14,15 +14,15 @@ from archo_tui.screens.shelve import ShelveReason
 from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
 from archo_tui.station.station import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
-from archo_tui.words.alarm import times
+from archo_tui.words.alarm import standing
 
 _INDENT = " " * 8
 
 
 def alarm_lines(alarm: Alarm, width: int, _columns: Columns) -> list[Text]:
-    """`✗ HIGH  unacknowledged  since 12:04:31`, and what to do below."""
+    """`✗ HIGH  since 12:04:31, unacknowledged`, and what to do below."""
     style = {State.UNACKNOWLEDGED: "bold", State.SHELVED: QUIET}.get(alarm.state, "")
-    head = f"{alarm.priority.value:<7} {alarm.state.value:<21} {times(alarm)}"
+    head = f"{alarm.priority.value:<7} {standing(alarm)}"
     text = textwrap.wrap(alarm.text, max(width - len(_INDENT), 20))
     return [(head, style), *((_INDENT + line, style) for line in text)]
 

@@ -15,7 +15,7 @@ from archo_tui.widgets.rows import Columns, Rows, Text
 
 
 def recording_lines(recording: Recording, _width: int, _columns: Columns) -> list[Text]:
-    """`2026-11-22_03-12-07_STOP   65 s   0.2 MB   STOP`."""
+    """`2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`."""
     return [(line(recording, len(recording.name)), "")]
 
 

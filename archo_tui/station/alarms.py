@@ -9,7 +9,8 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
-from archo_tui.robot.state import Hosted, Life, OpenStop, Snapshot, StopAnswer
+from archo_tui.robot.period import LEAST_SILENCE
+from archo_tui.robot.state import Hosted, Life, OpenStop, Snapshot, StopAnswer, not_offered
 from archo_tui.robot_file.model import RobotFile
 
 
@@ -34,6 +35,7 @@ class State(Enum):
     ACKNOWLEDGED = "acknowledged"
     OVER = "over, unacknowledged"
     SHELVED = "shelved"
+    REPLACED = "replaced by a graver one"  # of the same cause: it is not normal, and gone
 
 
 class Change(Enum):
@@ -48,7 +50,7 @@ class Change(Enum):
 
 
 _NORMAL, _UNSEEN, _SEEN = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
-_OVER, _SHELVED = State.OVER, State.SHELVED
+_OVER, _SHELVED, _REPLACED = State.OVER, State.SHELVED, State.REPLACED
 # what is not here changes nothing; a shelved alarm that clears stays shelved for its time, and is
 # raised again after it if its condition holds then
 TRANSITIONS: dict[tuple[State, Change], State] = {
@@ -56,10 +58,10 @@ TRANSITIONS: dict[tuple[State, Change], State] = {
     (_UNSEEN, Change.CLEARED): _OVER,
     (_UNSEEN, Change.ACKNOWLEDGE): _SEEN,
     (_UNSEEN, Change.SHELVE): _SHELVED,
-    (_UNSEEN, Change.REPLACED): _NORMAL,
+    (_UNSEEN, Change.REPLACED): _REPLACED,
     (_SEEN, Change.CLEARED): _NORMAL,
     (_SEEN, Change.SHELVE): _SHELVED,
-    (_SEEN, Change.REPLACED): _NORMAL,
+    (_SEEN, Change.REPLACED): _REPLACED,
     (_OVER, Change.RAISED): _UNSEEN,
     (_OVER, Change.ACKNOWLEDGE): _NORMAL,
     (_OVER, Change.SHELVE): _SHELVED,
@@ -194,7 +196,8 @@ def conditions(
     battery, motion = snapshot.battery, snapshot.motion
     found: dict[str, str] = {}
     if snapshot.open_stop is not None:
-        found[UNCONFIRMED] = f"{stop_texts(snapshot.open_stop, now)[0]}: use the hardware stop"
+        text = stop_texts(snapshot, snapshot.open_stop, now)[0]
+        found[UNCONFIRMED] = f"{text}: use the hardware stop"
     stop = snapshot.file.stop
     if stop is not None and stop.service in snapshot.several:
         nodes = snapshot.several[stop.service]
@@ -272,11 +275,15 @@ def conditions(
     return found
 
 
-def stop_texts(stop: OpenStop, now: float) -> tuple[str, ...]:
+def stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:
     """What came of a STOP that the robot has not confirmed: in full, and ever shorter."""
     waited, answer, why = now - stop.asked, stop.answer, stop.why
     if answer not in (StopAnswer.AWAITED, StopAnswer.NONE):
         return (f"STOP {answer.value} {why}".rstrip(),)
+    service = "" if snapshot.file.stop is None else snapshot.file.stop.service
+    if service not in snapshot.offered and answer == StopAnswer.AWAITED:
+        # it waits for a server, or the one that it was sent to has left
+        return f"STOP NOT CONFIRMED ({not_offered(service)})", "STOP NOT CONFIRMED"
     if waited < 1:
         return ("STOP SENT",)
     silent = f"STOP SENT, {StopAnswer.NONE.value} {why}".rstrip() + f" for {waited:.0f} s"
@@ -314,16 +321,21 @@ class AlarmBoard:
     def __init__(self) -> None:
         self._alarms: dict[str, Alarm] = {}
         self._pending: dict[str, float] = {}  # condition -> monotonic s since it holds
+        self._looked: float | None = None  # at the last update, monotonic s
+        self._resumed: float | None = None  # behind a pause, of which silence says nothing
+        self._paused = False  # before the last update
 
     def copy(self) -> AlarmBoard:
         """Another one with the same alarms."""
         board = AlarmBoard()
         board._alarms, board._pending = dict(self._alarms), dict(self._pending)
+        board._looked, board._resumed, board._paused = self._looked, self._resumed, self._paused
         return board
 
     def update(self, found: dict[str, str], monotonic: float, now: float) -> list[Alarm]:
         """Take the conditions that hold now (`conditions`); `now` is a Unix time."""
         changed: list[Alarm] = []
+        self._notice_pause(monotonic)
         for alarm in list(self._alarms.values()):
             if alarm.shelf_ends is not None and monotonic >= alarm.shelf_ends:
                 changed += self._change(alarm, Change.UNSHELVE, now)
@@ -336,6 +348,8 @@ class AlarmBoard:
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
                 self._alarms[name] = known._replace(text=text)
+            elif _kind(name) in (CONTACT_LOST, SILENT) and self._just_resumed(monotonic):
+                continue
             elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
                 raised = known or Alarm(name, text, now, State.NORMAL)
                 changed += self._change(raised._replace(text=text), Change.RAISED, now)
@@ -373,6 +387,19 @@ class AlarmBoard:
         """Unacknowledged first, then active, then by priority; shelved last."""
         return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
 
+    def _notice_pause(self, monotonic: float) -> None:
+        """The console was suspended, or stood still: it could hear nobody, nor could its nodes.
+
+        One that stands still again and again has one such pause: it is not to stay silent.
+        """
+        paused = self._looked is not None and monotonic - self._looked > LEAST_SILENCE
+        if paused and not self._paused:
+            self._resumed = monotonic
+        self._looked, self._paused = monotonic, paused
+
+    def _just_resumed(self, monotonic: float) -> bool:
+        return self._resumed is not None and monotonic - self._resumed < LEAST_SILENCE
+
     def _stands(self, name: str) -> bool:
         return name in self._alarms and not self._alarms[name].is_over
 
@@ -386,7 +413,7 @@ class AlarmBoard:
             new = new._replace(since=since, until=None)
         if state != State.SHELVED:
             new = new._replace(shelf_ends=None, shelved_until=None)
-        if state == State.NORMAL:
+        if state in (State.NORMAL, State.REPLACED):
             self._alarms.pop(alarm.name, None)
         else:
             self._alarms[alarm.name] = new

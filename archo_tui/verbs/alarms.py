@@ -10,7 +10,7 @@ from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import state
 from archo_tui.verbs.base import Argument, Values, Verb
-from archo_tui.words.alarm import times
+from archo_tui.words.alarm import standing
 
 ALL = "all"
 _FOR = f"shelved for {SHELF_TIME / 60:.0f} min"
@@ -22,10 +22,7 @@ class Alarms(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         station.look()
-        lines = [
-            f"{alarm.name}: {alarm.state.value} {times(alarm)}: {alarm.text}"
-            for alarm in station.view.alarms
-        ]
+        lines = [f"{alarm.name}, {standing(alarm)}: {alarm.text}" for alarm in station.view.alarms]
         return Outcome(Code.DONE, "\n".join(lines) or "No alarms: nothing needs attention.")
 
     def data(self, station: Station, values: Values) -> Any:
@@ -37,13 +34,20 @@ class _OfAlarm(Verb):
 
     def found(self, station: Station, name: str) -> Alarm:
         """Raises ArchoError when no alarm, or more than one, is called so."""
-        alarms, wanted = station.view.alarms, name.lower()
-        exact = [alarm for alarm in alarms if alarm.name.lower() == wanted]
-        fitting = exact or [alarm for alarm in alarms if alarm.name.lower().startswith(wanted)]
-        if len(fitting) != 1:
-            names = ", ".join(alarm.name for alarm in fitting or alarms)
-            raise ArchoError(f"{name!r} is {'several' if fitting else 'none'} of these: {names}")
-        return fitting[0]
+        fitting = _fitting(station, name)
+        if len(fitting) == 1:
+            return fitting[0]
+        names = ", ".join(alarm.name for alarm in fitting or station.view.alarms)
+        if fitting:
+            raise ArchoError(f"several alarms begin with {name!r}: {names}")
+        raise ArchoError(f"no alarm begins with {name!r}; there is: {names}")
+
+
+def _fitting(station: Station, name: str) -> list[Alarm]:
+    """The one of that name, else all whose names begin so."""
+    alarms, wanted = station.view.alarms, name.lower()
+    exact = [alarm for alarm in alarms if alarm.name.lower() == wanted]
+    return exact or [alarm for alarm in alarms if alarm.name.lower().startswith(wanted)]
 
 
 class Acknowledge(_OfAlarm):
@@ -74,9 +78,18 @@ class Shelve(_OfAlarm):
         return "" if station.view.alarms else "no alarm to shelve"
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        alarm, reason = self.found(station, values["alarm"]), values.get("reason", "")
+        alarm, reason = self._split(station, values["alarm"], values.get("reason", ""))
         shelved = alarm.state == State.SHELVED
         if alarm.priority == Priority.HIGH and not shelved and not reason.strip():
             return Outcome(Code.MISUSE, "type a reason: it goes into the journal")
         station.shelve(alarm, reason.strip())
         return Outcome(Code.DONE, f"{alarm.name}: {_FOR if not shelved else 'no longer shelved'}")
+
+    def _split(self, station: Station, name: str, reason: str) -> tuple[Alarm, str]:
+        """Names have several words: as many as are the beginning of one are it."""
+        words = reason.split()
+        for count in range(len(words), 0, -1):
+            fitting = _fitting(station, " ".join((name, *words[:count])))
+            if len(fitting) == 1:
+                return fitting[0], " ".join(words[count:])
+        return self.found(station, name), reason

@@ -12,6 +12,7 @@ from archo_tui.station.history import SPANS, Quantity, readings
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
 from archo_tui.verbs.base import PATIENCE, Argument, Values, Verb
+from archo_tui.words.alarm import state as state_of
 from archo_tui.words.event import event_text
 from archo_tui.words.goal import ended, goal_line
 from archo_tui.words.spoken import bare, battery, in_words, motion, queue
@@ -53,7 +54,7 @@ class Status(Verb):
             *(in_words(gauge_line(reading, now)) for reading in snapshot.gauges),
             f"goal {in_words(goal_line(snapshot, now, self.ask))}",
             *([f"queue {waiting}"] if waiting else []),
-            *(f"alarm {a.state.value}: {advice(a, self.ways)}" for a in station.view.alarms),
+            *(f"alarm {state_of(a)}: {advice(a, self.ways)}" for a in station.view.alarms),
         ]
         return Outcome(Code.DONE, "\n".join(lines))
 

@@ -1,16 +1,23 @@
-"""An alarm's times, in words. Pure."""
+"""How an alarm stands, in words. Pure."""
 
 from __future__ import annotations
 
 from archo_tui.clock import time_of_day
-from archo_tui.station.alarms import Alarm
+from archo_tui.station.alarms import Alarm, State
 
 
-def times(alarm: Alarm) -> str:
-    """`since 12:04:31, over at 12:05:02`, and why it was shelved."""
-    text = f"since {time_of_day(alarm.since)}"
+def standing(alarm: Alarm) -> str:
+    """`since 12:04:31, over at 12:05:02, unacknowledged`, and why it was shelved."""
+    text, state = f"since {time_of_day(alarm.since)}", alarm.state.value
     if alarm.until is not None:
         text += f", over at {time_of_day(alarm.until)}"
+        state = state.removeprefix("over, ")
     if alarm.shelved_until is not None:
-        text += f", until {time_of_day(alarm.shelved_until)}"
-    return f"{text}: {alarm.reason}" if alarm.reason else text
+        state += f" until {time_of_day(alarm.shelved_until)}"
+    return f"{text}, {state}: {alarm.reason}" if alarm.reason else f"{text}, {state}"
+
+
+def state(alarm: Alarm) -> str:
+    """`unacknowledged`, and of a shelved one whether its condition is over."""
+    is_over = alarm.state == State.SHELVED and alarm.is_over
+    return f"over, {alarm.state.value}" if is_over else alarm.state.value

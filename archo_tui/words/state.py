@@ -130,7 +130,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     """IDLE, MOVING, STOPPED, or a STOP that the robot has not confirmed."""
     motion, described = snapshot.motion, snapshot.file.motion
     if snapshot.open_stop is not None:
-        texts = stop_texts(snapshot.open_stop, now)
+        texts = stop_texts(snapshot, snapshot.open_stop, now)
         text = next((text for text in texts if len(text) <= width), texts[-1])
         return ((text[:width], BAD),)
     if described is None:

@@ -73,6 +73,8 @@ class BatteryMonitor(Node):
         )
 
     def on_drain(self, message: Float32) -> None:
+        if self.is_charging:  # the charger feeds the robot
+            return
         self.percentage = battery_model.changed(self.percentage, -message.data)
 
     def set_charging(

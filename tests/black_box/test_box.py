@@ -20,6 +20,7 @@ from rosbags.highlevel import AnyReader
 
 from archo_tui.paths import state_file
 from archo_tui.recording import bag, store
+from archo_tui.recording.listing import line
 from archo_tui.recording.store import Recording
 from tests.support import clock
 from tests.support.console import FAST, LONG, Console, console
@@ -278,6 +279,12 @@ def test_the_list_says_when_why_how_long_and_how_large() -> None:
     said = f"archo-tui: no recording is called {names[0]} (see archo-tui recordings)\n"
     assert (code, err) == (2, said)
     assert [one.name for one in store.listed(folder)] == [names[1]]
+
+
+@pytest.mark.parametrize(("size", "said"), [(212_400, "    212 kB"), (1_240_000, "    1.2 MB")])
+def test_a_small_recordings_size_is_told_in_kilobytes(size: int, said: str) -> None:
+    one = Recording(Path("a"), 0.0, 65.0, 9, "STOP", kept=False, bytes=size)
+    assert line(one, 3) == f"a       65 s  {said}  STOP"
 
 
 def test_a_folder_that_is_none_is_one_line() -> None:

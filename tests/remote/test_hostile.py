@@ -440,6 +440,42 @@ async def test_a_suspended_console_is_named_and_does_not_delay_the_stop_of_anoth
             assert "confirmed" in err
 
 
+WHOLE = {"protocol": 1, "pid": 1, "robot": "R", "namespace": "/north", "engine": "embedded"}
+
+
+@pytest.mark.parametrize("lacks", ["pid", "robot", "namespace", "engine"])
+@pytest.mark.parametrize("instead", [None, ["x"], True])
+async def test_a_console_that_does_not_say_which_one_it_is_holds_up_no_stop(
+    lacks: str, instead: Any
+) -> None:
+    hello = {**WHOLE, lacks: instead} if instead else {k: WHOLE[k] for k in WHOLE if k != lacks}
+
+    def greet(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(json.dumps(hello).encode() + b"\n")
+
+    async with await asyncio.start_unix_server(greet, sock=_listens("1.sock")):
+        for words in (["status"], ["stop", "--to", "/north"]):
+            code, _, err = await typed(*words)
+            assert code == 3
+            assert "the console does not answer" in err
+        async with served(ros_args=FAST) as person:
+            assert "the console does not answer" in (await typed("stop")).err
+            await heard(person, "STOP: confirmed")
+            assert (await typed("status")).code == 0
+
+
+async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run() -> None:
+    with _listens("1.sock"):
+        async with served(ros_args=FAST):
+            for verb in ("status", "stop"):
+                assert await typed(verb, "--to", "/north") == (
+                    3,
+                    "",
+                    "archo-tui: no console /north answers here; "
+                    "the console of pid 1 does not answer: is it suspended?\n",
+                )
+
+
 @pytest.mark.parametrize("hello", [{"protocol": 2, "pid": 7}, {}, [], "hello"])
 def test_another_protocol_is_said(hello: Any) -> None:
     ours, theirs = socket.socketpair()

@@ -16,6 +16,7 @@ import pytest
 
 from archo_tui.cli import SUBCOMMANDS
 from archo_tui.remote import shell
+from tests.support import script
 from tests.support.console import FAST, LONG
 from tests.support.script import SLOW, Script
 from tests.support.shells import Said, heard, said, served, typed, until
@@ -54,7 +55,7 @@ async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
     [
         ("go 99 --wait", 2, "archo-tui: go: Shelf: at most 40, not 99"),
         ("go there", 2, "archo-tui: go: Shelf: not a whole number: there"),
-        ("jmup", 2, "archo-tui: jmup: no command 'jmup' (help lists them)"),
+        ("jmup", 2, "archo-tui: jmup: no command 'jmup' (archo-tui --help lists them)"),
         ("relaese", 2, "archo-tui: relaese: no command 'relaese' (nearest: release)"),
         ("cancel", 1, "archo-tui: cancel: no goal is running"),
         ("release", 1, "archo-tui: release: the robot is not stopped"),
@@ -143,6 +144,36 @@ async def test_for_a_stop_no_spelling_is_wrong(spelled: str) -> None:
     async with served(ros_args=FAST) as person:
         assert (await typed(*spelled.split())).code == 0
         await heard(person, "STOP: confirmed")
+
+
+async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> None:
+    async with served(ros_args=FAST) as person:
+        spoken = person._plain._verbs
+        for verb, options in (
+            ("go", {"--wait", "--leave", "--json", "--to", "--yes"}),
+            ("stop", {"--json", "--to"}),
+            ("wait", {"--timeout", "--json", "--to"}),
+            ("status", {"--line", "--json", "--to"}),
+            ("events", {"--follow", "--json", "--to"}),
+        ):
+            told = await typed(verb, "--help")
+            assert (told.code, told.err) == (0, "")
+            line, *rest = told.out.splitlines()
+            if verb in spoken:
+                assert line == spoken[verb].explained
+            assert {word for row in rest for word in row.split()[:1] if word[0] == "-"} == options
+        assert "STOP: confirmed" not in person.said
+        for words in (["stop", "--help", "now"], ["STOP", "--help"]):
+            assert (await typed(*words)).code == 0
+            await heard(person, "STOP: confirmed")
+
+
+async def test_what_cannot_be_printed_is_an_error_and_what_need_not_be_is_none() -> None:
+    async with served(ros_args=FAST):
+        for command, code in (("status", 1), ("consoles", 1), ("stop", 0)):
+            done = await asyncio.to_thread(script.shell, f"archo {command} >&-")
+            assert done.returncode == code, done
+            assert (b"cannot write to standard output" in done.stderr) == bool(code)
 
 
 async def test_data_is_on_standard_output_and_nothing_else() -> None:

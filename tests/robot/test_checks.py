@@ -15,7 +15,7 @@ from rclpy.node import Node
 from std_msgs.msg import Float32, String
 from std_srvs.srv import SetBool
 
-from archo_tui.robot.period import Period, is_silent
+from archo_tui.robot.period import UNMEASURED, Period, is_silent
 from archo_tui.robot.state import Snapshot
 from archo_tui.station.alarms import MIXED, TWICE, WORD, conditions
 from archo_tui.station.history import History
@@ -185,11 +185,11 @@ def test_silence_is_three_of_the_robots_own_periods() -> None:
     period = Period()
     for at in (0.0, 30.0):
         assert period.seconds is None
-        assert not is_silent(at, period.seconds, at + 1000)  # not judged before two messages
+        assert not is_silent(at, period.seconds, at + 29, UNMEASURED)  # before two messages
         period = period.heard(at)
     assert period.seconds == 30.0
-    assert not is_silent(30.0, period.seconds, 30.0 + 89)
-    assert is_silent(30.0, period.seconds, 30.0 + 91)
+    assert not is_silent(30.0, period.seconds, 30.0 + 89, UNMEASURED)
+    assert is_silent(30.0, period.seconds, 30.0 + 91, UNMEASURED)
 
 
 def test_a_link_that_grows_slower_is_judged_by_its_first_pace() -> None:

@@ -163,6 +163,10 @@ class VirtualClock(Clock):
                 passed.set_result(None)
         return True
 
+    def suspend(self, span: float) -> None:
+        """Let that many seconds pass in which this process does nothing."""
+        self._now_ns += int(span * 1e9)
+
     def settle(self) -> None:
         """Let every thread that spins do all that it has to do now."""
         end = time.monotonic() + 60.0

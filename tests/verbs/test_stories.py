@@ -12,10 +12,11 @@ import pytest
 from archo_interfaces.srv import EmergencyStop
 from rclpy.node import Node
 
-from archo_tui.robot.state import WATCHING
+from archo_tui.robot.state import WATCHING, OpenStop
 from tests.console.states import NORMAL, STATES
 from tests.robots.rover import Counting
 from tests.support import clock
+from tests.support.clock import NOW
 from tests.support.console import LONG
 from tests.support.plain import Typed, operated, plain, typing
 from tests.support.quiet import until
@@ -125,14 +126,40 @@ async def test_a_crash_is_an_alarm_that_is_shelved_and_a_node_that_is_started() 
     async with operated(Crashing) as person:
         await person.until("alarm unacknowledged: ")
         person.type("nodes\nalarms\nshelve 'node crashed /Crashing' it is known\nalarms\n")
-        await person.until("shelved since ")
+        await person.until(", shelved until ")
         assert "Crashing crashed" in person.said
         assert "crashed /Crashing: shelved for 10 min\n" in person.said
-        assert re.search(r"crashed /Crashing: shelved .*: it is known: ", person.said)
+        assert re.search(
+            r"crashed /Crashing, since [\d:]+, shelved until [\d:]+: it is known: ", person.said
+        )
         person.type("shelve node\n")
         await person.until("crashed /Crashing: no longer shelved\n")
         person.type("start Crashing\n")
         await person.until("YOU console: start /Crashing: ")
+
+
+async def test_an_alarm_is_told_with_when_it_came_and_went_and_how_it_stands() -> None:
+    time = "[0-9:]{8}"
+    async with operated() as person:
+        person.type("stop\n")
+        await person.until("alarm unacknowledged: STOPPED")
+        person.type("shelve stopped for repair\nalarms\nrelease --yes\n")
+        await person.until("release stop: ")
+        station = person._plain._station
+        await until(lambda: station.view.alarms[0].is_over)
+        person.type("alarms\nstatus\nshelve stopped\n")
+        await person.until("no longer shelved\n")
+        assert re.search(
+            f"\nstopped, since {time}, shelved until {time}: for repair: STOP", person.said
+        )
+        over = f"\nstopped, since {time}, over at {time}, shelved until {time}: for repair: STOP"
+        assert re.search(over, person.said)
+        assert "\nalarm over, shelved: STOPPED: look for the cause\n" in person.said
+        person.type("stop\n")
+        await until(lambda: station.view.alarms)
+        person.type("ack\nalarms\nrelease --yes\n")
+        await until(lambda: not station.view.alarms)
+        assert re.search(f"\nstopped, since {time}, acknowledged: STOPPED", person.said)
 
 
 @asynccontextmanager
@@ -141,7 +168,7 @@ async def silent(state: str) -> AsyncIterator[Typed]:
     robot, standing = StubRobot(STATES[state]), StandingClock()
     async with typing(stub_station(robot, standing)) as person:
         await until(lambda: robot.listening)
-        for standing.passed in (2.2, 8.0):  # long enough for a low battery, then for lost contact
+        for standing.passed in (2.2, 4.4, 6.6, 8.0):  # long enough for lost contact
             robot.put(robot.snapshot)
         yield person
 
@@ -153,7 +180,10 @@ async def silent(state: str) -> AsyncIterator[Typed]:
         (" LOW", "acknowledged: low battery"),
         (" low battery", "acknowledged: low battery"),
         (" all", "acknowledged: contact lost, low battery"),
-        (" nosuch", "failed: ack: 'nosuch' is none of these: contact lost, low battery"),
+        (
+            " nosuch",
+            "failed: ack: no alarm begins with 'nosuch'; there is: contact lost, low battery",
+        ),
     ],
 )
 async def test_alarms_are_acknowledged_first_by_name_or_all(words: str, done: str) -> None:
@@ -172,6 +202,37 @@ async def test_a_grave_alarm_is_shelved_with_a_reason_only() -> None:
         await person.until(": the hardware stop is pressed: ")
     assert "failed: shelve: type a reason: it goes into the journal" in person.said
     assert "stop not confirmed: shelved for 10 min\n" in person.said
+
+
+@pytest.mark.parametrize(
+    ("words", "reason"),
+    [
+        ("low", ""),
+        ("Low Bat", ""),
+        ("low battery", ""),
+        ("low battery is dead", "is dead"),
+        ("low bat is dead", "is dead"),
+        ("low in the workshop", "in the workshop"),
+        ("'low battery' battery", "battery"),
+    ],
+)
+async def test_a_reason_begins_where_the_alarms_name_ends(words: str, reason: str) -> None:
+    async with silent("battery low and moving") as person:
+        await person.until("alarm unacknowledged: CONTACT LOST")
+        person.type(f"shelve {words}\n")
+        await person.until("low battery: shelved for 10 min\n")
+        alarms = person._plain._station.view.alarms
+        assert [alarm.reason for alarm in alarms if alarm.name == "low battery"] == [reason]
+
+
+async def test_a_beginning_of_several_names_is_told_with_them() -> None:
+    stopped = STATES["motor stopped"]._replace(open_stop=OpenStop(NOW - 3.0))
+    async with typing(stub_station(StubRobot(stopped), clock.current)) as person:
+        await person.until("alarm unacknowledged: STOP SENT")
+        person.type("ack stop\nack stopped\n")
+        await person.until("acknowledged: stopped\n")
+        said = "failed: ack: several alarms begin with 'stop': stop not confirmed, stopped\n"
+        assert said in person.said
 
 
 async def test_events_are_told_as_many_as_are_asked_for() -> None:
