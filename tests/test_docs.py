@@ -315,7 +315,7 @@ async def test_a_node_of_a_page_is_hosted_and_called(text: str, tmp_path: Path) 
     file.write_text(text)
     code, said = await plain("call blink\n", node_files=[file], only=True)
     assert code == 0, said
-    assert "call blink: success true" in said
+    assert "call blink: success true\n" in said
 
 
 @pytest.mark.parametrize("text", listings("yaml", "version:"))

@@ -139,7 +139,7 @@ async def test_what_is_asked_is_told() -> None:
     )
     assert "YOU console: reset encoder: Encoder reset to zero" in said
     assert "YOU console: charge: Charging" in said
-    assert "goal No goal yet. Type go N ... to give one.\n" in said
+    assert "goal No goal yet. Type go and the shelf number.\n" in said
     assert "\nbattery " in said
     assert "go N " in said
 
