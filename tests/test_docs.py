@@ -257,7 +257,7 @@ async def test_the_first_drive_goes_as_it_is_told() -> None:
     page = read(ROOT / "docs" / "first_drive.md")
     (_, first), *_ = page.blocks
     names = {"esc": "escape", "/": "slash", ".": "full_stop"}
-    async with console(*first.split()[2:]) as op:
+    async with console(*first.split()[2:], size=(80, 24)) as op:  # the least that the page names
         for row in page.rows:
             await op.press(*(names.get(key, key) for key in codes(row["press"])))
             for text in codes(row["you see"]):
@@ -363,6 +363,12 @@ FILES = [*default().parent.glob("*.yaml"), *(ROOT / "tests" / "robots").glob("*.
 def test_the_robot_files_fit_the_schema(file: Path) -> None:
     jsonschema.Draft202012Validator.check_schema(generated.schema())
     assert schema_faults(file.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_no_key_of_a_robot_file_is_a_boolean_to_an_editor(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert re.findall(r"(?:^|[{,])\s*(?:off|on|yes|no):", text, re.MULTILINE) == []
 
 
 def test_the_robot_files_that_come_with_it_name_the_schema() -> None:
