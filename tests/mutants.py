@@ -151,6 +151,7 @@ FAULTS = [
     Fault("robot/graph.py", "            if count(f\"{action}/_action/send_goal\"):\n", "            if True:\n", ROBOT + " " + CONSOLE),
     Fault("robot/mailbox.py", "if self._waiting or self._loop is None:", "if self._loop is None:", ROBOT + "/test_mailbox.py"),
     Fault("robot/mailbox.py", "            snapshot = self._latest\n", "            snapshot = Snapshot()\n", ROBOT + "/test_mailbox.py"),
+    Fault("robot/events.py", "_READING.sub(\"#\", text)", "re.sub(r\"[0-9.]+\", \"#\", text)", ROBOT + "/test_events.py"),
     Fault("robot/events.py", "LIMIT = 1000", "LIMIT = 100_000", ROBOT),
     Fault("robot/events.py", "text, source = harmless(event.text), ", "text, source = event.text, ", ROBOT + " " + CONSOLE),
     Fault("robot/followed.py", "SILENCE = 3.0", "SILENCE = 300.0", ROBOT),

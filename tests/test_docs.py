@@ -257,7 +257,7 @@ async def test_the_first_drive_goes_as_it_is_told() -> None:
     page = read(ROOT / "docs" / "first_drive.md")
     (_, first), *_ = page.blocks
     names = {"esc": "escape", "/": "slash", ".": "full_stop"}
-    async with console(*first.split()[2:]) as op:
+    async with console(*first.split()[2:], size=(80, 24)) as op:  # the least that the page names
         for row in page.rows:
             await op.press(*(names.get(key, key) for key in codes(row["press"])))
             for text in codes(row["you see"]):
@@ -315,7 +315,7 @@ async def test_a_node_of_a_page_is_hosted_and_called(text: str, tmp_path: Path) 
     file.write_text(text)
     code, said = await plain("call blink\n", node_files=[file], only=True)
     assert code == 0, said
-    assert "call blink: success true" in said
+    assert "call blink: success true\n" in said
 
 
 @pytest.mark.parametrize("text", listings("yaml", "version:"))
@@ -363,6 +363,12 @@ FILES = [*default().parent.glob("*.yaml"), *(ROOT / "tests" / "robots").glob("*.
 def test_the_robot_files_fit_the_schema(file: Path) -> None:
     jsonschema.Draft202012Validator.check_schema(generated.schema())
     assert schema_faults(file.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_no_key_of_a_robot_file_is_a_boolean_to_an_editor(file: Path) -> None:
+    text = file.read_text(encoding="utf-8")
+    assert re.findall(r"(?:^|[{,])\s*(?:off|on|yes|no):", text, re.MULTILINE) == []
 
 
 def test_the_robot_files_that_come_with_it_name_the_schema() -> None:

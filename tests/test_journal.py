@@ -231,6 +231,16 @@ async def test_of_what_repeats_only_the_first_and_round_numbers_are_written() ->
     assert found == [1, 10]
 
 
+async def test_errors_of_different_joints_are_seen_and_written_one_by_one() -> None:
+    texts = ["Joint 1 overheated", "Joint 2 overheated"]
+    async with console(*FAST) as op:
+        for text in texts:
+            op.app.station.robot.note("ERROR", "arm", text)
+        for text in texts:
+            await op.until(text)
+    assert [e["text"] for e in entries(journal_file()) if e.get("source") == "arm"] == texts
+
+
 def test_nobody_else_may_read_it(tmp_path: Path) -> None:
     file = tmp_path / "archo-tui" / "journal.jsonl"
     kept = Journal(file)

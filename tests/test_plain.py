@@ -145,13 +145,13 @@ async def test_what_is_asked_is_told() -> None:
     )
     assert "YOU console: reset encoder: Encoder reset to zero" in said
     assert "YOU console: charge: Charging" in said
-    assert "goal No goal yet. Type go N ... to give one.\n" in said
+    assert "goal No goal yet. Type go and the shelf number.\n" in said
     assert "\nbattery " in said
     assert "go N " in said
 
 
 class Noted(Node):
-    """Has a text that is set, and the same error twice at once when it is."""
+    """Has a text that is set; when it is, an error twice at once, and two that differ."""
 
     def __init__(self, **given: Any) -> None:
         super().__init__("noted", **given)
@@ -162,6 +162,8 @@ class Noted(Node):
     def _set(self, parameters: Any) -> SetParametersResult:
         for _ in range(2):
             self.get_logger().error("twice at once")
+        for joint in (1, 2):
+            self.get_logger().error(f"Joint {joint} overheated")
         return SetParametersResult(successful=True)
 
 
@@ -192,6 +194,12 @@ async def test_an_error_that_comes_twice_before_it_is_seen_is_printed_once() -> 
     code, said = await plain("set noted text new\n", Noted)
     assert code == 0, said
     assert len(re.findall(r"ERROR noted: twice at once( \(x 2\))?\n", said)) == 1
+
+
+async def test_errors_that_differ_in_a_whole_number_are_all_told() -> None:
+    _, said = await plain("set noted text new\n", Noted)
+    assert said.count("ERROR noted: Joint 1 overheated\n") == 1
+    assert said.count("ERROR noted: Joint 2 overheated\n") == 1
 
 
 async def test_what_was_set_is_undone_and_not_what_somebody_else_set_since() -> None:

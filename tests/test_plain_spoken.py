@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import pytest
 
-from archo_tui.robot.state import Snapshot
+from archo_tui.robot.state import Phase, Snapshot
 from archo_tui.words import spoken
 from archo_tui.words.state import motion_word
-from tests.console.states import BATTERY, NORMAL, STATES
+from tests.console.states import BATTERY, NORMAL, STATES, goal
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed, operated, plain, typing
@@ -26,7 +27,7 @@ def check_is_for_ears(said: str) -> None:
     """No glyph, no column, no row of a table, and no line twice."""
     found = lines(said)
     plain = [re.sub("'[^']*'", "", line) for line in found]  # in quotes anything is typed
-    assert [line for line in plain if re.search(r"[●○✗✓▲▶↯█─|]|  |\t|--(?!yes|all)", line)] == []
+    assert [line for line in plain if re.search(r"[●○✗✓▲▶↯█─|]|->|  |\t|--(?!yes|all)", line)] == []
     assert sorted(set(found)) == sorted(found), said
 
 
@@ -93,7 +94,7 @@ async def test_the_state_is_read_out_without_a_table() -> None:
     assert lines(said) == [
         "battery GOOD, 87.5 %, 24.1 V",
         "motor IDLE, 15420 ticks, 0.00 m/s",
-        "goal No goal yet. Type go N ... to give one.",
+        "goal No goal yet. Type go and the shelf number.",
     ]
 
 
@@ -103,6 +104,33 @@ def test_every_state_has_words_of_its_own(name: str) -> None:
     for said in (spoken.battery(snapshot, NOW), spoken.motion(snapshot, NOW)):
         assert re.match(r"\w", said)
         assert "--" not in said
+
+
+@pytest.mark.parametrize(
+    ("phase", "changes", "said"),
+    [
+        (Phase.LOST, {}, "LOST, shelf 12, nothing heard for 0.0 s; the robot may still be moving"),
+        (Phase.ABORTED, {"message": "broken"}, "ABORTED, shelf 12, broken"),
+        (Phase.ABORTED, {"message": "broken at shelf 1"}, "ABORTED, shelf 12, broken at shelf 1"),
+        (Phase.ABORTED, {"message": ""}, "ABORTED, shelf 12"),
+        (Phase.CANCELLED, {"message": "off", "remaining": None}, "CANCELLED, shelf 12, off"),
+        (Phase.CANCELLED, {"message": "off"}, "CANCELLED, off, 9.0 m before shelf 12"),
+        (
+            Phase.ARRIVED,
+            {"message": "Arrived at shelf 12", "ended": NOW},
+            "ARRIVED, Arrived at shelf 12, 18.0 m in 1.5 s",
+        ),
+        (
+            Phase.ARRIVED,
+            {"message": "there", "ended": NOW, "mine": False},
+            "ARRIVED, another client's goal, there, 18.0 m in 1.5 s",
+        ),
+    ],
+)
+def test_the_end_of_a_goal_says_once_which_one_it_was(
+    phase: Phase, changes: Any, said: str
+) -> None:
+    assert spoken.goal(goal(phase, **changes), NOW, "") == said
 
 
 def test_old_readings_are_not_read_out_as_if_they_were_of_now() -> None:

@@ -16,7 +16,7 @@ LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 MOST_EVENTS = 50  # that are told, the newest
 _LOOKED_AT = 500  # events, among which those of a level are looked for
 _SPANS = (1, 10, 60)  # min, of which the console knows a value
-_VALUE = re.compile(r"(?:now|(\d+) min ago) (unknown|-?\d+\.\d+)$")
+_VALUE = re.compile(r"(?:now|(\d+) min ago) (-?\d+\.\d+)$")
 
 
 class _Look(Tool):
@@ -114,16 +114,10 @@ class History(_Look):
         for text in str(result.get("text", "")).splitlines():
             name, _, rest = text.partition(": ")
             found = [_VALUE.match(part) for part in rest.split(", ")]
-            values = [
-                {
-                    "age": 60.0 * int(one[1] or 0),
-                    "value": None if one[2] == "unknown" else float(one[2]),
-                }
-                for one in found
-                if one is not None
-            ]
-            if values and None not in found:
-                measured[name] = [v for v in values if v["age"] <= 60.0 * minutes]
+            known = {int(one[1] or 0): float(one[2]) for one in found if one is not None}
+            if None not in found:
+                ages = (age for age in (0, *_SPANS) if age <= minutes)
+                measured[name] = [{"age": 60.0 * age, "value": known.get(age)} for age in ages]
             else:
                 ends.append(text)
         told = {"source": "measured", "values": measured, "goals": ends}

@@ -27,9 +27,8 @@ from archo_tui.verbs.base import PATIENCE, Question, Verb
 from archo_tui.verbs.parse import YES, named, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
+from archo_tui.words import spoken
 from archo_tui.words.event import event_text
-from archo_tui.words.goal import goal_line
-from archo_tui.words.spoken import in_words, queue
 
 if TYPE_CHECKING:
     from archo_tui.station.station import Station
@@ -254,11 +253,11 @@ class Plain:
         values, yes = parse(verb, station, rest)
         outcome = await speak(station, verb, values, self._until, None if yes else self._ask)
         self._take(self._robot.snapshot)  # a goal is known before the end is looked for
-        if verb.tells and outcome.ok:
+        if verb.tells_with(values) and outcome.ok:
             self._out(outcome.text)
         waiting = [wanted.text for wanted in station.queue.waiting]
         if verb.moves and outcome.code == Code.ACCEPTED and waiting:
-            self._say(f"queue: {queue(waiting, station.queue.held)}")
+            self._say(f"queue: {spoken.queue(waiting, station.queue.held)}")
         self._failed = self._failed or verb.id == "skip"  # one goal less that arrives
         return outcome
 
@@ -378,8 +377,8 @@ class Plain:
         if before is not None and before.number != goal.number:
             before = None
         if (before is None or _said_of(before) != _said_of(goal)) and not _is_said(before, goal):
-            line = goal_line(snapshot, self._clock.monotonic(), self._status.ask)
-            self._say(f"goal {in_words(line)}")
+            said = spoken.goal(snapshot, self._clock.monotonic(), self._status.ask)
+            self._say(f"goal {said}")
 
     def _tell_alarms(self, changed: list[Alarm]) -> None:
         for alarm in changed:

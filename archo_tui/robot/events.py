@@ -12,23 +12,27 @@ from archo_tui.robot.text import harmless
 
 LIMIT = 1000  # events kept
 _OWN = 200  # of them the console's own, which a flood of others does not push out
+_ROUTINE = ("DEBUG", "INFO")  # levels whose flood does not push out what is worse
 
-_NUMBER = re.compile(r"\d+(\.\d+)?")
+# With a point a number is a reading, which drifts: `Low battery: 18.0%` is said again and again.
+# A whole one is what it is about: joint 1 and joint 2 are two faults; 10.0.0.1 is a name as well.
+_READING = re.compile(r"-?(?<![\d.])\d+\.\d+(?!\.?\d)")
 
 
 def _common(level: str, source: str, text: str) -> object:
     """What an event has in common with those that repeat it."""
-    return level, source, _NUMBER.sub("#", text)
+    return level, source, _READING.sub("#", text)
 
 
 class EventLog:
-    """Collects events; one that repeats another but for its numbers replaces it."""
+    """Collects events; one that repeats another but for its readings replaces it."""
 
     def __init__(self) -> None:
         self._count = 0
         # by what repeats have in common; each with its place among all of them
         self._own: OrderedDict[object, tuple[int, Event]] = OrderedDict()
-        self._others: OrderedDict[object, tuple[int, Event]] = OrderedDict()
+        self._routine: OrderedDict[object, tuple[int, Event]] = OrderedDict()
+        self._worse: OrderedDict[object, tuple[int, Event]] = OrderedDict()
         self._all: tuple[Event, ...] | None = ()  # None: not put in order yet
 
     def add(self, event: Event) -> Event:
@@ -39,9 +43,7 @@ class EventLog:
         self._count += 1
         self._all = None
         text, source = harmless(event.text), harmless(event.source)
-        kept, limit, key = self._others, LIMIT - _OWN, _common(event.level, source, text)
-        if event.level in OWN_LEVELS:
-            kept, limit, key = self._own, _OWN, self._count
+        kept, key = self._place(event.level, source, text)
         known = kept.pop(key)[1] if key in kept else None
         event = Event(
             event.time,
@@ -55,20 +57,27 @@ class EventLog:
             act=None if event.act is None else event.act.bounded(),
         )
         kept[key] = self._count, event
-        if len(kept) > limit:
-            kept.popitem(last=False)
+        if len(self._own) > _OWN:
+            self._own.popitem(last=False)
+        if len(self._routine) + len(self._worse) > LIMIT - _OWN:
+            max(self._routine, self._worse, key=len).popitem(last=False)
         return event
+
+    def _place(
+        self, level: str, source: str, text: str
+    ) -> tuple[OrderedDict[object, tuple[int, Event]], object]:
+        """Where such an event is kept, and by what its repeats are known."""
+        if level in OWN_LEVELS:
+            return self._own, self._count
+        return self._routine if level in _ROUTINE else self._worse, _common(level, source, text)
 
     @classmethod
     def of(cls, events: Iterable[Event]) -> EventLog:
         """One that has these, oldest first."""
         log, events = cls(), tuple(events)
         for log._count, event in enumerate(events, 1):
-            if event.level in OWN_LEVELS:
-                log._own[log._count] = log._count, event
-            else:
-                key = _common(event.level, event.source, event.text)
-                log._others[key] = log._count, event
+            kept, key = log._place(event.level, event.source, event.text)
+            kept[key] = log._count, event
         log._count = max(
             log._count, *(event.number for event in events), 0
         )  # further on from there
@@ -78,13 +87,14 @@ class EventLog:
     def copy(self) -> EventLog:
         """Another one with the same events."""
         log = EventLog()
-        log._count, log._own, log._others = self._count, self._own.copy(), self._others.copy()
-        log._all = self._all
+        log._count, log._all = self._count, self._all
+        log._own, log._routine = self._own.copy(), self._routine.copy()
+        log._worse = self._worse.copy()
         return log
 
     def all(self) -> tuple[Event, ...]:
         """Oldest first; the same object until one is added."""
         if self._all is None:
-            places = (*self._own.values(), *self._others.values())
+            places = (*self._own.values(), *self._routine.values(), *self._worse.values())
             self._all = tuple(event for _, event in sorted(places, key=itemgetter(0)))
         return self._all

@@ -78,8 +78,9 @@ def finite(where: str, value: Any) -> float:
 
 
 def text(message: Any) -> str:
-    """Every field and its value in one line."""
-    return harmless(", ".join(f"{path} {_short(value)}" for path, _, value in _fields(message)))
+    """Every field and its value in one line, but for texts that are empty."""
+    told = ((path, _short(value)) for path, _, value in _fields(message))
+    return harmless(", ".join(f"{path} {said}" for path, said in told if said))
 
 
 def as_yaml(message: Any) -> str:

@@ -65,13 +65,13 @@ class Others:
         if before.stopped and motion.stopped is False:
             self._seen.append(_Seen(("release",), f"stop released by {self.who}", now))
         if before.count and motion.count == 0:
-            said = f"encoder reset by {self.who} ({before.count} -> 0)"
+            said = f"encoder reset by {self.who}: 0, was {before.count}"
             self._seen.append(_Seen(self._commands, said, now))
 
     def parameter(self, node: str, name: str, old: Any, new: Any, now: float) -> None:
         """A node says that a parameter has changed."""
-        change = f"{text_of(old)} -> {text_of(new)}"
-        said = f"{node.lstrip('/')} {name} changed by {self.who} ({change})"
+        change = f"{text_of(new)}, was {text_of(old)}"
+        said = f"{node.lstrip('/')} {name} changed by {self.who}: {change}"
         self._seen.append(_Seen(("set",), said, now, node, name))
 
     def unexplained(self, now: float) -> list[str]:

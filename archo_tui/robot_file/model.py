@@ -182,7 +182,11 @@ class Service:
         "the request's bool, and the reading that it inverts: "
         "`battery.charging`, `motion.moving` or `motion.stopped`",
     ] = field(default_factory=dict, metadata={"filled": True})  # where it is given it is not empty
-    off: Annotated[str, "what a toggle is called, and typed, when it sends false"] = ""
+    off: Annotated[
+        str,
+        "what a toggle is called, and typed, when it sends false; "
+        'written `"off":`, since some editors take the bare word for false',
+    ] = ""
     where: str = _where()
 
     @property

@@ -29,7 +29,7 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[Leaf]]) -> Iterator[Verb
     ask = ""
     for number, kind in enumerate(robot.goals):
         go = Go(kind, forms.get(kind.id), "" if number else "go")
-        ask = ask or f"Type {go.id} {go.usage} to give one.".replace("  ", " ")
+        ask = ask or go.how
         yield go
     yield from (Cancel(), Continue(), Skip())
     yield from (StopNow(robot.stop), Release(robot.stop), GiveUpStop())

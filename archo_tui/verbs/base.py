@@ -95,6 +95,10 @@ class Verb:
         """True when it changes something, given these."""
         return self.acts
 
+    def tells_with(self, values: Values) -> bool:
+        """True when its outcome, given these, is in no event."""
+        return self.tells
+
     def refusal(self, station: Station) -> str:
         """Why it cannot be done now, or an empty string: nothing else decides that."""
         if self.acts and station.robot.watching:

@@ -39,6 +39,18 @@ class Go(Verb):
             return "N ..." if self.arguments[0].many else self.arguments[0].name.upper()
         return " ".join(f"{argument.name.lower()}=..." for argument in self.arguments)
 
+    @property
+    def how(self) -> str:
+        """How it is typed, to be read aloud: `Type go and the shelf number.`"""
+        names = [argument.name.lower() for argument in self.arguments]
+        if not names:
+            return f"Type {self.id}."
+        if len(names) == 1:
+            is_thing = names[0] == self.kind.noun and self.arguments[0].many
+            return f"Type {self.id} and the {names[0]}{' number' if is_thing else ''}."
+        listed = f"{', '.join(names[:-1])} and {names[-1]}"
+        return f"Type {self.id}, then {listed}, each with an equals sign and its value."
+
     def values(self, words: Sequence[str]) -> Values:
         if self._leaves is None:
             raise ValueError(check.missing(self.kind.action, self.kind.type))

@@ -141,6 +141,9 @@ class LogLevel(Verb):
     def acts_with(self, values: Values) -> bool:
         return "level" in values
 
+    def tells_with(self, values: Values) -> bool:
+        return not self.acts_with(values)
+
     def is_ready(self, station: Station, values: Values) -> bool:
         return self._name(station, values) in self._nodes(station) or station.age >= PATIENCE
 

@@ -85,7 +85,7 @@ class Get(_OfOne):
 
 class Set(_OfOne):
     id, title, acts = "set", "Set a parameter", True
-    help = "Set a parameter; quotes as in a shell: 'a  b', ''"
+    help = "Set a parameter; quotes work as in a shell, and two of them are an empty text"
     arguments = (_NODE, _NAME, Argument("value", rest=True))
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
@@ -236,7 +236,9 @@ class Load(_File):
     def asks(self, station: Station, values: Values) -> Question | None:
         """Also when nothing can be changed: why is in the text, and there is one answer."""
         plan = values["plan"]
-        go = f"Change {len(plan.changes)}" if plan.changes and not plan.problems else ""
+        count = len(plan.changes)
+        go = f"Change {count} parameter{'' if count == 1 else 's'}"
+        go = go if count and not plan.problems else ""
         return Question("Load parameters", "\n".join(preview(values["file"], plan)), "Cancel", go)
 
     async def run(self, station: Station, values: Values) -> Outcome:
@@ -260,7 +262,7 @@ def preview(path: Path, plan: save_load.Plan) -> Sequence[str]:
     if plan.problems:
         return [*lines, "Nothing was changed, because of:", *plan.problems]
     changes = [
-        f"{p.node.lstrip('/')} {p.name}: {text_of(p.value)} -> {text_of(value)}"
+        f"{p.node.lstrip('/')} {p.name}: {text_of(p.value)}, would be {text_of(value)}"
         for p, value in plan.changes
     ]
     return [*lines, *(changes or [SAME]), *_left_out(plan)]

@@ -22,7 +22,9 @@ class Give(Verb):
         self.id = given.id if on else given.off_word
         self.title = given.title if on else given.off or f"{given.title} off"
         if given.toggle:  # the file's help is of a key, which does both
-            does = given.title if on else f"Switch {given.title.lower()} off"
+            name = given.title.lower()
+            opposite = f"The opposite of {name}" if given.off else f"Switch {name} off"
+            does = given.title if on else opposite
         else:
             does = given.help or given.title
         self.help = f"{does}{ASKS[given.ask]}"

@@ -6,6 +6,7 @@ from typing import Any
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import advice, ways
 from archo_tui.station.history import SPANS, Quantity, readings
@@ -14,9 +15,8 @@ from archo_tui.verbs.as_data import event, state
 from archo_tui.verbs.base import PATIENCE, Argument, Values, Verb
 from archo_tui.words.alarm import state as state_of
 from archo_tui.words.event import event_text
-from archo_tui.words.goal import ended, goal_line
-from archo_tui.words.spoken import bare, battery, in_words, motion, queue
-from archo_tui.words.state import gauge_line
+from archo_tui.words.spoken import battery, ended, goal, in_words, motion, queue
+from archo_tui.words.state import gauge_line, motion_unit
 
 _THERE = 2.0  # s from the start in which all of its topics are on the graph
 _EVENTS = 20
@@ -52,7 +52,7 @@ class Status(Verb):
             f"battery {battery(snapshot, now)}",
             f"{title} {motion(snapshot, now)}",
             *(in_words(gauge_line(reading, now)) for reading in snapshot.gauges),
-            f"goal {in_words(goal_line(snapshot, now, self.ask))}",
+            f"goal {goal(snapshot, now, self.ask)}",
             *([f"queue {waiting}"] if waiting else []),
             *(f"alarm {state_of(a)}: {advice(a, self.ways)}" for a in station.view.alarms),
         ]
@@ -88,22 +88,32 @@ class Past(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         lines = [_hour(station, quantity) for quantity in _NAMES]
-        lines += [bare(ended(goal)) for goal in station.robot.snapshot.history]
+        lines += map(ended, station.robot.snapshot.history)
         return Outcome(Code.DONE, "\n".join(filter(None, lines)) or "nothing yet")
 
 
-_NAMES: dict[Quantity, str] = {"charge": "charge (%)", "speed": "speed", "left": "way left"}
+_NAMES: dict[Quantity, str] = {"charge": "charge", "speed": "speed", "left": "way left"}
 _PARTS = 60  # of a span, of which the oldest is told
 
 
 def _hour(station: Station, quantity: Quantity) -> str:
-    """`speed: now 0.80, 1 min ago 0.00, 10 min ago unknown ...`; empty: nothing was heard."""
+    """`speed (m/s): now 0.80, 1 min ago 0.00`: what is known of it; empty: nothing is."""
     now, history = station.clock.monotonic(), station.history
     told = [("now", readings(station.robot.snapshot, now)[quantity])]
     for span in SPANS:
         then = history.columns(quantity, span, _PARTS, now)[0]
         told.append((f"{span / 60:.0f} min ago", then))
-    if all(value is None for _, value in told):
-        return ""
-    texts = (f"{when} {'unknown' if value is None else f'{value:.2f}'}" for when, value in told)
-    return f"{_NAMES[quantity]}: {', '.join(texts)}"
+    known = [f"{when} {value:.2f}" for when, value in told if value is not None]
+    unit = _unit(station.robot.snapshot, quantity)
+    name = f"{_NAMES[quantity]} ({unit})" if unit else _NAMES[quantity]
+    return f"{name}: {', '.join(known)}" if known else ""
+
+
+def _unit(snapshot: Snapshot, quantity: Quantity) -> str:
+    """As the robot file has it; empty where it has none, or goals are measured in several."""
+    if quantity == "charge":
+        return "%"
+    if quantity == "speed":
+        return motion_unit(snapshot, "speed") or ""
+    units = {kind.remaining.unit for kind in snapshot.file.goals if kind.remaining}
+    return units.pop() if len(units) == 1 else ""

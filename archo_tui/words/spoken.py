@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from archo_tui.robot.state import Snapshot
+from archo_tui.clock import time_of_day
+from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.words.goal import goal_line
 from archo_tui.words.state import Spans, battery_source, battery_word, motion_unit, motion_word
 
 _GLYPHS = "●○✗✓▲▶↯? "  # each stands before a word that says the same
@@ -51,6 +53,25 @@ def motion(snapshot: Snapshot, now: float) -> str:
     if found.speed is not None:
         parts.append(f"{found.speed:.2f} {motion_unit(snapshot, 'speed') or ''}".rstrip())
     return ", ".join(parts)
+
+
+def goal(snapshot: Snapshot, now: float, ask: str) -> str:
+    """`MOVING to 12, 9.0 m left of 18.0 m`, or `LOST, shelf 12, nothing heard for 3.0 s ...`.
+
+    On the screen the way stands beside it; here the line says itself which goal it is about.
+    """
+    said, found = in_words(goal_line(snapshot, now, ask)), snapshot.goal
+    if found is None or found.phase in (Phase.SENT, Phase.MOVING):
+        return said
+    if re.search(rf"(?<!\w){re.escape(found.name)}(?!\w)", said):
+        return said
+    word, _, rest = said.partition(", ")
+    return ", ".join(filter(None, (word, found.name, rest)))
+
+
+def ended(found: Goal) -> str:
+    """`shelf 12 arrived, 12:03:58`."""
+    return f"{found.name} {found.word.lower()}, {time_of_day(found.time)}"
 
 
 def queue(waiting: Sequence[str], held: str) -> str:

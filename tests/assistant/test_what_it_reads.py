@@ -59,8 +59,8 @@ async def test_events_are_the_newest_with_their_age_from_a_level_on() -> None:
 
 async def test_history_is_numbers_with_their_age_and_ends_of_goals() -> None:
     lines = [
-        "charge (%): now 87.20, 1 min ago 87.90, 10 min ago unknown, 60 min ago unknown",
-        "speed: now -0.50, 1 min ago 0.00, 10 min ago 0.80, 60 min ago unknown",
+        "charge (%): now 87.20, 1 min ago 87.90",
+        "speed: now -0.50, 1 min ago 0.00, 10 min ago 0.80",
         "arrived at shelf 12: 3, 4",
     ]
     async with fake_console() as console, assistant() as model:

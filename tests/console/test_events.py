@@ -166,15 +166,15 @@ def nodes_of(text: str) -> list[str]:
 async def test_a_warning_that_repeats_is_the_newest_with_its_count_and_first_time() -> None:
     async with console(*FAST) as op:
         note = op.app.station.robot.note
-        note("WARN", "a", "first kind 1")
-        await op.until("first kind 1")
+        note("WARN", "a", "first kind 1.0")
+        await op.until("first kind 1.0")
         first = op.line("first kind")[2:10]
         await op.at(seconds() + 5)
         note("WARN", "b", "second kind")
         await op.until("second kind")
         await op.at(seconds() + 5)
-        note("WARN", "a", "first kind 2")
-        await op.until(f"first kind 2   x 2 since {first}")
+        note("WARN", "a", "first kind 2.0")
+        await op.until(f"first kind 2.0   x 2 since {first}")
         lines = [line for line in op.text.splitlines() if " kind" in line]
         assert ["first" in line for line in lines] == [True, False]  # the newest on top
         assert lines[0][2:10] > lines[1][2:10] > first

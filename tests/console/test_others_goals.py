@@ -271,11 +271,11 @@ async def test_what_no_console_did_is_by_another_client() -> None:
         reset_client = other.create_client(ResetEncoder, "reset_encoder")
         await op.until(reset_client.service_is_ready)
         reset_client.call_async(ResetEncoder.Request())
-        await op.until("encoder reset by another client (15420 -> 0)")
+        await op.until("encoder reset by another client: 0, was 15420")
         parameters = AsyncParameterClient(other, "motor_controller")
         await op.until(parameters.services_are_ready)
         parameters.set_parameters([Parameter("max_speed", value=0.5)])
-        await op.until("motor_controller max_speed changed by another client (0.8 -> 0.5)")
+        await op.until("motor_controller max_speed changed by another client: 0.5, was 0.8")
 
 
 class Older(Node):
@@ -304,7 +304,7 @@ async def test_what_a_console_does_that_does_not_tell_it_is_another_consoles() -
         made[0].reset()
         await op.until("reset encoder: done")
         assert "PEER" in op.line("reset encoder: done")
-        await op.until("encoder reset by another console (15420 -> 0)")
+        await op.until("encoder reset by another console: 0, was 15420")
 
 
 async def test_what_is_no_console_explains_nothing_whatever_it_publishes() -> None:

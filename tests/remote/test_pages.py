@@ -75,19 +75,21 @@ while True:
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="the lines are bash's")
-async def test_the_client_in_five_lines_of_shell_sends_the_robot(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("variable", ["XDG_RUNTIME_DIR", "XDG_STATE_HOME"])
+async def test_the_client_in_six_lines_of_shell_sends_the_robot(
+    variable: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     netcat = tmp_path / "nc"  # what it does is all that is wanted of it
     Path(f"{netcat}.py").write_text(NETCAT)
     netcat.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$0.py" "$@"\n')
     netcat.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
-    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
+    monkeypatch.setenv(variable, str(tmp_path))
     lines = _block("bash")
-    assert len(lines.splitlines()) == 5
+    assert len(lines.splitlines()) == 6
     async with served(ros_args=FAST) as person:
-        assert Path(place.folder()).parent == tmp_path
+        assert Path(place.folder()).is_relative_to(tmp_path)
         done = await asyncio.to_thread(
             subprocess.run, ["bash", "-c", lines], capture_output=True, text=True, timeout=DEADLINE
         )

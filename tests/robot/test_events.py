@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pytest
 from rich.cells import cell_len
 
@@ -14,15 +16,35 @@ def event(text: str, level: str = "WARN", source: str = "dashboard", time: float
     return Event(time, level, source, text)
 
 
-def test_lines_that_differ_in_their_numbers_are_one_with_a_count() -> None:
+def test_lines_that_differ_in_their_readings_are_one_with_a_count() -> None:
     log = EventLog()
     for percentage in (19.9, 19.8, 19.7):
         log.add(event(f"Dashboard sees: {percentage}%", "INFO"))
         log.add(event(f"Low battery: {percentage}%"))
+    for offset in (0.1, -0.1):
+        log.add(event(f"Off the line by {offset}."))
     assert [(e.text, e.count) for e in log.all()] == [
         ("Dashboard sees: 19.7%", 3),
         ("Low battery: 19.7%", 3),
+        ("Off the line by -0.1.", 2),
     ]
+
+
+@pytest.mark.parametrize(
+    ("level", "texts"),
+    [
+        ("ERROR", ("Joint 1 overheated", "Joint 2 overheated", "Joint 10 overheated")),
+        ("INFO", ("Moving to shelf 3", "Moving to shelf 5", "Moving to shelf 7")),
+        ("WARN", ("No answer from 10.0.0.1", "No answer from 10.0.0.2")),
+    ],
+)
+def test_lines_about_different_things_are_lines_of_their_own(
+    level: str, texts: Sequence[str]
+) -> None:
+    log = EventLog()
+    for text in (*texts, *texts):
+        log.add(event(text, level))
+    assert [(e.text, e.count) for e in log.all()] == [(text, 2) for text in texts]
 
 
 def test_other_levels_sources_and_the_operators_lines_are_never_merged() -> None:
@@ -48,14 +70,24 @@ def test_a_flood_does_not_push_out_what_the_operator_did() -> None:
     assert sum(e.level == "YOU" for e in log.all()) < 500
 
 
+def test_what_a_node_logs_all_the_time_does_not_push_out_its_error() -> None:
+    log = EventLog()
+    log.add(event("Joint 1 overheated", "ERROR"))
+    for number in range(3000):
+        log.add(event(f"Hello World: {number}", "INFO"))
+    assert 500 < len(log.all()) <= 1000
+    assert log.all()[0].text == "Joint 1 overheated"
+    assert log.all()[-1].text == "Hello World: 2999"
+
+
 def test_a_repeat_is_the_newest_with_its_first_and_last_time() -> None:
     log = EventLog()
-    log.add(event("low 19", time=1.0))
+    log.add(event("low 19.0", time=1.0))
     log.add(event("other", time=2.0))
-    log.add(event("low 18", time=3.0))
+    log.add(event("low 18.5", time=3.0))
     assert [(e.text, e.count, e.first, e.time) for e in log.all()] == [
         ("other", 1, 2.0, 2.0),
-        ("low 18", 2, 1.0, 3.0),
+        ("low 18.5", 2, 1.0, 3.0),
     ]
     assert log.all()[1].number == 1  # still the same one
 

@@ -205,9 +205,9 @@ def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
     others.told(set_("/motor", ramp=2.0), 10.0)
     others.parameter("/motor", "speed", 1.0, 0.5, 15.0)
     others.parameter("/motor", "ramp", 2.0, 3.0, 15.0)
-    assert others.unexplained(19.5) == ["motor ramp changed by another client (2.0 -> 3.0)"]
+    assert others.unexplained(19.5) == ["motor ramp changed by another client: 3.0, was 2.0"]
     others.parameter("/motor", "speed", 0.5, 0.6, 40.0)
-    assert others.unexplained(44.5) == ["motor speed changed by another client (0.5 -> 0.6)"]
+    assert others.unexplained(44.5) == ["motor speed changed by another client: 0.6, was 0.5"]
 
 
 def test_what_a_console_says_late_is_still_its_doing() -> None:
@@ -240,7 +240,7 @@ def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
     others = Others((), {})
     others.told(act, 10.0)
     others.parameter("/motor", "speed", 1.0, 0.5, 10.5)
-    said = [] if is_explained else ["motor speed changed by another client (1.0 -> 0.5)"]
+    said = [] if is_explained else ["motor speed changed by another client: 0.5, was 1.0"]
     assert others.unexplained(15.0) == said
 
 
@@ -261,7 +261,7 @@ def test_a_robot_files_command_zeroes_the_count_however_it_is_called(
     others.motion(Motion(count=5, received=10.0), 10.0)
     others.motion(Motion(count=0, received=10.2), 10.2)
     others.told(act, 10.3)
-    assert others.unexplained(15.0) == [f"{line} (5 -> 0)" for line in said]
+    assert others.unexplained(15.0) == [f"{line}: 0, was 5" for line in said]
 
 
 def test_where_a_console_does_not_tell_what_it_does_it_may_have_been_that() -> None:
@@ -269,7 +269,7 @@ def test_where_a_console_does_not_tell_what_it_does_it_may_have_been_that() -> N
     others.who = CONSOLE
     others.parameter("/motor", "speed", 1.0, 0.5, 10.0)
     others.who = CLIENT  # it has left since
-    assert others.unexplained(15.0) == ["motor speed changed by another console (1.0 -> 0.5)"]
+    assert others.unexplained(15.0) == ["motor speed changed by another console: 0.5, was 1.0"]
 
 
 class Told(Node):

@@ -153,6 +153,7 @@ async def test_it_is_operated_line_by_line() -> None:
     assert code == 1
     for part in (
         "Temperature, 31.5 °C",
+        "goal No goal yet. Type go, then x, y and yaw, each with an equals sign and its value.\n",
         "failed: go: expected x=... y=... yaw=...\n",
         "failed: go: expected x=... y=... yaw=..., not z=3",
         "failed: stop: Rover has no STOP: use the hardware stop",

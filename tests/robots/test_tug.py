@@ -144,6 +144,6 @@ async def test_it_is_operated_line_by_line() -> None:
         "plug in: done",
         "unplug: done",
         "zero turns: counted from zero",
-        "ARRIVED, at the bay, 20.0 m in",
+        "ARRIVED, bay 3, at the bay, 20.0 m in",
     ):
         assert part in text, text

@@ -156,8 +156,9 @@ async def test_what_a_file_would_change_is_listed_before_the_question(here: Any)
         "motor_controller:\n  ros__parameters:\n    max_speed: 0.7\n    nosuch: 1\n"
     )
     async with operated(at_terminal=True) as person:
-        await asked(person, "load a.yaml", "Change 1? [y/N]")
-        assert "a.yaml\nmotor_controller max_speed: 0.8 -> 0.7\nleft out: a.yaml:4: " in person.said
+        await asked(person, "load a.yaml", "Change 1 parameter? [y/N]")
+        change = "motor_controller max_speed: 0.8, would be 0.7"
+        assert f"a.yaml\n{change}\nleft out: a.yaml:4: " in person.said
         assert await person.end("n\n") == 1
         assert "max_speed is 0.7" not in person.said
 

@@ -250,10 +250,9 @@ async def test_the_history_has_the_last_hour_and_the_ends_of_goals() -> None:
         person.type("go 12\n")
         await person.until("ARRIVED")
         assert await person.end("history\n") == 0
-    assert re.search(
-        r"\ncharge \(%\): now \d+\.\d\d, 1 min ago unknown, 10 min ago unknown", person.said
-    )
-    assert re.search(r"\n12 arrived \d\d:\d\d:\d\d\n", person.said)
+    assert re.search(r"\ncharge \(%\): now \d+\.\d\d\n", person.said)
+    assert re.search(r"\nspeed \(m/s\): now 0\.00\n", person.said)
+    assert re.search(r"\nshelf 12 arrived, \d\d:\d\d:\d\d\n", person.said)
 
 
 class Refusing(Node):
@@ -313,7 +312,7 @@ async def test_any_action_and_service_on_the_graph_take_fields_and_yaml() -> Non
     assert code == 0, said
     assert "YOU console: call plan: legs 2, route by the wall" in said
     assert "YOU console: call plan: legs 0, route by the wall" in said
-    assert "goal SUCCEEDED, sequence [0, 1, 1, 2]" in said
+    assert "goal SUCCEEDED, fibonacci 3, sequence [0, 1, 1, 2]" in said
 
 
 @pytest.mark.parametrize(
@@ -389,6 +388,12 @@ async def test_a_nodes_log_level_is_shown_set_and_unset() -> None:
     assert "log level of motor_controller WARN: WARN and above, was INFO" in said
     assert "motor_controller logs WARN and above" in lines
     assert "UNSET: INFO and above, as its process, was WARN and above" in said
+
+
+async def test_what_became_of_a_log_level_is_said_once() -> None:
+    code, said = await plain("log_level dashboard debug\nlog_level dashboard unset\n")
+    assert code == 0, said
+    assert said.count("DEBUG and above, was INFO and above, as its process") == 1
 
 
 async def test_what_is_no_node_or_no_level_of_its_log_is_said() -> None:
