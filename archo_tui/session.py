@@ -24,7 +24,7 @@ from archo_tui.paths import journal_file, state_file
 from archo_tui.recording.box import BUDGET
 from archo_tui.robot_file import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
-from archo_tui.station.journal import Journal
+from archo_tui.station.journal import Flood, Journal
 from archo_tui.station.station import Station
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ class Session:
         self._overrides = files.load([*self._own_files, *options.params_files])
         interfaces = self._activate()
         self._init_rclpy()
-        self.journal = Journal(journal_file())
+        self.journal, self._flood = Journal(journal_file()), Flood()
         self._make_nodes()
         self.station = Station(
             self.robot,
@@ -244,6 +244,9 @@ class Session:
         self._witness.happened(event)
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
             kind = _KINDS.get(event.level, "event")
+            by_node = kind == "event" and event.source != "console"
+            if by_node and event.count == 1 and not self._flood.spares(event.source, event.text):
+                return
             what = {"level": event.level, "source": event.source, "text": event.text}
             if event.command:
                 what["command"] = event.command

@@ -241,6 +241,15 @@ async def test_errors_of_different_joints_are_seen_and_written_one_by_one() -> N
     assert [e["text"] for e in entries(journal_file()) if e.get("source") == "arm"] == texts
 
 
+async def test_a_flood_of_lines_that_differ_in_numbers_leaves_room_for_others() -> None:
+    async with console(*FAST) as op:
+        for number in range(2001):
+            op.app.station.robot.note("WARN", "queue", f"{number} wait")
+        await op.until("2000 wait")
+    texts = [e["text"] for e in entries(journal_file()) if e.get("source") == "queue"]
+    assert texts == [*(f"{number} wait" for number in range(100)), "999 wait", "1999 wait"]
+
+
 def test_nobody_else_may_read_it(tmp_path: Path) -> None:
     file = tmp_path / "archo-tui" / "journal.jsonl"
     kept = Journal(file)

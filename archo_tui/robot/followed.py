@@ -168,7 +168,7 @@ class Followed:
         """The robot's own words in a result; without a field for them, all its fields."""
         if self.goal.kind.message:
             said = read(MessageField(self.goal.kind.message), result)
-            return ("" if said is None else text_of(said)) or _NO_REASON
+            return "" if said is None else text_of(said)
         return messages.text(result)
 
     def forgotten(self) -> None:

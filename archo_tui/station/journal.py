@@ -12,6 +12,7 @@ import errno
 import json
 import os
 import queue
+import re
 import threading
 import time
 from collections.abc import Iterator
@@ -24,10 +25,28 @@ from archo_tui.system import lock, user_name
 
 MAX_BYTES = 1_000_000  # then it is renamed to journal.jsonl.1, which replaces the older one
 VERSION = 1  # of a line's form: it grows when what a name means changes
+_ALIKE = 100  # lines of one node that differ in numbers only: as many are written one by one
+_KINDS = 1000  # of them that are told apart
 _WAITING = 1000  # lines that may wait for the disk
 _STOP_TIMEOUT = 2.0  # s
 _LOCK_TIMEOUT = 1.0  # s that another console may take to write a line, and more than it takes
+_NUMBER = re.compile(r"\d+")
 _LOOK = 0.005  # s between two looks whether it has
+
+
+class Flood:
+    """Of a node's lines that differ in numbers; all of them would push everything else out."""
+
+    def __init__(self) -> None:
+        self._counts: dict[tuple[str, str], int] = {}  # the last one is the newest
+
+    def spares(self, source: str, text: str) -> bool:
+        """True for what is written: the first hundred, and then each thousandth."""
+        alike = source, _NUMBER.sub("#", text)
+        count = self._counts[alike] = self._counts.pop(alike, 0) + 1
+        if len(self._counts) > _KINDS:
+            del self._counts[next(iter(self._counts))]
+        return count <= _ALIKE or count % 1000 == 0
 
 
 class Journal:
