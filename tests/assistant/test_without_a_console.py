@@ -152,7 +152,7 @@ def test_without_the_extra_it_is_one_line() -> None:
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "archo-tui: mcp needs another package: pip install 'archo-tui[mcp]'\n"
+    assert done.stderr == "archo-tui: mcp needs another package: pip install '.[mcp]' in a clone of archo-tui\n"
 
 
 def test_nothing_but_its_own_process_imports_it() -> None:

@@ -16,10 +16,12 @@ import pytest
 
 from archo_tui.remote import client, place
 from archo_tui.remote.server import MOST_CLIENTS, MOST_OPEN
+from archo_tui.robot import services
 from archo_tui.robot.outcome import Code, Outcome
 from tests.robot.test_several_servers import Brake, making
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed, operated
+from tests.support.ros import begin
 from tests.support.shells import Raw, heard, raw, served, typed, until
 
 pytestmark = pytest.mark.real_time
@@ -312,17 +314,19 @@ async def test_a_flood_of_stops_reaches_the_robot_a_few_times_and_each_is_answer
         assert person.said.count("STOP: confirmed") < 20
 
 
-async def test_a_stop_does_not_wait_for_the_answer_to_anothers() -> None:
+async def test_a_stop_does_not_wait_for_the_answer_to_anothers(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(services, "DEADLINE", 60.0)  # on a busy machine 2 s are soon over
     brakes: list[Brake] = []
     async with served(making(brakes, Brake, "brake", "nothing")), guest() as one, guest() as other:
         one.send({"id": 1, "words": ["stop"]})
         await until(lambda: brakes and brakes[0].asked)
-        first = asyncio.ensure_future(one.result())
         other.send({"id": 1, "words": ["stop"]})
-        await until(lambda: brakes[0].asked > 1)
-        assert not first.done()  # it is given up after 2 s
-        assert (await first)["code"] == "timeout"
-        assert (await other.result())["code"] == "timeout"
+        await until(lambda: brakes[0].asked == 2)
+        begin(brakes[0], lambda: brakes[0].awake.set_result(True))
+        for guest_ in (one, other):
+            assert (await guest_.result())["code"] == "done"
 
 
 async def test_of_a_flood_of_requests_the_surplus_is_refused_and_others_are_answered() -> None:
@@ -452,6 +456,7 @@ async def test_a_console_that_does_not_say_which_one_it_is_holds_up_no_stop(
 
     def greet(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.write(json.dumps(hello).encode() + b"\n")
+        writer.close()
 
     async with await asyncio.start_unix_server(greet, sock=_listens("1.sock")):
         for words in (["status"], ["stop", "--to", "/north"]):
