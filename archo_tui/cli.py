@@ -475,7 +475,8 @@ def _mcp(options: Namespace) -> int:
     try:
         from archo_tui.assistant.server import serve
     except ImportError:  # of the SDK, or of one that is too old
-        raise ArchoError("mcp needs another package: pip install '.[mcp]' in a clone of archo-tui") from None
+        said = "mcp needs another package: pip install '.[mcp]' in a clone of archo-tui"
+        raise ArchoError(said) from None
     if sys.stdin is None or sys.stdout is None:
         raise ArchoError("mcp needs a standard input and output, and one is closed")
     if sys.stdin.isatty():

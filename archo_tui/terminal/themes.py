@@ -59,10 +59,12 @@ def tones(variables: Mapping[str, str]) -> dict[str, str]:
     """
     front = Color.parse(variables["foreground"])
     behind = [Color.parse(variables[name]) for name in ("background", "surface", "panel")]
+    lights = [_luminance(back) for back in behind]  # once: there are hundreds of steps
     found = {}
     for name, (begin, least) in _TONES.items():
-        steps = (Color.parse(variables[begin]).blend(front, step / 50) for step in range(51))
-        readable = (c for c in steps if min(contrast(c, back) for back in behind) >= least)
+        first = Color.parse(variables[begin])
+        steps = (first.blend(front, step / 50) for step in range(51))
+        readable = (c for c in steps if _least_ratio(c, lights) >= least)
         found[name] = next(readable, front).hex
     edge = Color.parse(variables.get("edge", found["edge"]))
     return {**found, "stopped": _STOPPED, "shade": behind[0].blend(edge, _SHADE).hex}
@@ -80,8 +82,13 @@ def grey(variables: Mapping[str, str]) -> dict[str, str]:
 
 def contrast(one: Color, other: Color) -> float:
     """The contrast ratio of two colours, 1 to 21: https://www.w3.org/TR/WCAG21/#dfn-contrast-ratio"""
-    darker, lighter = sorted((_luminance(one), _luminance(other)))
-    return (lighter + 0.05) / (darker + 0.05)
+    return _least_ratio(one, [_luminance(other)])
+
+
+def _least_ratio(colour: Color, lights: list[float]) -> float:
+    """The least contrast ratio of a colour to others, of these luminances."""
+    own = _luminance(colour)
+    return min((max(own, light) + 0.05) / (min(own, light) + 0.05) for light in lights)
 
 
 def _luminance(colour: Color) -> float:
