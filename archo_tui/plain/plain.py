@@ -201,7 +201,8 @@ class Plain:
         goal, goals = self._goal, self._station.queue
         runs = goal is not None and goal.is_running and goal.mine
         if goal is not None and goal.phase == Phase.LOST:
-            runs = runs and goal.kind.action in self._robot.snapshot.offered
+            snapshot = self._robot.snapshot
+            runs = runs and goal.kind.action in {*snapshot.offered, *snapshot.actions}
         return not runs and not goals.is_going
 
     async def _tick(self) -> None:

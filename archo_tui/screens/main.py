@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from textual import events
 from textual.app import ComposeResult
@@ -278,8 +278,9 @@ class MainScreen(Base[None]):
         """Show what there is, with a robot or without."""
         if not self._is_filled:
             self._is_filled = True
-            if self._view is not None:
-                self.show(self._view, self._commands)
+            if self._view is not None:  # what has no room is filled by the next view
+                seen = [panel for panel in self._panels.values() if self._has_room(panel)]
+                self._show(self._view, self._commands, seen)
             self.refresh()
 
     def show(self, view: Shown, commands: list[FooterKey]) -> None:
@@ -289,6 +290,9 @@ class MainScreen(Base[None]):
             if view.snapshot.nodes:
                 self._fill()
             return
+        self._show(view, commands, self._panels.values())
+
+    def _show(self, view: Shown, commands: list[FooterKey], panels: Iterable[Panel]) -> None:
         width = self.size.width
         self._header.show(bars.header(view, width - 9))
         self._clock.show(bars.clock(view))
@@ -298,7 +302,7 @@ class MainScreen(Base[None]):
             self._below = below
             self._footer.show(bars.footer(*below))
             self.everywhere = bars.footer_keys(key for key in commands if key.everywhere)
-        for panel in self._panels.values():
+        for panel in panels:
             self._show_panel(panel, view)
         self._fit()
 
