@@ -170,10 +170,10 @@ async def test_a_click_counts_as_late_as_a_key() -> None:
 
 async def is_read_anew(op: Console, monkeypatch: pytest.MonkeyPatch, since: float) -> None:
     """What was drawn after that time is answered by the second enter, a second later."""
-    monkeypatch.setattr(request, "READ", seconds() - since)
-    await op.press("enter")
-    await op.until("Read it first, then answer.")
-    monkeypatch.undo()
+    with monkeypatch.context() as patch:
+        patch.setattr(request, "READ", seconds() - since)
+        await op.press("enter")
+        await op.until("Read it first, then answer.")
     await op.at(seconds() + 1.1)
     await op.press("enter")
     await op.until("MOVING to 12")
@@ -253,8 +253,6 @@ async def test_in_a_small_terminal_what_is_asked_is_scrolled_to_its_end() -> Non
 async def test_a_request_is_void_once_it_may_mean_something_else(
     way: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if way == "time":
-        monkeypatch.setattr(requests, "EXPIRES", 1.5)
     async with beside(*LONG) as (op, assistant):
         await asks(assistant)
         other = await raw()
@@ -266,7 +264,7 @@ async def test_a_request_is_void_once_it_may_mean_something_else(
         elif way == "goal":
             assert (await other.ask("go", "3"))["code"] == "accepted"
         elif way == "time":
-            await op.at(seconds() + 0.6)
+            monkeypatch.setattr(requests, "EXPIRES", 0.0)
         else:
             assistant.close()
         await op.until(lambda: "An assistant asks" not in op.text)
@@ -304,12 +302,12 @@ async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() 
 async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(requests, "EXPIRES", 1.5)
     async with beside(*LONG) as (op, assistant):
         await op.press("g", "7")
         await asks(assistant)
         op.app.action_command("alarms")  # as a click on the request does: the field has the focus
         await op.until("An assistant asks")
+        monkeypatch.setattr(requests, "EXPIRES", 0.0)
         await op.until(lambda: "An assistant asks" not in op.text)
         await op.press("enter")  # for the answer
         await op.until("The request is over: press the key again.")
@@ -605,9 +603,9 @@ async def test_in_plain_nothing_is_answered_that_the_terminal_has_not_taken_yet(
         await heard(person, "(allow 1 or deny 1, within 60 s)")
         since = seconds()
         await until(lambda: seconds() > since + 1.1)
-        monkeypatch.setattr(Output, "is_done", False)  # as after ctrl+s
-        person.type("allow 1\n")
-        await heard(person, "failed: allow: read it first, then answer, by a line alone")
-        monkeypatch.undo()
+        with monkeypatch.context() as patch:
+            patch.setattr(Output, "is_done", False)  # as after ctrl+s
+            person.type("allow 1\n")
+            await heard(person, "failed: allow: read it first, then answer, by a line alone")
         assert "accepted" not in person.said
         assistant.close()

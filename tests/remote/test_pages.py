@@ -19,7 +19,7 @@ from archo_tui.remote import place
 from archo_tui.remote.protocol import EXITS
 from tests.support import chosen
 from tests.support.console import FAST
-from tests.support.shells import raw, served
+from tests.support.shells import heard, raw, served
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -94,7 +94,7 @@ async def test_the_client_in_six_lines_of_shell_sends_the_robot(
             subprocess.run, ["bash", "-c", lines], capture_output=True, text=True, timeout=DEADLINE
         )
         assert json.loads(done.stdout)["code"] == "arrived", done
-        assert "Arrived at shelf 12" in person.said
+        await heard(person, "Arrived at shelf 12")
 
 
 EXAMPLES = re.findall(r"^```python\n(.*?)^```", (DOCS / "python.md").read_text(), re.M | re.S)
