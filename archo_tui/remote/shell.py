@@ -105,10 +105,11 @@ def run(
 
     `attach` makes what is spoken to where no console runs.
     """
+    # help of STOP only when exactly that is typed: whatever else stands behind it, it stops
     if len(words) == 2 and words[1] == "--help":
         from archo_tui.remote.verb_help import own
 
-        known = own(words)
+        known = own(words[0])
         if known:
             _print(known)
             return 0

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-TYPE_CHECKING = False  # as in shell.py
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 # verbs whose line the client has itself: STOP takes no word behind it, and `wait` is no verb of
 # the console's own operator
 _LINES = {
@@ -29,13 +25,9 @@ _OF_OTHERS = (
 )
 
 
-def own(words: Sequence[str]) -> str:
-    """What is said without a console; empty: one is to be asked.
-
-    For STOP it is help only when exactly that is typed: whatever else stands behind it, it stops.
-    """
-    known = len(words) == 2 and words[1] == "--help" and words[0] in _LINES
-    return with_options(words[0], _LINES[words[0]]) if known else ""
+def own(verb: str) -> str:
+    """What is said without a console; empty: one is to be asked."""
+    return with_options(verb, _LINES[verb]) if verb in _LINES else ""
 
 
 def with_options(verb: str, line: str) -> str:

@@ -26,7 +26,7 @@ from archo_tui.robot import acts, message_classes, messages, ros2_command, servi
 from archo_tui.robot.acts import Act
 from archo_tui.robot.asker import YOU, Asker, asking
 from archo_tui.robot.consoles import author, own_name
-from archo_tui.robot.events import EventLog
+from archo_tui.robot.events import ROUTINE, EventLog
 from archo_tui.robot.fields import filled
 from archo_tui.robot.followed import FARTHEST
 from archo_tui.robot.goals import Goals
@@ -62,7 +62,6 @@ from archo_tui.robot_file import check, model
 
 FLUSH_PERIOD = 0.2  # s between two snapshots while much happens: 5 a second
 STREAM_PERIOD = 0.4  # s between them while only numbers go on and nodes log: nobody reads faster
-_ROUTINE = ("DEBUG", "INFO")  # levels of what nodes log all the time
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
 _ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
@@ -577,7 +576,7 @@ class Robot:
         # by this clock and not the stamp: the robot's may be another, and the list is in order
         event = self._log.add(Event(self._clock.now(), level, message.name, message.msg))
         self._happened(event)
-        if level in _ROUTINE or event.count > 1:
+        if level in ROUTINE or event.count > 1:
             self._mark_stream()
         else:
             self._mark()

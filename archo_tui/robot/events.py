@@ -12,7 +12,7 @@ from archo_tui.robot.text import harmless
 
 LIMIT = 1000  # events kept
 _OWN = 200  # of them the console's own, which a flood of others does not push out
-_ROUTINE = ("DEBUG", "INFO")  # levels whose flood does not push out what is worse
+ROUTINE = ("DEBUG", "INFO")  # levels of what nodes log all the time; pushes out nothing worse
 
 # With a point a number is a reading, which drifts: `Low battery: 18.0%` is said again and again.
 # A whole one is what it is about: joint 1 and joint 2 are two faults; 10.0.0.1 is a name as well.
@@ -69,7 +69,7 @@ class EventLog:
         """Where such an event is kept, and by what its repeats are known."""
         if level in OWN_LEVELS:
             return self._own, self._count
-        return self._routine if level in _ROUTINE else self._worse, _common(level, source, text)
+        return self._routine if level in ROUTINE else self._worse, _common(level, source, text)
 
     @classmethod
     def of(cls, events: Iterable[Event]) -> EventLog:
