@@ -8,7 +8,7 @@ import re
 import sys
 import time
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import lru_cache, wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,7 +91,7 @@ def pytest_configure(config: pytest.Config) -> None:
         if sys.platform == "linux":
             from tests.support import warm
 
-            warm.is_on = True
+            warm.allow()
     else:  # real ROS 2: nothing may leave this process
         os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "OFF"
         os.environ["ROS_PYTHON_CHECK_FIELDS"] = "1"  # while tests are collected: _checked_fields
@@ -148,6 +148,21 @@ def _undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
         screen.draws = getattr(screen, "draws", 0) + 1  # support/console.py reads what is new only
 
     monkeypatch.setattr("textual.screen.Screen._compositor_refresh", draw_nothing)
+
+
+@pytest.fixture(autouse=True)
+def _first_picture_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fill the first picture at once: `Console.ready` waits for the robot's nodes."""
+    from archo_tui.screens.main import MainScreen
+
+    on_mount = MainScreen.on_mount
+
+    @wraps(on_mount)
+    def on_mount_and_fill(screen: MainScreen) -> None:
+        on_mount(screen)
+        screen.call_later(screen._fill)
+
+    monkeypatch.setattr(MainScreen, "on_mount", on_mount_and_fill)
 
 
 @pytest.fixture(autouse=True)

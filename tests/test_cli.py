@@ -16,7 +16,7 @@ from archo_tui import __version__, shutdown
 from archo_tui.cli import main, split_ros_args
 from archo_tui.robot_file.load import default
 from archo_tui.verbs import verbs
-from tests.support import chosen
+from tests.support import chosen, warm
 from tests.support.archo import ARCHO
 
 Refused = Callable[..., str]
@@ -25,7 +25,7 @@ RED = "\N{REPLACEMENT CHARACTER}[31m"  # a sequence, as it is shown
 
 def archo(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "archo_tui", *words],
+        warm.python("-m", "archo_tui", *words),
         capture_output=True,
         text=True,
         check=False,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import json
 import os
-import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any, NamedTuple
 from mcp import Client, StdioServerParameters
 from mcp.client.stdio import stdio_client
 
+from tests.support import warm
 from tests.support.shells import until
 from tests.support.waiting import DEADLINE
 
@@ -64,7 +64,8 @@ def parameters(*words: str, code: str = "") -> StdioServerParameters:
     words = ("mcp", *words)
     program = f"import sys\n{code}\nfrom archo_tui.cli import main\nsys.exit(main({words!r}))"
     given = {name: os.environ[name] for name in os.environ if name.startswith(("XDG_", "PYTHON"))}
-    return StdioServerParameters(command=sys.executable, args=["-c", program], env=given)
+    command, *arguments = warm.python("-c", program)
+    return StdioServerParameters(command=command, args=arguments, env=given)
 
 
 @asynccontextmanager

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -15,7 +14,7 @@ from archo_tui import cli
 from archo_tui.paths import state_file
 from archo_tui.recording import bag, store
 from archo_tui.recording.box import BlackBox
-from tests.support import clock
+from tests.support import clock, warm
 from tests.support.console import FAST, console
 from tests.support.stub import StandingClock
 from tests.support.waiting import DEADLINE
@@ -76,7 +75,7 @@ def test_an_empty_path_is_not_taken_for_none(capsys: pytest.CaptureFixture[str])
 def test_it_fails_when_what_was_asked_for_is_not_written(tmp_path: Path) -> None:
     folder = tmp_path / "folder"
     folder.mkdir()
-    command = [sys.executable, "-m", "archo_tui", "--plain", "--record", str(folder / "shift")]
+    command = warm.python("-m", "archo_tui", "--plain", "--record", str(folder / "shift"))
     pipe = subprocess.PIPE
     with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe, text=True) as console:
         assert console.stdin

@@ -22,7 +22,7 @@ from archo_tui.paths import state_file
 from archo_tui.recording import bag, store
 from archo_tui.recording.listing import line
 from archo_tui.recording.store import Recording
-from tests.support import clock
+from tests.support import clock, warm
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.quiet import outside
 
@@ -253,7 +253,7 @@ def test_a_link_among_the_recordings_is_left_alone(tmp_path: Path) -> None:
 
 def archo(*words: str) -> tuple[int, str, str]:
     done = subprocess.run(
-        [sys.executable, "-m", "archo_tui", *words], capture_output=True, text=True, check=False
+        warm.python("-m", "archo_tui", *words), capture_output=True, text=True, check=False
     )
     return done.returncode, done.stdout, done.stderr
 

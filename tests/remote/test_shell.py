@@ -16,7 +16,7 @@ import pytest
 
 from archo_tui.cli import SUBCOMMANDS
 from archo_tui.remote import shell
-from tests.support import script
+from tests.support import script, warm
 from tests.support.console import FAST, LONG
 from tests.support.script import SLOW, Script
 from tests.support.shells import Said, heard, said, served, typed, until
@@ -28,7 +28,7 @@ pytestmark = pytest.mark.real_time
 
 def client(*words: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "archo_tui", *words],
+        warm.python("-m", "archo_tui", *words),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -273,7 +273,7 @@ def test_a_client_that_ends_takes_its_goals_along(number: int) -> None:
 
 def moving(*words: str) -> tuple[Script, subprocess.Popen[str]]:
     """A console, and a shell whose goal runs."""
-    script = Script(*SLOW)
+    script = Script(*SLOW, fresh=True)  # it may be suspended
     script.type("status\n")
     script.until("\ngoal No goal yet")
     shell = client(*words)
@@ -334,7 +334,7 @@ def test_what_asks_is_answered_at_the_callers_terminal(
 
 
 def test_a_console_that_is_killed_ends_the_wait_with_3() -> None:
-    script = Script(*SLOW)
+    script = Script(*SLOW, fresh=True)  # it may be suspended
     script.type("status\n")
     script.until("\ngoal No goal yet")
     shell = client("go", "12", "--wait")

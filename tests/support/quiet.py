@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from weakref import WeakKeyDictionary
 
 from textual.app import App
+from textual.screen import Screen
 
 from tests.support import clock
 from tests.support.waiting import DEADLINE, Waited
@@ -45,20 +46,18 @@ class Quiet:
 
     async def settle(self) -> None:
         """Return when nobody has anything to do before time moves on, and all is drawn."""
+        end = time.monotonic() + 3 * DEADLINE
         while True:
+            assert time.monotonic() < end, "never drawn"
             await self._settle()
             if self._app is None or not self._app.is_running or not self._app.screen_stack:
                 return
             screen = self._app.screen
-            if not (
-                screen._layout_required
-                or screen._scroll_required
-                or screen._repaint_required
-                or screen._dirty_widgets
-                or screen._callbacks
-            ):
+            if not _is_to_be_drawn(screen):
                 return
             screen._on_timer_update()  # what Textual's own timer would do within 1/60 s
+            if _is_to_be_drawn(screen):  # the first picture waits for something else
+                await asyncio.sleep(clock.LOOK)
 
     async def _settle(self) -> None:
         end = time.monotonic() + 3 * DEADLINE
@@ -91,6 +90,16 @@ class Quiet:
             assert not waited.too_long(), f"waited {waited} for {what()}"
             if clock.current is None or not clock.current.advance():
                 await asyncio.sleep(0.01)
+
+
+def _is_to_be_drawn(screen: Screen[Any]) -> bool:
+    return bool(
+        screen._layout_required
+        or screen._scroll_required
+        or screen._repaint_required
+        or screen._dirty_widgets
+        or screen._callbacks
+    )
 
 
 async def until(holds: Callable[[], object]) -> None:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from archo_tui.paths import journal_file
-from tests.support import chosen
+from tests.support import chosen, warm
 from tests.support.waiting import DEADLINE
 
 FAST = ("--ros-args", "-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
@@ -22,12 +22,14 @@ SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
 class Script:
     """A script that operates the robot."""
 
-    def __init__(self, *words: str) -> None:
+    def __init__(self, *words: str, fresh: bool = False) -> None:
+        """`fresh` starts a new interpreter: one that can be suspended and looked at."""
         environ = {
             "ROS_DOMAIN_ID": str(chosen.next_domain()),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
         }
-        command = [sys.executable, "-m", "archo_tui", "--engine", chosen.ENGINE, "--plain", *words]
+        arguments = "-m", "archo_tui", "--engine", chosen.ENGINE, "--plain", *words
+        command = [sys.executable, *arguments] if fresh else warm.python(*arguments)
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
@@ -46,7 +48,7 @@ class Script:
 
     @property
     def memory(self) -> int:
-        """The bytes that it holds."""
+        """The bytes that it holds, in an interpreter of its own."""
         pages = Path(f"/proc/{self._process.pid}/statm").read_text().split()[1]
         return int(pages) * os.sysconf("SC_PAGE_SIZE")
 
@@ -122,7 +124,7 @@ def _until(holds: Callable[[], object], what: Callable[[], str]) -> None:
 
 def shell(command: str, **environ: str) -> subprocess.CompletedProcess[bytes]:
     """Run a line of shell with `archo` in it."""
-    archo = f"{shlex.quote(sys.executable)} -m archo_tui"
+    archo = shlex.join(warm.python("-m", "archo_tui"))
     command = command.replace("archo --plain", f"archo --engine {chosen.ENGINE} --plain")
     given = {"ROS_DOMAIN_ID": str(chosen.next_domain()), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"}
     return subprocess.run(

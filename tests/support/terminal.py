@@ -47,26 +47,20 @@ class Terminal:
             "ROS_DOMAIN_ID": str(chosen.next_domain()),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
         }
-        self._warm = None if fresh or "--interfaces" in words else warm.loaded()
-        if self._warm is not None:
-            self.pid = self._warm.start(
-                slave,
-                environment=environment,
-                folder=os.getcwd(),
-                arguments=arguments,
-                code=code,
-                controlling=controlling,
-                ignore_hangup=ignore_hangup,
-            )
+        start = f"from archo_tui.cli import main\nsys.exit(main({arguments!r}))"
+        program = f"import sys\n{code}\n{start}"
+        how = {"controlling": controlling, "ignore_hangup": ignore_hangup}
+        self._forked: warm.Forked | None = None
+        if warm.is_usable() and not fresh and "--interfaces" not in words:
+            self._forked = warm.Forked(slave, "-c", program, environment=environment, **how)
+            self.pid = self._forked.pid
             return
         self.pid = os.fork()
         if self.pid == 0:
-            warm.move_into(slave, controlling=controlling, ignore_hangup=ignore_hangup)
+            warm.move_into(slave, **how)
             os.environ |= environment
             for name in ("COLUMNS", "LINES"):
                 os.environ.pop(name, None)
-            start = f"from archo_tui.cli import main\nsys.exit(main({arguments!r}))"
-            program = f"import sys\n{code}\n{start}"
             # readline may have put COLUMNS where only execv sees it
             os.execve(sys.executable, [sys.executable, "-c", program], dict(os.environ))
 
@@ -119,8 +113,8 @@ class Terminal:
                 raise AssertionError(f"the process hangs: {self.text[-2000:]}")
 
     def _status(self) -> int | None:
-        if self._warm is not None:
-            return self._warm.status(self.pid)
+        if self._forked is not None:
+            return self._forked.status()
         pid, status = os.waitpid(self.pid, os.WNOHANG)
         return status if pid else None
 
@@ -146,6 +140,8 @@ class Terminal:
         )
 
     def close(self) -> None:
+        if self._forked is not None:
+            self._forked.close()
         if self._master >= 0:
             os.close(self._master)
         if self._slave is not None:

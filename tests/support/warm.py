@@ -1,15 +1,17 @@
-"""Starts archo-tui by a fork of a process that has loaded it: a third of what a start costs.
+"""Starts Python programs by a fork of one process that has loaded what archo-tui imports.
 
-For tests that look at what comes after the start. What a process reads once and for all when it
-begins (its environment, but for the folders of a test) must be the same; else it is begun anew.
+A start costs a tenth of a new interpreter's. There is one such process for a run of pytest; the
+first test that needs it starts it. What an interpreter reads once and for all when it begins (see
+`_READ_ONCE`) must be as it was for the loaded process; else a new interpreter is started.
 """
 
 from __future__ import annotations
 
+import ast
 import atexit
 import contextlib
 import fcntl
-import json
+import gc
 import os
 import select
 import signal
@@ -19,41 +21,99 @@ import sys
 import termios
 import threading
 import traceback
-from functools import cache
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
-_FOLDERS = {"XDG_CONFIG_HOME", "XDG_STATE_HOME"}  # read whenever a file is looked for
-_OTHERS = {"TERM", "ROS_DOMAIN_ID", "PYTEST_CURRENT_TEST", "PWD", "OLDPWD"}
+_READ_ONCE = ("PYTHON", "TEXTUAL", "LANG", "LC_", "TZ", "AMENT_PREFIX_PATH")
 _LOADED = (
-    *(
-        "archo_tui.app",
-        "archo_tui.session",
-        "archo_tui.hosting.host",
-        "archo_tui.hosting.node_files",
-    ),
-    *("archo_tui.robot.client", "archo_tui.terminal.driver"),
+    *("archo_tui.app", "archo_tui.session", "archo_tui.plain.plain", "archo_tui.replay_app"),
+    *("archo_tui.hosting.host", "archo_tui.hosting.node_files", "archo_tui.robot.client"),
+    *("archo_tui.terminal.driver", "archo_tui.remote.server", "archo_tui.remote.shell"),
+    *("archo_tui.remote.api", "archo_tui.assistant.server", "archo_tui.recording.box"),
     *("archo_bringup.battery_monitor", "archo_bringup.dashboard", "archo_bringup.motor_controller"),
 )
-
-
+_STREAMS = ("r", "surrogateescape"), ("w", "surrogateescape"), ("w", "backslashreplace")
+_MAIN = "import sys\nfrom archo_tui.cli import main\nsys.exit(main(sys.argv[1:]))"
+_CLIENT = Path(__file__).with_name("warm_client.py")
 ROOT = Path(__file__).parent.parent.parent
 
-is_on = False  # in the tests; a measurement is of a new interpreter
+_started: list[subprocess.Popen[bytes]] = []  # the loaded process; it ends with the run
+_base: dict[str, str] | None = None  # of `_READ_ONCE`, in the loaded process; None: never forked
 
 
-@cache
-def _of(environment: frozenset[tuple[str, str]]) -> Warm:
-    made = Warm()
-    atexit.register(made.close)
-    return made
+def allow() -> None:
+    """Fork from now on, where tests leave what is read once as it is; called by the whole run."""
+    global _base
+    os.environ.setdefault("ARCHO_TESTS_RUN", str(os.getpid()))  # the workers inherit it
+    _base = {**_read_once(), "LC_ALL": "C.UTF-8"}
+    for name in ("LANG", "LC_CTYPE"):
+        _base.pop(name, None)
 
 
-def loaded() -> Warm | None:
-    """The process that began with the environment that is set now; None: begin anew."""
-    passing = _FOLDERS | _OTHERS
-    environment = frozenset((k, v) for k, v in os.environ.items() if k not in passing)
-    return _of(environment) if is_on else None
+def _read_once() -> dict[str, str]:
+    return {name: os.environ[name] for name in os.environ if name.startswith(_READ_ONCE)}
+
+
+def is_usable() -> bool:
+    """True where a fork of the loaded process is what a new interpreter would be."""
+    return _base is not None and _read_once() == _base
+
+
+def python(*arguments: str) -> list[str]:
+    """Words of a command that does what `python *arguments` does.
+
+    Args:
+        arguments: `-m archo_tui WORD ...` or `-c PROGRAM WORD ...`.
+    """
+    if not is_usable():
+        return [sys.executable, *arguments]
+    return [sys.executable, "-S", "-I", str(_CLIENT), _server(), *arguments]
+
+
+def _server() -> str:
+    """Return the abstract socket of the run's loaded process; start it if it is not there."""
+    name = f"archo-tests-{os.environ['ARCHO_TESTS_RUN']}"
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with listener:
+        try:
+            listener.bind("\0" + name)
+        except OSError:  # another worker has started it
+            return name
+        listener.listen(100)
+        code = f"from tests.support.warm import serve; serve({listener.fileno()})"
+        assert _base is not None
+        process = subprocess.Popen(
+            [sys.executable, "-c", code],
+            pass_fds=[listener.fileno()],
+            cwd=ROOT,
+            start_new_session=True,
+            env={**os.environ, **_base},
+        )
+        _started.append(process)
+    return name
+
+
+class Forked:
+    """A process in a terminal, forked from the loaded one; it is killed when this is closed."""
+
+    def __init__(self, slave: int, *arguments: str, environment: dict[str, str], **how: bool):
+        """Start `python *arguments`; `how` is what `move_into` takes."""
+        self._server = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._server.connect("\0" + _server())
+        request = repr(({**os.environ, **environment}, os.getcwd(), arguments, how))
+        socket.send_fds(self._server, [request.encode()], [slave])
+        self.pid = int(self._server.recv(100))
+        self._status: int | None = None
+
+    def status(self) -> int | None:
+        """Return what `waitpid` says of the process; None while it runs."""
+        if self._status is None and select.select([self._server], [], [], 0)[0]:
+            self._status = int(self._server.recv(100))
+            self.close()
+        return self._status
+
+    def close(self) -> None:
+        self._server.close()
 
 
 def move_into(slave: int, *, controlling: bool, ignore_hangup: bool) -> None:
@@ -68,111 +128,118 @@ def move_into(slave: int, *, controlling: bool, ignore_hangup: bool) -> None:
     os.closerange(3, 100)
 
 
-class Warm:
-    """The process that is forked."""
-
-    def __init__(self) -> None:
-        self._socket, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        code = f"from tests.support.warm import serve; serve({other.fileno()})"
-        words = [sys.executable, "-c", code]
-        self._server = subprocess.Popen(words, pass_fds=[other.fileno()], cwd=ROOT)
-        other.close()
-        self._ended: dict[int, int] = {}  # statuses by process
-
-    def start(self, slave: int, **what: Any) -> int:
-        """Run archo-tui in a terminal: the number of its process."""
-        request = json.dumps({**what, "environment": dict(os.environ) | what["environment"]})
-        socket.send_fds(self._socket, [request.encode()], [slave])
-        while (said := self._heard())["kind"] != "started":
-            pass
-        return int(said["pid"])
-
-    def status(self, pid: int) -> int | None:
-        """What `waitpid` says of a process; None while it runs."""
-        self._socket.setblocking(False)
-        with contextlib.suppress(BlockingIOError):
-            while True:
-                self._heard()
-        self._socket.setblocking(True)
-        return self._ended.get(pid)
-
-    def close(self) -> None:
-        self._socket.close()
-        self._server.wait()
-
-    def _heard(self) -> dict[str, Any]:
-        said: dict[str, Any] = json.loads(self._socket.recv(1000))
-        if said["kind"] == "ended":
-            self._ended[said["pid"]] = said["status"]
-        return said
-
-
 def serve(descriptor: int) -> None:
-    """Fork whenever it is asked for, and say how each process ended."""
+    """Fork for each client that connects, and tell it how its process ended."""
     import importlib
 
     from archo_tui import engine
 
+    run = int(os.environ["ARCHO_TESTS_RUN"])
     engine.activate("embedded")
     for name in _LOADED:
         importlib.import_module(name)
-    channel = socket.socket(fileno=descriptor)
+    gc.collect()
+    gc.freeze()
+    listener = socket.socket(fileno=descriptor)
     woken, wakes = os.pipe()
     os.set_blocking(wakes, False)
     signal.set_wakeup_fd(wakes)
     signal.signal(signal.SIGCHLD, lambda *_: None)
+    clients: dict[int, socket.socket] = {}  # by process
 
-    while True:
-        ready, _, _ = select.select([channel.fileno(), woken], [], [])
+    while _is_alive(run):
+        ready, _, _ = select.select([listener, woken, *clients.values()], [], [], 1.0)
+        for pid, client in [*clients.items()]:
+            if client in ready:  # it has gone
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, signal.SIGKILL)
+                clients.pop(pid).close()
         if woken in ready:
             os.read(woken, 1000)
-            with contextlib.suppress(ChildProcessError):
-                while (ended := os.waitpid(-1, os.WNOHANG))[0]:
-                    said = {"kind": "ended", "pid": ended[0], "status": ended[1]}
-                    channel.send(json.dumps(said).encode())
-        if channel.fileno() in ready:
-            request, slaves, _, _ = socket.recv_fds(channel, 1_000_000, 1)
+        with contextlib.suppress(ChildProcessError):
+            while (ended := os.waitpid(-1, os.WNOHANG))[0]:
+                if ended[0] in clients:
+                    with contextlib.suppress(OSError):
+                        clients[ended[0]].send(str(ended[1]).encode())
+                    clients.pop(ended[0]).close()
+        if listener in ready:
+            client, _ = listener.accept()
+            request, streams, _, _ = socket.recv_fds(client, 1_000_000, 3)
             if not request:
-                return
+                client.close()
+                continue
             pid = os.fork()
             if pid == 0:
                 signal.set_wakeup_fd(-1)
-                _become(slaves[0], **json.loads(request))
-            os.close(slaves[0])
-            channel.send(json.dumps({"kind": "started", "pid": pid}).encode())
+                _become(streams, *ast.literal_eval(request.decode()))
+            for stream in streams:
+                os.close(stream)
+            clients[pid] = client
+            with contextlib.suppress(OSError):
+                client.send(str(pid).encode())
+
+
+def _is_alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def _become(
-    slave: int,
+    streams: list[int],
     environment: dict[str, str],
     folder: str,
     arguments: list[str],
-    code: str,
-    controlling: bool,
-    ignore_hangup: bool,
+    terminal: dict[str, bool] | None,
 ) -> NoReturn:
-    """Be archo-tui in that terminal."""
+    """Be `python *arguments` with those streams; `streams` is one terminal's, or all three."""
     status = 1
     try:
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-        move_into(slave, controlling=controlling, ignore_hangup=ignore_hangup)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        if terminal is not None:
+            move_into(streams[0], **terminal)
+        else:
+            for number, stream in enumerate(streams):
+                os.dup2(stream, number)
+            os.closerange(3, 1000)
+        atexit._clear()
         os.environ.clear()
         os.environ |= environment
         os.chdir(folder)
-        streams = [os.fdopen(number, mode, 1, closefd=False) for number, mode in enumerate("rww")]
-        sys.stdin, sys.stdout, sys.stderr = streams
-        sys.__stdin__, sys.__stdout__, sys.__stderr__ = streams  # type: ignore
-        exec(f"import sys\n{code}", {"__name__": "__main__"})
-        from archo_tui.cli import main
-
-        status = main(arguments)
+        kind, program, *words = arguments
+        sys.argv = ["-c" if kind == "-c" else program, *words]
+        sys.stdin, sys.stdout, sys.stderr = sys.__stdin__, sys.__stdout__, sys.__stderr__ = [  # type: ignore
+            open(n, mode, _buffering(n), "utf-8", errors, closefd=False)  # noqa: SIM115
+            for n, (mode, errors) in enumerate(_STREAMS)
+        ]
+        exec(program if kind == "-c" else _MAIN, {"__name__": "__main__"})
+        status = 0
     except SystemExit as end:
-        status = end.code if isinstance(end.code, int) else 1
+        status = end.code if isinstance(end.code, int) else int(end.code is not None)
+        if isinstance(end.code, str):
+            sys.stderr.write(f"{end.code}\n")
     except BaseException:
         traceback.print_exc()
     finally:
-        with contextlib.suppress(Exception):
-            threading._shutdown()  # type: ignore[attr-defined]  # as the interpreter does: joins
-        with contextlib.suppress(Exception):
-            sys.stdout.flush()
-        os._exit(status)
+        os._exit(_ended(status))
+
+
+def _buffering(descriptor: int) -> int:
+    """Return what an interpreter chooses: lines for a terminal and for errors."""
+    return 1 if descriptor == 2 or os.isatty(descriptor) else -1
+
+
+def _ended(status: int) -> int:
+    """Do what an interpreter does as it ends; returns the exit code."""
+    with contextlib.suppress(Exception):
+        threading._shutdown()  # type: ignore[attr-defined]  # joins threads
+    with contextlib.suppress(Exception):
+        atexit._run_exitfuncs()
+    try:
+        sys.stdout.flush()
+    except Exception:
+        return 120
+    return status
