@@ -38,6 +38,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--end-to-end", action="store_true", help="run the tests that need tmux and sshd as well"
     )
     parser.addoption(
+        "--night", action="store_true", help="run the tests that are marked `night` as well"
+    )
+    parser.addoption(
         "--update-snapshots", action="store_true", help="accept the screens as they look now"
     )
 
@@ -71,10 +74,14 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return True if collection_path.name == "end_to_end" and not wanted else None
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.stem in _POSIX:
             item.add_marker(pytest.mark.posix)
+    if not config.getoption("--night"):
+        left = [item for item in items if item.get_closest_marker("night")]
+        config.hook.pytest_deselected(items=left)
+        items[:] = [item for item in items if not item.get_closest_marker("night")]
 
 
 def pytest_configure(config: pytest.Config) -> None:

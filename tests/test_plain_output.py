@@ -12,6 +12,7 @@ from collections.abc import Iterator
 import pytest
 
 from archo_tui.plain.output import MOST, Output
+from tests.support.night import corners
 from tests.support.quiet import until
 from tests.support.script import Script, shell
 
@@ -104,7 +105,7 @@ async def test_the_oldest_lines_are_left_out_and_never_a_part_of_one() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is looked up in /proc")
-@pytest.mark.parametrize("line", ["stop", "y"])
+@pytest.mark.parametrize("line", corners(["stop"], ["y"]))
 def test_memory_is_bounded_whatever_is_typed_without_end(line: str) -> None:
     script = Script(fresh=True)
     try:

@@ -107,5 +107,5 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def test_a_walk_of_keys_at_random(request: pytest.FixtureRequest) -> None:
-    far = request.config.getoption("--end-to-end")
-    await walk(seed=random.randrange(10**6) if far else 7, keys=20_000 if far else 600)
+    far = request.config.getoption("--night")
+    await walk(seed=random.randrange(10**6) if far else 7, keys=20_000 if far else 200)

@@ -20,6 +20,7 @@ from archo_tui.robot import services
 from archo_tui.robot.outcome import Code, Outcome
 from tests.robot.test_several_servers import Brake, making
 from tests.support.console import FAST, LONG
+from tests.support.night import corners
 from tests.support.plain import Typed, operated
 from tests.support.ros import begin
 from tests.support.shells import Raw, heard, raw, served, typed, until
@@ -161,11 +162,14 @@ async def test_more_than_enough_clients_may_stop_and_nothing_else() -> None:
         await goes_on(person)
 
 
-async def test_ten_thousand_connections_leave_a_way_for_stop_and_no_descriptors() -> None:
+@pytest.mark.parametrize("count", corners([800], [10_000]))
+async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(
+    count: int,
+) -> None:
     async with served(ros_args=FAST) as person:
         held: list[socket.socket] = []
         files = len(os.listdir("/proc/self/fd"))
-        for _ in range(10_000):
+        for _ in range(count):
             one = None
             while one is None:  # a busy machine may take its time
                 one = await asyncio.to_thread(place.reached, f"{os.getpid()}{place.SUFFIX}")
@@ -447,8 +451,12 @@ async def test_a_suspended_console_is_named_and_does_not_delay_the_stop_of_anoth
 WHOLE = {"protocol": 1, "pid": 1, "robot": "R", "namespace": "/north", "engine": "embedded"}
 
 
-@pytest.mark.parametrize("lacks", ["pid", "robot", "namespace", "engine"])
-@pytest.mark.parametrize("instead", [None, ["x"], True])
+HELLOS = [
+    (name, value) for name in ("pid", "robot", "namespace", "engine") for value in (None, ["x"])
+]
+
+
+@pytest.mark.parametrize(("lacks", "instead"), corners(HELLOS[::3], HELLOS))
 async def test_a_console_that_does_not_say_which_one_it_is_holds_up_no_stop(
     lacks: str, instead: Any
 ) -> None:

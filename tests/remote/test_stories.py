@@ -16,6 +16,7 @@ from archo_tui.remote import place
 from archo_tui.remote.api import NotDone
 from archo_tui.station.station import Station
 from tests.support.console import FAST, console
+from tests.support.night import corners
 from tests.support.shells import served, typed, until
 
 pytestmark = pytest.mark.real_time
@@ -121,7 +122,7 @@ async def test_by_lines(story: tuple[list[Step], str], unlimited: Path) -> None:
         assert await told(person._plain._station, steps, do) == end
 
 
-@pytest.mark.parametrize("screen", [False, True], ids=["plain", "screen"])
+@pytest.mark.parametrize("screen", corners([False], [True]), ids=["plain", "screen"])
 async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimited: Path) -> None:
     steps, end = story
 

@@ -18,6 +18,7 @@ from archo_tui.recording.witness import JOURNAL, STATE
 from tests.console.states import STATES
 from tests.replay.recorded import replay
 from tests.support.clock import TIME
+from tests.support.night import corners
 from tests.support.pictures import differs, steady
 from tests.support.stub import StandingClock, stub_app
 
@@ -49,7 +50,13 @@ def write(folder: Path) -> None:
 
 @pytest.mark.parametrize(
     ("size", "theme"),
-    [*((size, "") for size in SIZES), ("120x36", "textual-light"), ("120x36", "high-contrast")],
+    corners(
+        [("80x24", "")],
+        [
+            *((size, "") for size in SIZES if size != "80x24"),
+            *(("120x36", theme) for theme in ("textual-light", "high-contrast")),
+        ],
+    ),
 )
 async def test_a_replay_looks_as_accepted(
     request: pytest.FixtureRequest, size: str, theme: str, tmp_path: Path

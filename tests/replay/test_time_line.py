@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from datetime import datetime
 from pathlib import Path
 
@@ -27,9 +28,20 @@ ACTS = {
 }
 
 
+_driven: list[Path] = []
+
+
 @pytest.fixture
-async def drive() -> Path:
-    """To a shelf in 1.5 s, and a STOP."""
+async def drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """To a shelf in 1.5 s, and a STOP: recorded once for all tests."""
+    if not _driven:
+        made = await _drive()
+        _driven.append(tmp_path_factory.mktemp("drive") / made.name)
+        shutil.copytree(made, _driven[0])
+    return _driven[0]
+
+
+async def _drive() -> Path:
     async with console(*BRISK) as op:
         await op.press("g", *"12", "enter")
         await op.until("✓ ARRIVED")
@@ -127,11 +139,11 @@ async def test_every_command_only_shows_or_is_not_there(drive: Path) -> None:
         assert "To the next mark: an alarm, a command, the" in watcher.text
 
 
-@pytest.mark.parametrize("number", range(1, 10))
-async def test_each_panel_is_reached_by_its_number(drive: Path, number: int) -> None:
+async def test_each_panel_is_reached_by_its_number(drive: Path) -> None:
     async with replay(drive, (160, 48)) as watcher:
-        await watcher.press(str(number))
-        assert watcher.app.main.focused_panel == number
+        for number in range(1, 10):
+            await watcher.press(str(number))
+            assert watcher.app.main.focused_panel == number
         for command in watcher.app.registry:
             if command.where == NOT_TYPING and len(command.key) == 1 and command.key != "q":
                 await watcher.press(command.key)

@@ -6,8 +6,11 @@ import gc
 import os
 import threading
 
+import pytest
+
 from archo_tui.session import Options, Session
 from tests.support import chosen, clock
+from tests.support.night import corners
 
 ROUNDS = 50
 
@@ -24,12 +27,13 @@ def descriptors() -> int:
     return len(os.listdir("/proc/self/fd"))
 
 
-def test_fifty_sessions_in_a_row_leave_no_thread_and_no_descriptor() -> None:
+@pytest.mark.parametrize("rounds", corners([8], [ROUNDS]))
+def test_sessions_in_a_row_leave_no_thread_and_no_descriptor(rounds: int) -> None:
     options = Options(engine=chosen.ENGINE, domain_id=chosen.next_domain())
     with Session(options, clock.current):
         pass  # what is made once, is made now
     before, threads = descriptors(), threading.active_count()
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         session = Session(options, clock.current)
         session.start()
         assert session.close() == []

@@ -203,34 +203,34 @@ async def test_values_of_every_type_are_typed_sent_and_received_unaltered() -> N
             area = op.app.screen.query_one(TextArea)
 
 
-@pytest.mark.parametrize(
-    ("typed", "said"),
-    [
-        ("sample: {i32: 3000000000}", "sample.i32: 3000000000 is not within -2147483648 .. "),
-        ("sample: {u8s: [1]}", "sample.u8s: [1] has 1 elements, not 4"),
-        ("sample: {i8: 300}", "sample.i8: 300 is not within -128 .. 127"),
-        ("sample: {f32: 1.0e+39}", "sample.f32: 1.0e+39 is not within -3.402823466e+38 .. "),
-        ("sample: {short_text: abcdefghijkl}", "sample.short_text: abcdefghijkl has 12 char"),
-        ("sample: {flags: [yes]}", 'sample.flags[0]: "yes" is not true or false'),
-        ("sample: {i32: 1:30}", 'sample.i32: "1:30" is not a whole number'),
-        ("sample: {i32: 1_0}", 'sample.i32: "1_0" is not a whole number'),
-        ("sample: {i32: 1, i32: 2}", "line 1: i32 is given twice"),
-        ("sample:\n  <<: {i32: 1}", "there is no field sample.<<"),
-        ("sample: &a [*a]", "line 1: aliases (*a) are not read: write it out"),
-        ("[" * 9000, "line 1: nested more than 20 deep"),
-        ("sample: {i32: !!int x}", "line 1: not of the kind !!int: x"),
-        (f"sample: {{i32: {'9' * 5000}}}", "line 1: a number of 5000 digits"),
-        ("sample: {f64: 1e999}", "line 1: too large for a number: 1e999"),
-    ],
-)
-async def test_a_text_with_a_wrong_value_stays_and_says_why(typed: str, said: str) -> None:
+WRONG = [
+    ("sample: {i32: 3000000000}", "sample.i32: 3000000000 is not within -2147483648 .. "),
+    ("sample: {u8s: [1]}", "sample.u8s: [1] has 1 elements, not 4"),
+    ("sample: {i8: 300}", "sample.i8: 300 is not within -128 .. 127"),
+    ("sample: {f32: 1.0e+39}", "sample.f32: 1.0e+39 is not within -3.402823466e+38 .. "),
+    ("sample: {short_text: abcdefghijkl}", "sample.short_text: abcdefghijkl has 12 char"),
+    ("sample: {flags: [yes]}", 'sample.flags[0]: "yes" is not true or false'),
+    ("sample: {i32: 1:30}", 'sample.i32: "1:30" is not a whole number'),
+    ("sample: {i32: 1_0}", 'sample.i32: "1_0" is not a whole number'),
+    ("sample: {i32: 1, i32: 2}", "line 1: i32 is given twice"),
+    ("sample:\n  <<: {i32: 1}", "there is no field sample.<<"),
+    ("sample: &a [*a]", "line 1: aliases (*a) are not read: write it out"),
+    ("[" * 9000, "line 1: nested more than 20 deep"),
+    ("sample: {i32: !!int x}", "line 1: not of the kind !!int: x"),
+    (f"sample: {{i32: {'9' * 5000}}}", "line 1: a number of 5000 digits"),
+    ("sample: {f64: 1e999}", "line 1: too large for a number: 1e999"),
+]
+
+
+async def test_a_text_with_a_wrong_value_stays_and_says_why() -> None:
     async with echoing() as (op, node, screen):
         area = screen.query_one(TextArea)
-        area.text = typed
-        await op.press("ctrl+s")
-        await op.until(said)
-        assert area.text == typed
-        assert node.asked == []
+        for typed, said in WRONG:
+            area.text = typed
+            await op.press("ctrl+s")
+            await op.until(said)
+            assert area.text == typed
+            assert node.asked == []
 
 
 async def test_numbers_in_a_text_are_read_as_in_a_field() -> None:

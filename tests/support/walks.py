@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 from archo_bringup.motor_controller import MotorController
 
-_ROUNDS, _FAR = 10, 80
+_ROUNDS, _FAR = 3, 80
 
 
 def length(which: int, request: pytest.FixtureRequest) -> tuple[int, int]:
-    """The seed and how many rounds: end to end another walk each time, and a long one."""
-    far = request.config.getoption("--end-to-end")
+    """The seed and how many rounds: by night another walk each time, and a long one."""
+    far = request.config.getoption("--night")
     return (random.randrange(10**6), _FAR) if far else (which, _ROUNDS)
 
 
