@@ -13,14 +13,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from textual import markup
-from textual.content import Content
-from textual.css import stylesheet
-from textual.css.stylesheet import Stylesheet
-from textual.css.tokenize import tokenize_values
 
 from archo_tui import engine
 from archo_tui.robot_file import load
+from tests.support import textual_once
 
 if TYPE_CHECKING:
     from tests.support.ros import Ros
@@ -82,6 +78,16 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         left = [item for item in items if item.get_closest_marker("night")]
         config.hook.pytest_deselected(items=left)
         items[:] = [item for item in items if not item.get_closest_marker("night")]
+
+
+def pytest_collection_finish() -> None:
+    gc.collect()
+    gc.freeze()  # modules stay: no later collection looks through them
+
+
+def pytest_sessionfinish() -> None:
+    gc.collect()  # what was never closed is said now
+    gc.freeze()  # pytest collects five times more
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -198,29 +204,8 @@ def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture(autouse=True, scope="session")
 def _parsed_once() -> None:
-    """Style sheets, texts with marks and ARCHO's file are parsed once for all the apps of a run."""
-    parse, known = Stylesheet._parse_rules, dict[object, Any]()
-
-    def parse_once(self: Stylesheet, css: str, *options: Any, **named: Any) -> Any:
-        key = (css, options, *sorted(named.items()), *sorted(self._variables.items()))
-        if key not in known:
-            known[key] = parse(self, css, *options, **named)
-        return known[key]
-
-    Stylesheet._parse_rules = parse_once  # type: ignore[method-assign]
-
-    tokenized = lru_cache(lambda values: tokenize_values(dict(values)))
-    by_items = lambda values: tokenized(tuple(values.items()))  # noqa: E731
-    vars(stylesheet)["tokenize_values"] = by_items
-    to_content = markup.to_content
-    marked = lru_cache(10_000)(to_content)
-
-    def mark_once(text: str, style: Any = "", template_variables: Any = None) -> Content:
-        if template_variables or not isinstance(style, str):
-            return to_content(text, style, template_variables)
-        return marked(text, style)
-
-    vars(markup)["to_content"] = mark_once
+    """Parse style sheets and ARCHO's file once for all the apps of a run."""
+    textual_once.share()
     loaded = lru_cache(load._load)
     load._load = lambda path: (loaded if path == load.default() else loaded.__wrapped__)(path)
 

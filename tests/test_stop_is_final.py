@@ -11,6 +11,7 @@ import pytest
 
 from archo_tui.paths import journal_file
 from archo_tui.robot.stops import NOT_SENT
+from tests.support.night import corners
 from tests.support.terminal import Terminal
 from tests.support.waiting import wait_until
 
@@ -42,7 +43,7 @@ def stopped_archo(terminals: list[Terminal]) -> Terminal:
     return terminal
 
 
-@pytest.mark.parametrize("typed", ["Ry\x18", "R\t\r\x18"])
+@pytest.mark.parametrize("typed", corners(["R\t\r\x18"], ["Ry\x18"]))
 def test_a_release_typed_before_a_stop_is_not_sent(typed: str, terminals: list[Terminal]) -> None:
     terminal = stopped_archo(terminals)
     terminal.write(typed)
@@ -61,7 +62,7 @@ def test_a_release_typed_behind_a_stop_is_sent(terminals: list[Terminal]) -> Non
     assert terminal.exit_code() == 0
 
 
-@pytest.mark.parametrize("typed", ["g12\r\x18", "3\t\r12 7\r\x18"])
+@pytest.mark.parametrize("typed", corners(["g12\r\x18"], ["3\t\r12 7\r\x18"]))
 def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[Terminal]) -> None:
     terminal = Terminal(*CART)
     terminals.append(terminal)

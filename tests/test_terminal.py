@@ -16,6 +16,7 @@ import pytest
 from archo_tui import cli
 from archo_tui.errors import ArchoError
 from archo_tui.paths import journal_file
+from tests.support.night import corners
 from tests.support.terminal import Terminal
 from tests.support.waiting import wait_until
 
@@ -42,7 +43,7 @@ def journaled() -> list[dict[str, Any]]:
     return [json.loads(line) for line in journal_file().read_text().splitlines()]
 
 
-@pytest.mark.parametrize("end", ["q", "SIGINT", "SIGHUP", "SIGQUIT"])  # SIGTERM: below
+@pytest.mark.parametrize("end", corners(["SIGHUP"], ["q", "SIGINT", "SIGQUIT"]))  # SIGTERM: below
 def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(
     end: str, terminals: list[Terminal]
 ) -> None:
@@ -61,7 +62,9 @@ def test_it_ends_in_order_and_leaves_the_terminal_as_it_was(
     assert terminal.is_as_before()
 
 
-@pytest.mark.parametrize("end", ["SIGTERM", "hang up", "hang up, nohup", "hang up, no signal"])
+@pytest.mark.parametrize(
+    "end", corners(["SIGTERM", "hang up"], ["hang up, nohup", "hang up, no signal"])
+)
 def test_a_running_goal_is_cancelled_first(end: str, terminals: list[Terminal]) -> None:
     no_signal = end == "hang up, no signal"
     terminal = Terminal(*SLOW, ignore_hangup=end == "hang up, nohup", controlling=not no_signal)
@@ -341,7 +344,7 @@ def test_ctrl_c_behind_ctrl_q_changes_nothing(terminals: list[Terminal]) -> None
     assert terminal.is_as_before()
 
 
-@pytest.mark.parametrize("piece", [2, 5])
+@pytest.mark.parametrize("piece", corners([2], [5]))
 def test_a_paste_whose_marks_come_in_two_pieces_is_text(
     piece: int, terminals: list[Terminal]
 ) -> None:

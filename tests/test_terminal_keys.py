@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from archo_tui.paths import journal_file
+from tests.support.night import corners
 from tests.support.terminal import Terminal
 from tests.support.waiting import wait_until
 
@@ -105,7 +106,7 @@ def test_the_rest_of_a_paste_that_stalled_is_no_command_and_that_is_said(
     assert ordered_at_the_end(terminal) == [STOP]
 
 
-@pytest.mark.parametrize("stop", ["\x18", "\x1b[120;5u"])
+@pytest.mark.parametrize("stop", corners(["\x18"], ["\x1b[120;5u"]))
 def test_stop_alone_ends_a_paste_at_once(stop: str, terminal: Terminal) -> None:
     terminal.write(f"{BEGIN}12")
     pass_by(terminal, 0.3)

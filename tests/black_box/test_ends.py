@@ -8,6 +8,7 @@ import pytest
 
 from archo_tui.paths import state_file
 from archo_tui.recording import store
+from tests.support.night import corners
 from tests.support.terminal import Terminal
 
 pytestmark = [pytest.mark.posix, pytest.mark.real_time]
@@ -18,7 +19,7 @@ bag.write = lambda *_, **__: time.sleep(60)
 """
 
 
-@pytest.mark.parametrize("way", ["keys", signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("way", corners(["keys"], [signal.SIGTERM, signal.SIGHUP]))
 def test_a_stop_just_before_the_end_is_recorded(way: str | signal.Signals) -> None:
     terminal = Terminal()
     terminal.until("● online")

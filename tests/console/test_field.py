@@ -64,7 +64,7 @@ async def test_random_edits_in_one_write_leave_what_a_line_would_hold() -> None:
             await op.press(*keys)
             field = op.app.focused
             assert isinstance(field, Field), name
-            for _ in range(12):
+            for _ in range(4):
                 typed = [choose.choice([*_EDITING, *"0123456789", "space"]) for _ in range(25)]
                 op.send("end", "ctrl+u", *typed)
                 await op.settle()
@@ -201,7 +201,7 @@ async def test_a_letter_is_text_behind_a_digit_at_whatever_moment_it_comes() -> 
         await op.press("g")
         field = op.app.focused
         assert isinstance(field, Field)
-        for turns in range(25):
+        for turns in range(0, 25, 4):
             op.send("1")
             await pass_turns(turns)
             op.send("r")
@@ -216,7 +216,7 @@ async def test_a_letter_is_a_command_behind_enter_at_whatever_moment_it_comes(
 ) -> None:
     async with console(*FAST, robot=unlimited) as op:
         await op.press("g")
-        for turns in range(0, 25, 2):
+        for turns in range(0, 25, 6):
             op.send("9", "9", "enter")
             await pass_turns(turns)
             op.send("question_mark")

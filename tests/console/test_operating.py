@@ -13,6 +13,7 @@ from archo_tui.session import _robots_nodes
 from archo_tui.widgets.battery_panel import BatteryPanel
 from tests.support.clock import seconds, stuck
 from tests.support.console import FAST, LONG, console
+from tests.support.night import corners
 
 
 async def test_r_resets_the_encoder() -> None:
@@ -50,7 +51,7 @@ async def test_r_asks_while_a_goal_runs_and_the_safe_answer_has_the_focus() -> N
         await op.press("ctrl+c")
 
 
-@pytest.mark.parametrize("where", ["main", "field", "edit dialog", "question", "help"])
+@pytest.mark.parametrize("where", corners(["field", "question"], ["main", "edit dialog", "help"]))
 async def test_stop_acts_everywhere_and_is_released_apart(where: str) -> None:
     async with console(*LONG) as op:
         await op.press("g", "1", "2", "enter")

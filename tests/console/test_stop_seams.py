@@ -121,7 +121,7 @@ async def test_what_was_typed_for_a_dialog_that_stop_closed_is_no_command(opened
 
 async def test_stop_has_its_turn_in_a_flood_of_the_mouse() -> None:
     it = Screen("motor moving")
-    flood = b"".join(b"\x1b[<%d;5;5M" % (64 + number % 2) for number in range(3000))
+    flood = b"".join(b"\x1b[<%d;5;5M" % (64 + number % 2) for number in range(1200))
     async with it.app.run_test(size=(120, 36)):
         await Quiet(it.app).settle()
         handled = 0
@@ -137,7 +137,7 @@ async def test_stop_has_its_turn_in_a_flood_of_the_mouse() -> None:
         it.app._loop.call_soon(it.write, b"\x18")  # type: ignore[union-attr]  # as the driver does
         await Quiet(it.app).settle()
         assert it.asked == ["emergency_stop"]
-        assert handled < 500
+        assert handled < 300
 
 
 async def test_another_key_of_stop_ends_a_paste_whose_end_is_lost() -> None:

@@ -25,6 +25,7 @@ from archo_tui.station import requests
 from archo_tui.verbs.goals import Go
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console
+from tests.support.night import corners
 from tests.support.peer import Peer
 from tests.support.shells import Raw, heard, raw, served, until
 
@@ -91,7 +92,7 @@ async def test_a_goal_is_driven_only_after_a_person_has_allowed_it() -> None:
     assert f"allowed request 1 of assistant {os.getpid()}: go to shelf 12" in texts
 
 
-@pytest.mark.parametrize("keys", [["enter"], ["tab", "tab", "enter"]])
+@pytest.mark.parametrize("keys", corners([["enter"]], [["tab", "tab", "enter"]]))
 async def test_denied_it_is_not_driven_and_the_assistant_is_told(keys: list[str]) -> None:
     async with beside(*FAST) as (op, assistant):
         await asks(assistant)
@@ -179,7 +180,7 @@ async def is_read_anew(op: Console, monkeypatch: pytest.MonkeyPatch, since: floa
     await op.until("MOVING to 12")
 
 
-@pytest.mark.parametrize("way", ["covered", "resized", "suspended"])
+@pytest.mark.parametrize("way", corners(["covered"], ["resized", "suspended"]))
 async def test_what_was_away_is_read_anew(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     async with beside(*LONG) as (op, assistant):
         await asks(assistant)
@@ -219,7 +220,7 @@ async def test_what_the_terminal_does_not_show_is_read_once_it_does(
         await is_read_anew(op, monkeypatch, since)
 
 
-@pytest.mark.parametrize("size", [(20, 4), (30, 6), (40, 10)])
+@pytest.mark.parametrize("size", corners([(20, 4)], [(30, 6), (40, 10)]))
 async def test_what_is_not_all_in_view_is_not_allowed(size: tuple[int, int]) -> None:
     async with beside(*LONG) as (op, assistant):
         await asks(assistant)

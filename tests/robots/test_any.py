@@ -192,7 +192,7 @@ async def test_a_prefilled_text_that_is_sent_untouched_is_the_types_defaults() -
 async def test_values_of_every_type_are_typed_sent_and_received_unaltered() -> None:
     async with echoing() as (op, node, screen):
         chance, area = random.Random(24), screen.query_one(TextArea)
-        for number in range(1, 7):
+        for number in range(1, 3):
             values = values_of(load_interface("depot_interfaces/srv/Echo").Request, chance)
             area.text = block(values)
             await op.press("ctrl+s")

@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any
 from weakref import WeakKeyDictionary
 
+from rich.cells import cell_len
 from textual import events
 from textual.app import App
 from textual.keys import REPLACED_KEYS, _get_unicode_name_from_key
 from textual.pilot import Pilot
+from textual.screen import Screen
 
 from archo_tui.app import ArchoApp
 from archo_tui.keyed_app import HELD
@@ -155,9 +157,30 @@ def screen_text(app: App[Any]) -> str:
     """What a screen shows, line by line; read again only after it was drawn again."""
     draws = getattr(app.screen, "draws", -1)  # nobody counts them outside of a test
     if draws < 0 or _read.get(app.screen, (-1, ""))[0] != draws:
-        text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
-        _read[app.screen] = draws, text
+        _read[app.screen] = draws, _painted(app.screen)
     return _read[app.screen][1]
+
+
+def _painted(screen: Screen[Any]) -> str:
+    """The text of all widgets, those in front over those behind; looks are left out."""
+    width, height = screen.size
+    cells = [[" "] * width for _ in range(height)]
+    renders = [*screen._compositor._get_renders(screen.size.region)]
+    for region, clip, strips in reversed(renders):  # from back to front
+        part = region.intersection(clip)
+        for y, strip in zip(part.line_range, strips, strict=False):
+            cells[y][part.x : part.right] = _cells(strip.text, part.width)
+    return "\n".join("".join(line) for line in cells)
+
+
+def _cells(text: str, width: int) -> list[str]:
+    """A text cell by cell; the second cell of a wide character is empty."""
+    if cell_len(text) != len(text):
+        wide = [(char, cell_len(char)) for char in text]
+        text_cells = [part for char, size in wide for part in (char, "")[:size]]
+    else:
+        text_cells = [*text]
+    return (text_cells + [" "] * width)[:width]
 
 
 @asynccontextmanager
