@@ -1,8 +1,8 @@
-"""Writes type stubs for interface packages.
+"""The writer of type stubs for interface packages.
 
-`python -m archo_tui.embedded.stubs FOLDER [package=DIRECTORY ...]`
+`python -m tests.stubs FOLDER [package=DIRECTORY ...]`
 
-Type checkers cannot run an import hook; they read what this writes.
+Type checkers cannot run an import hook; they read the stubs.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from archo_tui.embedded.idl import Section, parse
 from archo_tui.embedded.idl_types import FLOATS, INTEGERS, TYPE_CODES, FieldType
 from archo_tui.embedded.import_hook import KINDS
 
-_HEADER = "# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.\n"
+_HEADER = "# Made by tests.stubs from the interface files; a test keeps it fresh.\n"
 
 
 def stubs(packages: dict[str, Path]) -> dict[str, str]:
