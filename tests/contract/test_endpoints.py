@@ -7,11 +7,8 @@ from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
-from rcl_interfaces.msg import SetParametersResult
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, get_action_client_names_and_types_by_node
 from rclpy.duration import Duration
-from rclpy.parameter import Parameter
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -23,7 +20,6 @@ from rclpy.qos import (
     qos_check_compatible,
     qos_policy_name_from_kind,
 )
-from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
@@ -178,37 +174,3 @@ def test_a_policy_takes_no_word(name: str) -> None:
     given: Any = QoSProfile(depth=1)
     with pytest.raises(AssertionError):
         setattr(given, name, "x")
-
-
-def test_policies_are_overridden_by_parameters_and_checked(ros: Ros) -> None:
-    override: Parameter[int] = Parameter("qos_overrides./words.publisher.depth", value=3)
-    node = ros.node(parameter_overrides=[override])
-    publisher = node.create_publisher(
-        String, "words", 10, qos_overriding_options=QoSOverridingOptions.with_default_policies()
-    )
-    assert node.get_parameter("qos_overrides./words.publisher.reliability").value == "reliable"
-    assert node.describe_parameter("qos_overrides./words.publisher.depth").read_only
-    assert publisher is not None
-
-    def check(qos: QoSProfile) -> SetParametersResult:
-        return SetParametersResult(successful=qos.depth == 3, reason="only three")
-
-    with pytest.raises(InvalidQosOverridesError, match="only three"):
-        node.create_subscription(
-            String,
-            "words",
-            lambda _: None,
-            10,
-            qos_overriding_options=QoSOverridingOptions((QoSPolicyKind.DEPTH,), callback=check),
-        )
-
-
-def test_a_subscription_without_a_filter_has_none_to_tell(ros: Ros) -> None:
-    node = ros.node()
-    subscription = node.create_subscription(String, "things", lambda _: None, 10)
-    assert not subscription.is_cft_enabled
-    with pytest.raises(RCLError, match="Failed to get cft expression parameters"):
-        subscription.get_content_filter()
-    node.destroy_subscription(subscription)
-    with pytest.raises(InvalidHandle):
-        subscription.set_content_filter("data = 'a'", [])

@@ -28,7 +28,6 @@ from rclpy.qos import (
 )
 from rclpy.service_introspection import ServiceIntrospectionState
 from rclpy.task import Future, wait_for
-from rclpy.waitable import NumberOfEntities
 from unique_identifier_msgs.msg import UUID
 
 if TYPE_CHECKING:
@@ -239,12 +238,6 @@ class ActionClient:
                 _time_source.patience_ns(timeout_sec),
             )
             return self.server_is_ready()
-
-    def get_num_entities(self) -> NumberOfEntities:
-        """What a wait set would hold of it."""
-        return NumberOfEntities(
-            num_subscriptions=len(self._subscriptions), num_clients=len(self._clients)
-        )
 
     def __enter__(self) -> None:
         """As rclpy's: it gives nothing, and nothing is destroyed behind it."""

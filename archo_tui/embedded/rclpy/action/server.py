@@ -26,7 +26,6 @@ from rclpy.qos import (
 from rclpy.service import DeferredService, RequestHeader, Service
 from rclpy.service_introspection import ServiceIntrospectionState
 from rclpy.task import Future
-from rclpy.waitable import NumberOfEntities
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -278,10 +277,6 @@ class ActionServer:
     def action_type(self) -> Any:
         """The action's type."""
         return self._action_type
-
-    def get_num_entities(self) -> NumberOfEntities:
-        """What a wait set would hold of it."""
-        return NumberOfEntities(num_timers=1, num_services=len(self._services))
 
     def __enter__(self) -> None:
         """As rclpy's: it gives nothing, and nothing is destroyed behind it."""
