@@ -22,7 +22,14 @@ MODULES = {
         "waitable",
     )
 }
-NAMES: dict[str, tuple[str, ...]] = {}  # of modules that are here
+NAMES: dict[str, tuple[str, ...]] = {  # of modules that are here
+    "rclpy.event_handler": (
+        "QoSLivelinessChangedInfo",
+        "QoSLivelinessLostInfo",
+        "QoSOfferedDeadlineMissedInfo",
+        "QoSRequestedDeadlineMissedInfo",
+    ),
+}
 
 
 def message(name: str) -> str:

@@ -260,7 +260,7 @@ class Node(NodeParameters, Destroyable):
         publisher = publisher_class(self, msg_type, topic, name, as_profile(qos_profile))
         callbacks = event_callbacks or PublisherEventCallbacks()
         group = callback_group or self._default_callback_group
-        publisher._hear(callbacks.create_event_handlers(group, publisher, topic))
+        publisher.event_handlers = callbacks.create_event_handlers(group, publisher, topic)
         self._publishers.append(publisher)
         self._graph.add_publisher(publisher)
         return publisher
@@ -294,7 +294,7 @@ class Node(NodeParameters, Destroyable):
         qos = as_profile(qos_profile)
         subscription = Subscription(self, msg_type, topic, name, callback, group, qos, raw)
         callbacks = event_callbacks or SubscriptionEventCallbacks()
-        subscription._hear(callbacks.create_event_handlers(group, subscription, topic))
+        subscription.event_handlers = callbacks.create_event_handlers(group, subscription, topic)
         self._entity_list.append(subscription)
         self._graph.add_subscription(subscription)
         return subscription

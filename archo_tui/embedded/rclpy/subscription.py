@@ -110,8 +110,6 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
 
     def _receive(self, message: Any, sender: Publisher[Any]) -> None:
         """A message that a publisher sends; it is copied here."""
-        for watcher in self._watchers:
-            watcher._sample(sender)
         copied = encode(message) if self.raw else message.__received__()
         if not self._with_info:
             self._deliver(copied)
