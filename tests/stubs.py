@@ -47,7 +47,8 @@ def _module(package: str, kind: str, paths: list[Path]) -> str:
         body.append(f"class {path.stem}:")
         for name, section in zip(names, sections, strict=True):
             body += _message(name, section, f"{package}.{kind}", imports, "    ")
-        body.append(f"    {'Impl' if kind == 'action' else 'Event'}: ClassVar[Any]")
+        if kind == "action":
+            body.append("    Impl: ClassVar[Any]")
         body.append("")
     lines = [_HEADER, "from typing import Any, ClassVar", ""]
     lines += [f"import {name}" for name in sorted(imports)]

@@ -15,6 +15,7 @@ MODULES = {
         "guard_condition",
         "parameter_event_handler",
         "qos_overriding_options",
+        "service_introspection",
         "subscription_content_filter_options",
         "type_description_service",
         "type_hash",
