@@ -24,12 +24,14 @@ MODULES = {
     )
 }
 NAMES: dict[str, tuple[str, ...]] = {  # of modules that are here
+    "rclpy.clock": ("ClockChange", "JumpHandle", "JumpThreshold", "TimeJump"),
     "rclpy.event_handler": (
         "QoSLivelinessChangedInfo",
         "QoSLivelinessLostInfo",
         "QoSOfferedDeadlineMissedInfo",
         "QoSRequestedDeadlineMissedInfo",
     ),
+    "rclpy.qos": ("QoSCompatibility", "qos_check_compatible"),
 }
 
 

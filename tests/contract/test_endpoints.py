@@ -1,4 +1,4 @@
-"""What an endpoint tells: message info, QoS overrides, what discovery says."""
+"""What an endpoint tells: message info, what discovery says."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from rclpy.qos import (
     QoSPresetProfiles,
     QoSProfile,
     ReliabilityPolicy,
-    qos_check_compatible,
     qos_policy_name_from_kind,
 )
 from std_msgs.msg import String
@@ -93,70 +92,6 @@ def profile(**given: Any) -> QoSProfile:
 
 
 SECOND = Duration(seconds=1)
-
-
-@pytest.mark.parametrize(
-    ("offered", "requested", "said"),
-    [
-        ({}, {}, ""),
-        (
-            {"reliability": ReliabilityPolicy.BEST_EFFORT},
-            {},
-            "ERROR: Best effort publisher and reliable subscription;",
-        ),
-        (
-            {},
-            {"durability": DurabilityPolicy.TRANSIENT_LOCAL, "deadline": SECOND},
-            "ERROR: Volatile publisher and transient local subscription;"
-            "ERROR: Subscription has a deadline, but publisher does not;",
-        ),
-        (
-            {"deadline": Duration(seconds=2)},
-            {"deadline": SECOND},
-            "ERROR: Subscription deadline is less than publisher deadline;",
-        ),
-        (
-            {},
-            {"liveliness": LivelinessPolicy.MANUAL_BY_TOPIC},
-            "ERROR: Publisher's liveliness is automatic and subscription's is manual by topic;",
-        ),
-        (
-            {},
-            {"liveliness_lease_duration": SECOND},
-            "ERROR: Subscription has a liveliness lease duration, but publisher does not;",
-        ),
-        (
-            {"reliability": ReliabilityPolicy.SYSTEM_DEFAULT},
-            {},
-            "WARNING: Reliable subscription, but publisher is system_default;",
-        ),
-        (
-            {},
-            {"liveliness": LivelinessPolicy.SYSTEM_DEFAULT},
-            "WARNING: Publisher's liveliness is automatic, but subscription's is system_default;",
-        ),
-    ],
-)
-def test_whether_two_profiles_go_together_is_said(
-    offered: dict[str, Any], requested: dict[str, Any], said: str
-) -> None:
-    found, reason = qos_check_compatible(profile(**offered), profile(**requested))
-    assert reason == said
-    assert found.name == (said.partition(":")[0] or "OK")
-
-
-@pytest.mark.parametrize(
-    "given",
-    [
-        QoSProfile(history=HistoryPolicy.KEEP_ALL, lifespan=Duration(seconds=5)),
-        profile(reliability=ReliabilityPolicy.BEST_EFFORT, avoid_ros_namespace_conventions=True),
-        profile(deadline=SECOND, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC),
-    ],
-)
-def test_a_profile_goes_to_plain_values_and_back(given: QoSProfile) -> None:
-    values = given.get_c_qos_profile().to_dict()
-    assert values["reliability"] == int(given.reliability)
-    assert QoSProfile(**values) == given
 
 
 def test_profiles_by_their_short_names() -> None:
