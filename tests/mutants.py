@@ -258,7 +258,6 @@ FAULTS = [
     Fault("terminal/app.py", "        self.notify(text, severity=\"warning\", markup=False)", "        pass", "tests/test_terminal_keys.py"),
     # the engine's strictness
     Fault("embedded/fixed_array.py", "        if len(self) != 1:\n            raise ValueError(_AMBIGUOUS)\n        return bool(self[0])", "        return self.all()", CONTRACT),
-    Fault("embedded/fixed_array.py", "    __add__ = __radd__ = __iadd__", "    __radd__ = __iadd__", "tests/embedded/test_fixed_arrays.py"),
     Fault("embedded/fixed_array.py", "        return Part(", "        return FixedArray(", "tests/embedded/test_fixed_arrays.py"),
     Fault("embedded/fields.py", "not isinstance(value, (Sequence, Set))", "not hasattr(value, '__iter__')", CONTRACT),
     Fault("embedded/fields.py", "        return lambda value: list(check(value))  #", "        return check  #", CONTRACT),
