@@ -15,6 +15,7 @@ from archo_tui.screens import main
 from archo_tui.terminal.compositor import DirtyCompositor
 from tests.console.states import STATES
 from tests.support.console import screen_text, send
+from tests.support.night import corners
 from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, StubRobot, stub_app
 
@@ -52,9 +53,12 @@ async def test_the_first_picture_waits_for_the_robots_nodes(
     assert drawn[:1] == [len(STATES["normal"].nodes)]
 
 
-@pytest.mark.parametrize("size", [(40, 10), (80, 24), (120, 36), (160, 48)])
+@pytest.mark.parametrize(
+    ("size", "steps"),
+    corners([((80, 24), 25)], [(size, 100) for size in ((40, 10), (80, 24), (120, 36), (160, 48))]),
+)
 async def test_a_part_of_the_screen_is_drawn_as_textual_draws_it(
-    monkeypatch: pytest.MonkeyPatch, size: tuple[int, int]
+    monkeypatch: pytest.MonkeyPatch, size: tuple[int, int], steps: int
 ) -> None:
     drawn: list[str] = []
     part = DirtyCompositor.render_partial_update
@@ -80,11 +84,11 @@ async def test_a_part_of_the_screen_is_drawn_as_textual_draws_it(
     async with app.run_test(size=size):
         quiet = Quiet(app)
         await quiet.settle()
-        for _ in range(100):
+        for _ in range(steps):
             robot.put(STATES[choose.choice(states)])
             send(app, choose.choice(_KEYS))
             await quiet.settle()
-    assert len(drawn) > 60
+    assert len(drawn) > steps // 2
 
 
 async def test_only_what_changed_is_asked_for_its_lines(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -108,8 +112,17 @@ async def test_only_what_changed_is_asked_for_its_lines(monkeypatch: pytest.Monk
         assert {button.id for button in asked} == {"reset"}
 
 
-@pytest.mark.parametrize("size", [(80, 24), (120, 36), (160, 48), (200, 60)])
-@pytest.mark.parametrize("state", ["normal", "battery low and moving", "motor stopped"])
+@pytest.mark.parametrize(
+    ("size", "state"),
+    corners(
+        [((120, 36), "normal"), ((160, 48), "battery low and moving")],
+        [
+            (size, state)
+            for size in ((80, 24), (120, 36), (160, 48), (200, 60))
+            for state in ("normal", "battery low and moving", "motor stopped")
+        ],
+    ),
+)
 async def test_no_news_lay_the_screen_out_anew(size: tuple[int, int], state: str) -> None:
     """That draws all of it, and costs a slow line thousands of bytes."""
     clock, before, laid_out = StandingClock(), STATES[state], 0

@@ -12,6 +12,7 @@ from archo_tui.widgets.styled import aligned
 from archo_tui.words.state import PLAIN, gauge, on_bar, plain
 from tests.console.states import MOVING, NORMAL
 from tests.support.clock import NOW, TIME
+from tests.support.night import corners
 from tests.support.quiet import Quiet
 from tests.support.stub import StandingClock, stub_app
 
@@ -64,11 +65,11 @@ def tokens(line: str) -> Iterator[str]:
             yield found[0]
 
 
-@pytest.mark.parametrize("count", [3, 60])
+@pytest.mark.parametrize("count", corners([60], [3]))
 async def test_no_number_is_cut_without_saying_so_at_any_width(
     count: int, request: pytest.FixtureRequest
 ) -> None:
-    step = 1 if request.config.getoption("--end-to-end") else 11
+    step = 1 if request.config.getoption("--night") else 22
     snapshot = WHOLE._replace(parameters=parameters(count))
     app = stub_app(snapshot, StandingClock(), size=(300, 40))
     async with app.run_test(size=(300, 40)) as pilot:

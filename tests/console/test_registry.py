@@ -23,7 +23,7 @@ from tests.console.states import STATES
 from tests.support.archo import ARCHO
 from tests.support.console import send
 from tests.support.quiet import Quiet
-from tests.support.stub import StandingClock, stub_app
+from tests.support.stub import StandingClock, StubRobot, stub_app
 
 COMMANDS = registry(ARCHO)
 PLACES = [f"panel {number}" for number in range(1, 7)] + [
@@ -215,18 +215,20 @@ def test_ids_are_unique_and_every_command_explains_itself() -> None:
         assert (command.panel > 0) == (command.where == IN_PANEL)
 
 
-@pytest.mark.parametrize("state", sorted(STATES))
-async def test_what_can_be_clicked_on_names_a_command(state: str) -> None:
-    app = stub_app(STATES[state], StandingClock(), size=(120, 36))
+async def test_what_can_be_clicked_on_names_a_command_in_every_state() -> None:
+    app = stub_app(STATES["normal"], StandingClock(), size=(120, 36))
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
     known = {f"app.command('{command.id}')" for command in app.registry}
     async with app.run_test(size=(120, 36)):
-        await Quiet(app).settle()
-        actions = {
-            segment.style.meta["@click"]
-            for strip in app.screen._compositor.render_strips()
-            for segment in strip
-            if segment.style is not None and "@click" in segment.style.meta
-        }
-        actions |= {button.action for button in app.query(Button) if button.action}
-        assert "app.command('help')" in actions  # of the footer
-        assert actions <= known
+        for state in STATES:
+            robot.put(STATES[state])
+            await Quiet(app).settle()
+            actions = {
+                segment.style.meta["@click"]
+                for strip in app.screen._compositor.render_strips()
+                for segment in strip
+                if segment.style is not None and "@click" in segment.style.meta
+            }
+            actions |= {button.action for button in app.query(Button) if button.action}
+            assert "app.command('help')" in actions  # of the footer
+            assert actions <= known, state
