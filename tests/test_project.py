@@ -10,8 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from archo_tui.embedded import stubs
-from tests import mutants, recording
+from tests import mutants, recording, stubs
 
 ROOT = Path(__file__).parent.parent
 
@@ -89,7 +88,7 @@ def test_the_stubs_are_what_the_interface_files_say() -> None:
         path = ROOT / "typings" / relative
         assert path.is_file(), f"{path} is missing"
         assert path.read_text(encoding="utf-8") == text, (
-            "run: python -m archo_tui.embedded.stubs typings archo_interfaces=interfaces"
+            "run: python -m tests.stubs typings archo_interfaces=interfaces"
         )
 
 

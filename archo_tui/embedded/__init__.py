@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
 
+from . import absent
 from .import_hook import InterfaceFinder
 
 HERE = Path(__file__).parent
@@ -24,6 +25,7 @@ class RclpyFinder:
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
+        absent.check_module(fullname)
         if fullname != "rclpy":
             return None
         folder = HERE / "rclpy"

@@ -137,7 +137,7 @@ def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
     if kind.is_array:
         code = TYPE_CODES.get(kind.base)
         if code and kind.fixed_size is not None:
-            return lambda value: FixedArray(code, value)
+            return FixedArray.copy
         if code:
             return lambda value: value[:]
         if message_class is not None:

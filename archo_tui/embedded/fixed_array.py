@@ -1,15 +1,13 @@
 """Arrays of numbers of a fixed size, as messages hold them: `uint8[16]`, `float64[36]`.
 
-rosidl keeps them in `numpy.ndarray`. These answer as those do where a node meets it: a comparison
-gives a truth value an element, no `if` takes that, they do not grow, and methods that only
-`array.array` has are not there. For arithmetic, views and dtypes make it a `numpy.array(...)`.
+rosidl keeps them in `numpy.ndarray`. Of that, what a message needs is here: elements are read, set,
+compared and copied. For anything else make it a `numpy.array(...)`.
 """
 
 from __future__ import annotations
 
-import operator
 from array import array
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NoReturn
 
 from .idl_types import TYPE_CODES
@@ -17,7 +15,6 @@ from .idl_types import TYPE_CODES
 _AMBIGUOUS = (
     "The truth value of an array with more than one element is ambiguous. Use a.any() or a.all()"
 )
-_code: Callable[[Any], str] = vars(array)["typecode"].__get__
 
 
 def name_of(code: str) -> str:
@@ -54,96 +51,62 @@ class Truths(Many, tuple[bool, ...]):
         return list(self)
 
 
-def _absent(name: str) -> property:
-    def refuse(_: Any) -> NoReturn:
-        raise AttributeError(f"'numpy.ndarray' object has no attribute {name!r}")
+class FixedArray(Many):
+    """Numbers of one of array.array's type codes."""
 
-    return property(refuse)
+    __slots__ = ("_values",)
+    __hash__ = None  # type: ignore[assignment]  # as numpy's
 
+    def __init__(self, code: str, values: Iterable[Any]) -> None:
+        self._values = array(code, values)
 
-def _arithmetic(*_: Any) -> NoReturn:
-    raise TypeError("numpy's arithmetic is not emulated: make it a numpy.array(...) first")
+    def __len__(self) -> int:
+        return len(self._values)
 
-
-def _comparison(compare: Callable[[Any, Any], bool]) -> Callable[[Any, Any], Truths]:
-    def elementwise(self: FixedArray, other: Any) -> Truths:
-        return Truths(compare(*pair) for pair in zip(self, _against(other, len(self)), strict=True))
-
-    return elementwise
-
-
-def _against(other: Any, size: int) -> Sequence[Any]:
-    """What each element is compared with, or becomes."""
-    if isinstance(other, (str, bytes)) or not isinstance(other, Iterable):
-        return [other] * size
-    values = list(other)
-    if len(values) not in (1, size):
-        shapes = f"({size},) ({len(values)},)"
-        raise ValueError(f"operands could not be broadcast together with shapes {shapes} ")
-    return values if len(values) == size else values * size
-
-
-class FixedArray(Many, array):  # type: ignore[type-arg]  # of numbers of whatever type
-    """`FixedArray(typecode, values)`."""
-
-    __slots__ = ()
-
-    __eq__ = _comparison(operator.eq)  # type: ignore[assignment]
-    __ne__ = _comparison(operator.ne)  # type: ignore[assignment]
-    __lt__ = _comparison(operator.lt)  # type: ignore[assignment]
-    __le__ = _comparison(operator.le)  # type: ignore[assignment]
-    __gt__ = _comparison(operator.gt)  # type: ignore[assignment]
-    __ge__ = _comparison(operator.ge)  # type: ignore[assignment]
-    __add__ = __radd__ = __iadd__ = __mul__ = __rmul__ = __imul__ = _arithmetic
-
-    append, extend, insert, pop, remove, clear, reverse, index, count = map(
-        _absent,
-        ("append", "extend", "insert", "pop", "remove", "clear", "reverse", "index", "count"),
-    )
-    typecode, buffer_info, fromlist, frombytes, fromfile, fromunicode, tounicode, byteswap = map(
-        _absent,
-        ("typecode", "buffer_info", "fromlist", "frombytes", "fromfile", "fromunicode",
-         "tounicode", "byteswap"),
-    )  # fmt: skip
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._values)
 
     def __getitem__(self, index: Any) -> Any:
-        found = super().__getitem__(index)
-        return Part(_code(self), found) if isinstance(index, slice) else found
+        found = self._values[index]
+        return Part(self._values.typecode, found) if isinstance(index, slice) else found
 
     def __setitem__(self, index: Any, value: Any) -> None:
         if not isinstance(index, slice):
-            super().__setitem__(index, value)
+            self._values[index] = value
             return
-        places = range(*index.indices(len(self)))
-        for place, one in zip(places, _against(value, len(places)), strict=True):
-            super().__setitem__(place, one)
+        places = range(len(self))[index]
+        for place, one in zip(places, _broadcast(value, len(places)), strict=True):
+            self._values[place] = one
 
-    def __delitem__(self, _: Any) -> NoReturn:
-        raise ValueError("cannot delete array elements")
+    def __eq__(self, other: object) -> Truths:  # type: ignore[override]
+        return Truths(a == b for a, b in zip(self, _broadcast(other, len(self)), strict=True))
+
+    def __ne__(self, other: object) -> Truths:  # type: ignore[override]
+        return Truths(not same for same in self == other)
 
     def copy(self) -> FixedArray:
-        """Another with the same elements."""
-        return FixedArray(_code(self), self)
+        """Return another array with the same elements."""
+        return FixedArray(self._values.typecode, self._values)
 
-    __copy__ = copy
+    def tolist(self) -> list[Any]:
+        """Return the elements as a list."""
+        return self._values.tolist()
 
-    def __deepcopy__(self, _: Any) -> FixedArray:
-        return self.copy()
+    def tobytes(self) -> bytes:
+        """Return the elements as this machine keeps them."""
+        return self._values.tobytes()
+
+    __bytes__ = tobytes
 
     @property
     def dtype(self) -> str:
         """The name of the elements' type."""
-        return name_of(_code(self))
+        return name_of(self._values.typecode)
 
     @property
     def size(self) -> int:
         """How many elements there are."""
-        return len(self)
-
-    @property
-    def shape(self) -> tuple[int]:
-        """Its only dimension."""
-        return (len(self),)
+        return len(self._values)
 
     def __repr__(self) -> str:
         return f"array({self.tolist()}, dtype={self.dtype})"
@@ -159,3 +122,14 @@ class Part(FixedArray):
 
     def __setitem__(self, *_: Any) -> NoReturn:
         raise TypeError("a slice is a copy here and a view in numpy: assign to the whole array")
+
+
+def _broadcast(value: Any, size: int) -> Sequence[Any]:
+    """Return a value for each of `size` elements. Raises ValueError for another number of them."""
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        return [value] * size
+    values = list(value)
+    if len(values) not in (1, size):
+        shapes = f"({size},) ({len(values)},)"
+        raise ValueError(f"operands could not be broadcast together with shapes {shapes} ")
+    return values if len(values) == size else values * size

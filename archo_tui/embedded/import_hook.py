@@ -23,7 +23,7 @@ from .messages import make_action, make_message, make_service
 KINDS = ("msg", "srv", "action")
 NEEDED = (  # what rclpy itself is made of: other fields in them would end it
     *("action_msgs", "builtin_interfaces", "lifecycle_msgs", "rcl_interfaces"),
-    *("rosgraph_msgs", "service_msgs", "unique_identifier_msgs"),
+    *("rosgraph_msgs", "unique_identifier_msgs"),
 )
 _DEEPEST = 50  # messages in messages: beyond every real one, and far from Python's own limit
 
@@ -79,7 +79,7 @@ class InterfaceFinder:
         if kind == "msg":
             return make_message(type_name, sections[0], self._resolve)
         if kind == "srv":
-            return make_service(type_name, sections, self._resolve, self.load)
+            return make_service(type_name, sections, self._resolve)
         return make_action(type_name, sections, self._resolve, self.load)
 
     def check(self) -> None:

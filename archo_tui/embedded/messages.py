@@ -12,6 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
+from . import absent
 from . import fields as rules
 from .fixed_array import Truths
 from .idl import Field, InterfaceError, Section
@@ -140,15 +141,19 @@ def _is_dynamic(kind: FieldType) -> bool:
     return kind.is_array and kind.fixed_size is None
 
 
-def make_service(
-    type_name: str, sections: list[Section], resolve: Resolve, load: Callable[[str], Any]
-) -> type:
-    """A service class with `Request`, `Response` and `Event`, of which there are no objects."""
+class _ServiceType(type):
+    """The type of service classes."""
+
+    Event = absent.Attribute()
+
+
+def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:
+    """A service class with `Request` and `Response`, of which there are no objects."""
     parts = {
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Request", "Response"), sections, strict=True)
     }
-    return _service(type_name, parts, load)
+    return _holder(type_name, parts, _ServiceType)
 
 
 def make_action(
@@ -187,33 +192,7 @@ def _wrapped_service(
         "Request": _wrapped(f"{type_name}_Request", load, request),
         "Response": _wrapped(f"{type_name}_Response", load, response),
     }
-    return _service(type_name, parts, load)
-
-
-class _ServiceType(type):
-    """Makes the `Event` of a service when it is asked for: few services are introspected."""
-
-    __make_event__: Callable[[], type[Message]]
-
-    def __getattr__(cls, name: str) -> Any:
-        if name != "Event":
-            raise AttributeError(f"type object {cls.__name__!r} has no attribute {name!r}")
-        cls.Event = cls.__make_event__()
-        return cls.Event
-
-
-def _service(type_name: str, parts: dict[str, Any], load: Callable[[str], Any]) -> type:
-    def event() -> type[Message]:
-        nested = {"info": load("service_msgs/msg/ServiceEventInfo")}
-        fields = [Field(FieldType(_base(nested["info"])), "info", None, 0)]
-        for name, part in (("request", parts["Request"]), ("response", parts["Response"])):
-            nested[name] = part
-            kind = FieldType(_base(part), is_array=True, upper_bound=1)
-            fields.append(Field(kind, name, None, 0))
-        section = Section(Path(type_name), tuple(fields), ())
-        return make_message(f"{type_name}_Event", section, lambda _, field: nested[field.name])
-
-    return _holder(type_name, {**parts, "__make_event__": staticmethod(event)}, _ServiceType)
+    return _holder(type_name, parts, _ServiceType)
 
 
 def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:

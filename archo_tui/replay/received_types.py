@@ -1,4 +1,8 @@
-"""The class for a type that a file names: installed, and with the fields that the file means."""
+"""The class for a type that a file names: installed, and with the fields that the file means.
+
+mcap-ros2-support decodes without a class, but refuses names such as `MoveToShelf_FeedbackMessage`,
+so the feedback of every goal; it has no `wstring`, and reads a `char` above 127 as negative.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""Reads an MCAP file from its begin, record by record: also one that was cut off in writing."""
+"""Reads an MCAP file from its begin, record by record: also one that was cut off in writing.
+
+mcap's own StreamReader does not fit: it loads every chunk instead of seeking over it, tells no
+places, ends at the first damaged record, and reads 10 GB of zeros one record of length 0 at a time.
+"""
 
 from __future__ import annotations
 

@@ -43,7 +43,6 @@ USES: dict[str, tuple[Callable[[Node], Any], list[Use]]] = {
         ],
     ),
     "service": (lambda n: n.create_service(Trigger, "a", lambda _, answer: answer), []),
-    "guard_condition": (lambda n: n.create_guard_condition(print), [lambda g: g.trigger()]),
     "timer": (
         lambda n: n.create_timer(1.0, print),
         [

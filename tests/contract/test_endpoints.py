@@ -1,4 +1,4 @@
-"""What an endpoint tells: message info, QoS overrides, what discovery says."""
+"""What an endpoint tells: message info, what discovery says."""
 
 from __future__ import annotations
 
@@ -7,11 +7,8 @@ from typing import Any
 
 import pytest
 from archo_interfaces.action import MoveToShelf
-from rcl_interfaces.msg import SetParametersResult
-from rclpy._rclpy_pybind11 import InvalidHandle, RCLError
 from rclpy.action import ActionClient, get_action_client_names_and_types_by_node
 from rclpy.duration import Duration
-from rclpy.parameter import Parameter
 from rclpy.qos import (
     DurabilityPolicy,
     HistoryPolicy,
@@ -20,10 +17,8 @@ from rclpy.qos import (
     QoSPresetProfiles,
     QoSProfile,
     ReliabilityPolicy,
-    qos_check_compatible,
     qos_policy_name_from_kind,
 )
-from rclpy.qos_overriding_options import InvalidQosOverridesError, QoSOverridingOptions
 from std_msgs.msg import String
 from std_srvs.srv import Empty
 
@@ -99,70 +94,6 @@ def profile(**given: Any) -> QoSProfile:
 SECOND = Duration(seconds=1)
 
 
-@pytest.mark.parametrize(
-    ("offered", "requested", "said"),
-    [
-        ({}, {}, ""),
-        (
-            {"reliability": ReliabilityPolicy.BEST_EFFORT},
-            {},
-            "ERROR: Best effort publisher and reliable subscription;",
-        ),
-        (
-            {},
-            {"durability": DurabilityPolicy.TRANSIENT_LOCAL, "deadline": SECOND},
-            "ERROR: Volatile publisher and transient local subscription;"
-            "ERROR: Subscription has a deadline, but publisher does not;",
-        ),
-        (
-            {"deadline": Duration(seconds=2)},
-            {"deadline": SECOND},
-            "ERROR: Subscription deadline is less than publisher deadline;",
-        ),
-        (
-            {},
-            {"liveliness": LivelinessPolicy.MANUAL_BY_TOPIC},
-            "ERROR: Publisher's liveliness is automatic and subscription's is manual by topic;",
-        ),
-        (
-            {},
-            {"liveliness_lease_duration": SECOND},
-            "ERROR: Subscription has a liveliness lease duration, but publisher does not;",
-        ),
-        (
-            {"reliability": ReliabilityPolicy.SYSTEM_DEFAULT},
-            {},
-            "WARNING: Reliable subscription, but publisher is system_default;",
-        ),
-        (
-            {},
-            {"liveliness": LivelinessPolicy.SYSTEM_DEFAULT},
-            "WARNING: Publisher's liveliness is automatic, but subscription's is system_default;",
-        ),
-    ],
-)
-def test_whether_two_profiles_go_together_is_said(
-    offered: dict[str, Any], requested: dict[str, Any], said: str
-) -> None:
-    found, reason = qos_check_compatible(profile(**offered), profile(**requested))
-    assert reason == said
-    assert found.name == (said.partition(":")[0] or "OK")
-
-
-@pytest.mark.parametrize(
-    "given",
-    [
-        QoSProfile(history=HistoryPolicy.KEEP_ALL, lifespan=Duration(seconds=5)),
-        profile(reliability=ReliabilityPolicy.BEST_EFFORT, avoid_ros_namespace_conventions=True),
-        profile(deadline=SECOND, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC),
-    ],
-)
-def test_a_profile_goes_to_plain_values_and_back(given: QoSProfile) -> None:
-    values = given.get_c_qos_profile().to_dict()
-    assert values["reliability"] == int(given.reliability)
-    assert QoSProfile(**values) == given
-
-
 def test_profiles_by_their_short_names() -> None:
     assert ReliabilityPolicy.get_from_short_key("best_effort") == ReliabilityPolicy.BEST_EFFORT
     assert "keep_all" in HistoryPolicy.short_keys()
@@ -178,37 +109,3 @@ def test_a_policy_takes_no_word(name: str) -> None:
     given: Any = QoSProfile(depth=1)
     with pytest.raises(AssertionError):
         setattr(given, name, "x")
-
-
-def test_policies_are_overridden_by_parameters_and_checked(ros: Ros) -> None:
-    override: Parameter[int] = Parameter("qos_overrides./words.publisher.depth", value=3)
-    node = ros.node(parameter_overrides=[override])
-    publisher = node.create_publisher(
-        String, "words", 10, qos_overriding_options=QoSOverridingOptions.with_default_policies()
-    )
-    assert node.get_parameter("qos_overrides./words.publisher.reliability").value == "reliable"
-    assert node.describe_parameter("qos_overrides./words.publisher.depth").read_only
-    assert publisher is not None
-
-    def check(qos: QoSProfile) -> SetParametersResult:
-        return SetParametersResult(successful=qos.depth == 3, reason="only three")
-
-    with pytest.raises(InvalidQosOverridesError, match="only three"):
-        node.create_subscription(
-            String,
-            "words",
-            lambda _: None,
-            10,
-            qos_overriding_options=QoSOverridingOptions((QoSPolicyKind.DEPTH,), callback=check),
-        )
-
-
-def test_a_subscription_without_a_filter_has_none_to_tell(ros: Ros) -> None:
-    node = ros.node()
-    subscription = node.create_subscription(String, "things", lambda _: None, 10)
-    assert not subscription.is_cft_enabled
-    with pytest.raises(RCLError, match="Failed to get cft expression parameters"):
-        subscription.get_content_filter()
-    node.destroy_subscription(subscription)
-    with pytest.raises(InvalidHandle):
-        subscription.set_content_filter("data = 'a'", [])

@@ -18,7 +18,6 @@ from rclpy.executors import (
     SingleThreadedExecutor,
     TimeoutException,
 )
-from rclpy.experimental import EventsExecutor
 from rclpy.task import Future
 from std_msgs.msg import Int32
 from std_srvs.srv import Trigger
@@ -538,20 +537,3 @@ def test_a_group_knows_its_own(ros: Ros) -> None:
     for ask in (group.can_execute, group.beginning_execution, group.ending_execution):
         with pytest.raises(AssertionError):
             ask(other)
-
-
-def test_the_events_executor_runs_tasks_timers_and_messages(ros: Ros) -> None:
-    node = ros.node()
-    executor = EventsExecutor(context=ros.context)
-    assert executor.add_node(node)
-    seen: set[str] = set()
-    node.create_timer(0.01, lambda: seen.add("timer"))
-    node.create_subscription(Int32, "a", lambda _: seen.add("message"), 10)
-    node.create_publisher(Int32, "a", 10).publish(Int32())
-    task = executor.create_task(lambda: seen.add("task"))
-    while len(seen) < 3:
-        executor.spin_once(timeout_sec=1.0)
-    assert task.done()
-    assert node in executor.get_nodes()
-    executor.remove_node(node)
-    executor.shutdown()

@@ -21,7 +21,6 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 from rclpy.utilities import remove_ros_args
 from rclpy.validate_topic_name import validate_topic_name
-from rclpy.wait_for_message import wait_for_message
 from std_msgs.msg import Int32
 
 from tests.support.ros import Ros
@@ -123,30 +122,6 @@ def test_a_clock_sleeps(ros: Ros) -> None:
     before = clock.now()
     assert clock.sleep_for(Duration(nanoseconds=20_000_000), ros.context)
     assert clock.now() - before >= Duration(nanoseconds=19_000_000)
-
-
-def test_a_guard_condition_runs_its_callback_once_for_all_triggers(ros: Ros) -> None:
-    node, executor = ros.node(), SingleThreadedExecutor(context=ros.context)
-    ran: list[int] = []
-    guard = node.create_guard_condition(lambda: ran.append(1))
-    guard.trigger()
-    guard.trigger()
-    executor.add_node(node)
-    while not ran:
-        executor.spin_once(1.0)
-    executor.spin_once(0.02)
-    assert ran == [1]
-    executor.shutdown(0)
-
-
-def test_one_message_is_waited_for(ros: Ros) -> None:
-    node, talker = ros.node("waiting"), ros.node("talker")
-    publisher = talker.create_publisher(Int32, "topic", 1)
-    talker.create_timer(0.02, lambda: publisher.publish(Int32(data=7)))
-    ros.spin(talker)
-    found, message = wait_for_message(Int32, node, "topic", time_to_wait=30.0)
-    assert (found, message.data) == (True, 7)
-    assert wait_for_message(Int32, node, "silence", time_to_wait=0.05) == (False, None)
 
 
 def test_a_node_is_waited_for(ros: Ros) -> None:
@@ -283,8 +258,3 @@ def test_lines_stay_off_rosout_when_that_is_switched_off() -> None:
     node = quiet.node("quiet")
     assert node.count_publishers("/rosout") == 0
     quiet.close()
-
-
-def test_the_newest_executors_nodes_are_named_where_they_are_missing() -> None:
-    with pytest.raises(ImportError):
-        from rclpy.experimental import AsyncNode  # noqa: F401

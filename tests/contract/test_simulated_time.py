@@ -10,9 +10,8 @@ import pytest
 from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from rclpy.action import ActionClient, ActionServer
-from rclpy.clock import Clock, JumpThreshold, ROSClock
+from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
-from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -115,25 +114,6 @@ def test_how_long_a_goals_result_is_kept_is_simulated_time_too(simulation: Simul
     wait_until(lambda: simulation.spin() or goal.status == GoalStatus.STATUS_UNKNOWN)
 
 
-def test_jumps_beyond_a_threshold_are_told_before_and_after(simulation: Simulation) -> None:
-    told: list[Any] = []
-
-    def after(jump: Any) -> None:
-        delta = jump["delta"] if isinstance(jump, dict) else jump.delta.nanoseconds
-        told.append(delta / 1e9)
-
-    threshold = JumpThreshold(min_forward=Duration(seconds=1), min_backward=Duration(seconds=-1))
-    handle = simulation.clock.create_jump_callback(
-        threshold, pre_callback=lambda: told.append("before"), post_callback=after
-    )
-    for second in (0.5, 2.0, 2.5, 1.0):
-        simulation.at(second)
-    assert told == ["before", 1.5, "before", -1.5]
-    handle.unregister()
-    simulation.at(9.0)
-    assert len(told) == 4
-
-
 @pytest.mark.real_time
 def test_who_sleeps_wakes_at_the_simulated_time_or_when_it_ends(simulation: Simulation) -> None:
     woken: list[bool] = []
@@ -179,16 +159,10 @@ def test_what_has_passed_of_a_period_is_left_when_simulated_time_ends(
     "wrong",
     [
         lambda _: Clock(clock_type=3),  # type: ignore[arg-type]
-        lambda _: JumpThreshold(min_forward=Duration(seconds=-1), min_backward=None),
-        lambda _: JumpThreshold(min_forward=None, min_backward=Duration(seconds=1)),
-        lambda _: JumpThreshold(min_forward=None, min_backward=None, on_clock_change=False),
-        lambda clock: clock.create_jump_callback(
-            JumpThreshold(min_forward=None, min_backward=None)
-        ),
         lambda clock: clock.set_ros_time_override("noon"),
     ],
 )
-def test_what_is_no_clock_no_jump_and_no_time_is_refused(
+def test_what_is_no_clock_and_no_time_is_refused(
     wrong: Callable[[ROSClock], object],
 ) -> None:
     with pytest.raises((TypeError, ValueError)):

@@ -30,7 +30,6 @@ from rclpy.qos import (
 )
 from rclpy.time import Time
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
-from rclpy.type_hash import TypeHash
 from std_msgs.msg import Int32, Int32MultiArray
 from std_srvs.srv import Trigger
 
@@ -223,24 +222,6 @@ def test_what_is_told_of_an_endpoint_can_be_made_compared_and_printed() -> None:
         told.nod_name = "node"
     with pytest.raises(TypeError):
         hash(told)
-
-
-def test_a_type_hash_is_its_version_and_32_bytes() -> None:
-    value = bytes(range(32))
-    hashed = TypeHash(version=1, value=value)
-    assert str(hashed) == f"RIHS01_{value.hex()}"
-    assert str(TypeHash()) == str(TypeHash(version=1, value=b"short")) == "INVALID"
-    assert TypeHash() == TypeHash() != TypeHash(version=5)
-    told: Any = TopicEndpointInfo(topic_type_hash=hashed)
-    assert (told.topic_type_hash, str(told).splitlines()[3]) == (
-        hashed,
-        f"Topic type hash: {hashed}",
-    )
-    told.topic_type_hash = {"version": 2, "value": value}
-    assert told.topic_type_hash.version == 2
-    for wrong in (5, {"version": 1, "value": "x"}):
-        with pytest.raises(AssertionError):
-            told.topic_type_hash = wrong
 
 
 def test_of_a_call_that_nobody_made_a_timers_info_is_empty() -> None:

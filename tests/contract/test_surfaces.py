@@ -14,12 +14,13 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
-from rclpy.type_description_service import START_TYPE_DESCRIPTION_SERVICE_PARAM
 from rclpy.utilities import remove_ros_args
 from std_msgs.msg import Float32MultiArray, Header, Int32
 from std_srvs.srv import Trigger
 
 from tests.support.ros import Ros
+
+DESCRIBES_TYPES = "start_type_description_service"
 
 
 @pytest.fixture
@@ -127,11 +128,11 @@ def test_a_node_has_two_parameters_from_the_start(ros: Ros) -> None:
     node = ros.node()
     assert node.list_parameters([], 0).names == [
         "use_sim_time",
-        START_TYPE_DESCRIPTION_SERVICE_PARAM,
+        DESCRIBES_TYPES,
     ]
-    assert node.get_parameter_type(START_TYPE_DESCRIPTION_SERVICE_PARAM) == 1
-    assert node.describe_parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM).read_only
-    said: Parameter[bool] = Parameter(START_TYPE_DESCRIPTION_SERVICE_PARAM, value=False)
+    assert node.get_parameter_type(DESCRIBES_TYPES) == 1
+    assert node.describe_parameter(DESCRIBES_TYPES).read_only
+    said: Parameter[bool] = Parameter(DESCRIBES_TYPES, value=False)
     assert "read-only" in node.set_parameters([said])[0].reason
 
 

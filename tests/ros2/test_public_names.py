@@ -15,8 +15,19 @@ NOT_EMULATED = {
     "C objects behind handles": r"get_c_|\.(un)?track_node$|g_\w+$",
     "waitables": r"[Ww]aitable|add_to_wait_set|\.is_ready$|\.take_data$|\.execute$"
     r"|(add|remove)_future|notify_|create_event_handlers|\.(QoS)?EventHandler(\.|$)|EventHandlerData"
-    r"|TimeoutObject|WorkTracker",
+    r"|TimeoutObject|WorkTracker|get_num_entities",
     "type descriptions": r"type_description|start_type_description",
+    "type hashes": r"type_hash",
+    "guard conditions": r"guard",
+    "deadline and liveliness events": r"QoS(Liveliness\w+|\w+DeadlineMissed)Info",
+    "content filters": r"content_filter|cft",
+    "QoS overriding options": r"qos_overrid",
+    "the comparison of two profiles": r"qos_check_compatible|QoSCompatibility",
+    "service introspection": r"introspection",
+    "callbacks on a clock's jump": r"jump_callback|Jump(Threshold|Handle)|TimeJump|ClockChange",
+    "rclpy.parameter_event_handler": r"parameter_event_handler",
+    "rclpy.wait_for_message": r"wait_for_message",
+    "rclpy.experimental": r"experimental",
     "signal handlers": r"rclpy\.signals\.",
     "logging set-up": r"rclpy\.logging\.(initialize|shutdown)",
     "filter classes": r"rcutils_logger\.",
@@ -52,4 +63,5 @@ def test_every_public_name_is_there_or_in_the_list_of_the_page() -> None:
     section = " ".join(page.partition("## What it does not emulate")[2].split())
     for words, pattern in NOT_EMULATED.items():
         assert words in section, words
-        assert any(re.search(pattern, name) for name in missing), f"{words} is emulated by now"
+        if words != "content filters":  # which Jazzy's rclpy lacks
+            assert any(re.search(pattern, name) for name in missing), f"{words} is emulated by now"

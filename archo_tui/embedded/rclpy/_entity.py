@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from rclpy._rclpy_pybind11 import InvalidHandle
 from rclpy.callback_groups import CallbackGroup
 
+from archo_tui.embedded import absent
+
 if TYPE_CHECKING:
     from rclpy.node import Node
 
@@ -56,7 +58,7 @@ class Handle:
 class Entity(Destroyable):
     """Something of a node with callbacks to run."""
 
-    # in a round: actions, timers, subscriptions, guard conditions, clients, services
+    # in a round: actions, timers, subscriptions, clients, services
     _rank = 1
     callback: Any = None
     _taken_by: Entity | None = None  # who takes its work together with that of others
@@ -107,6 +109,25 @@ class TimedEntity(Entity):
     def _schedule(self) -> None:
         """Tell the executor when to look."""
         raise NotImplementedError
+
+
+class ServiceEnd(Destroyable):
+    """A client or a service."""
+
+    _node: Node
+    _service_name: str
+    configure_introspection = absent.Attribute()
+
+    @property
+    def service_name(self) -> str:
+        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        self._use()
+        return self._service_name
+
+    @property
+    def logger_name(self) -> str:
+        """The name of its node's logger."""
+        return self._node.get_logger().name
 
 
 class QueueEntity(Entity):

@@ -53,36 +53,6 @@ class QoSMessageLostInfo(NamedTuple):
     total_count_change: int = 0
 
 
-class QoSRequestedDeadlineMissedInfo(NamedTuple):
-    """How many periods went by without a message."""
-
-    total_count: int = 0
-    total_count_change: int = 0
-
-
-class QoSOfferedDeadlineMissedInfo(NamedTuple):
-    """How many periods went by in which nothing was published."""
-
-    total_count: int = 0
-    total_count_change: int = 0
-
-
-class QoSLivelinessChangedInfo(NamedTuple):
-    """How many publishers are alive, and how many were and are silent now."""
-
-    alive_count: int = 0
-    not_alive_count: int = 0
-    alive_count_change: int = 0
-    not_alive_count_change: int = 0
-
-
-class QoSLivelinessLostInfo(NamedTuple):
-    """How often the publisher did not say in time that it is alive."""
-
-    total_count: int = 0
-    total_count_change: int = 0
-
-
 class IncompatibleTypeInfo(NamedTuple):
     """How many endpoints of another type there are."""
 

@@ -66,8 +66,6 @@ class Graph:
                 topic.publishers.remove(publisher)
             for subscription in publisher._matched:
                 _tell(subscription, -1)
-                for handler in subscription.event_handlers:
-                    handler._gone(publisher)
             publisher._matched = ()
             self._forget_if_empty(publisher._topic_name)
             self.changed.notify_all()

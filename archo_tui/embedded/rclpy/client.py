@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import threading
-import uuid
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rclpy import _time_source
-from rclpy._entity import QueueEntity
+from rclpy._entity import QueueEntity, ServiceEnd
 from rclpy.callback_groups import CallbackGroup
 from rclpy.context import Context
 from rclpy.qos import QoSProfile
 from rclpy.service import RequestHeader
-from rclpy.service_introspection import REQUEST_SENT, RESPONSE_RECEIVED, ServiceEnd
 from rclpy.task import Future, wait_for
 
 if TYPE_CHECKING:
@@ -41,7 +39,6 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self.qos_profile = qos_profile
         self.srv_name = srv_name  # as it was given
         self._service_name = service_name  # as it is on the graph
-        self._gid = list(uuid.uuid4().bytes)
         self._lock = threading.Lock()
         self._sequence_number = 0
         self._pending_requests: dict[int, Future[Any]] = {}
@@ -61,8 +58,6 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
             self._sequence_number += 1
             number = self._sequence_number
             self._pending_requests[number] = future
-        if self._events is not None:
-            self._tell(REQUEST_SENT, self._gid, number, request=request)
         for server in self._node._graph.servers(self._service_name, self.srv_type):
             server._deliver((RequestHeader(self, number), message.__received__()))
         return future
@@ -118,14 +113,11 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
     def destroy(self) -> None:
         """Leave the graph; pending futures stay pending."""
         self._destroyed = True
-        self._end_introspection()
         graph = self._node._graph
         graph.remove_named(graph.clients, self._service_name, self)
 
     def _handle(self, item: tuple[int, Any]) -> None:
         number, response = item
-        if self._events is not None:
-            self._tell(RESPONSE_RECEIVED, self._gid, number, response=response)
         with self._lock:
             future = self._pending_requests.get(number)
         if future is not None:  # until it is done: every server of the name answers

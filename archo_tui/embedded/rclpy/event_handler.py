@@ -1,23 +1,19 @@
-"""`rclpy.event_handler`: what an endpoint is told of others, of deadlines and of liveliness."""
+"""`rclpy.event_handler`: what an endpoint is told of others."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rclpy import _event_handlers as handlers
 from rclpy._event_handlers import EventHandler
 from rclpy._event_infos import (
     IncompatibleTypeInfo,
-    QoSLivelinessChangedInfo,
-    QoSLivelinessLostInfo,
     QoSMessageLostInfo,
-    QoSOfferedDeadlineMissedInfo,
     QoSOfferedIncompatibleQoSInfo,
     QoSPublisherEventType,
     QoSPublisherMatchedInfo,
-    QoSRequestedDeadlineMissedInfo,
     QoSRequestedIncompatibleQoSInfo,
     QoSSubscriptionEventType,
     QoSSubscriptionMatchedInfo,
@@ -27,18 +23,19 @@ from rclpy.callback_groups import CallbackGroup
 from rclpy.logging import get_logger
 from rclpy.qos import qos_policy_name_from_kind
 
+from archo_tui.embedded import absent
+
+if not TYPE_CHECKING:
+    __getattr__ = absent.lookup_in(__name__)
+
 __all__ = [
     "EventHandler",
     "IncompatibleTypeInfo",
     "PublisherEventCallbacks",
-    "QoSLivelinessChangedInfo",
-    "QoSLivelinessLostInfo",
     "QoSMessageLostInfo",
-    "QoSOfferedDeadlineMissedInfo",
     "QoSOfferedIncompatibleQoSInfo",
     "QoSPublisherEventType",
     "QoSPublisherMatchedInfo",
-    "QoSRequestedDeadlineMissedInfo",
     "QoSRequestedIncompatibleQoSInfo",
     "QoSSubscriptionEventType",
     "QoSSubscriptionMatchedInfo",
@@ -76,7 +73,8 @@ class SubscriptionEventCallbacks:
     def create_event_handlers(
         self, callback_group: CallbackGroup, subscription: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Who tells these callbacks."""
+        """Who tells these callbacks. Raises UnsupportedEventTypeError for deadline, liveliness."""
+        _refuse_timed(self)
         event, qos, kind = QoSSubscriptionEventType, self.incompatible_qos, self.incompatible_type
         if self.use_default_callbacks:
             said = f"New publisher discovered on topic '{topic_name}', offering incompatible QoS. "
@@ -84,17 +82,7 @@ class SubscriptionEventCallbacks:
             qos = qos or _warns_of_qos(subscription, said)
             kind = kind or _is_never_called
         kinds: list[Kind] = [
-            (
-                event.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED,
-                handlers.DeadlineMissed,
-                self.deadline,
-            ),
             (event.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, handlers.IncompatibleQoS, qos),
-            (
-                event.RCL_SUBSCRIPTION_LIVELINESS_CHANGED,
-                handlers.LivelinessChanged,
-                self.liveliness,
-            ),
             (event.RCL_SUBSCRIPTION_MESSAGE_LOST, EventHandler, self.message_lost),
             (event.RCL_SUBSCRIPTION_INCOMPATIBLE_TYPE, EventHandler, kind),
             (event.RCL_SUBSCRIPTION_MATCHED, handlers.Matched, self.matched),
@@ -126,7 +114,8 @@ class PublisherEventCallbacks:
     def create_event_handlers(
         self, callback_group: CallbackGroup, publisher: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Who tells these callbacks."""
+        """Who tells these callbacks. Raises UnsupportedEventTypeError for deadline, liveliness."""
+        _refuse_timed(self)
         event, qos, kind = QoSPublisherEventType, self.incompatible_qos, self.incompatible_type
         if self.use_default_callbacks:
             said = f"New subscription discovered on topic '{topic_name}', requesting incompatible "
@@ -134,17 +123,19 @@ class PublisherEventCallbacks:
             qos = qos or _warns_of_qos(publisher, said)
             kind = kind or _is_never_called
         kinds: list[Kind] = [
-            (
-                event.RCL_PUBLISHER_OFFERED_DEADLINE_MISSED,
-                handlers.OfferedDeadlineMissed,
-                self.deadline,
-            ),
-            (event.RCL_PUBLISHER_LIVELINESS_LOST, handlers.LivelinessLost, self.liveliness),
             (event.RCL_PUBLISHER_OFFERED_INCOMPATIBLE_QOS, handlers.IncompatibleQoS, qos),
             (event.RCL_PUBLISHER_INCOMPATIBLE_TYPE, EventHandler, kind),
             (event.RCL_PUBLISHER_MATCHED, handlers.Matched, self.matched),
         ]
         return _made(kinds, publisher, callback_group)
+
+
+def _refuse_timed(callbacks: SubscriptionEventCallbacks | PublisherEventCallbacks) -> None:
+    """Raise what rclpy does where the middleware does not tell of such events."""
+    for name in ("deadline", "liveliness"):
+        if getattr(callbacks, name):
+            where = f"{type(callbacks).__name__}({name}=...)"
+            raise UnsupportedEventTypeError(absent.message(where))
 
 
 def _made(kinds: list[Kind], endpoint: Any, group: CallbackGroup) -> list[EventHandler]:

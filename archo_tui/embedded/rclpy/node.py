@@ -12,7 +12,6 @@ from rclpy import (
     _logging,
     _names,
     _time_source,
-    type_description_service,
 )
 from rclpy._entity import Destroyable, Entity, EntityT
 from rclpy._node_parameters import NodeParameters
@@ -26,7 +25,6 @@ from rclpy.duration import Infinite
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import Executor
-from rclpy.guard_condition import GuardCondition
 from rclpy.impl.rcutils_logger import RcutilsLogger
 from rclpy.logging_service import LoggingService
 from rclpy.parameter import Parameter
@@ -41,18 +39,19 @@ from rclpy.qos import (
     qos_profile_rosout_default,
     qos_profile_services_default,
 )
-from rclpy.qos_overriding_options import QoSOverridingOptions, _declare_qos_parameters
 from rclpy.service import Service
 from rclpy.subscription import Subscription
-from rclpy.subscription_content_filter_options import ContentFilterOptions
 from rclpy.time_source import TimeSource
 from rclpy.timer import Rate, Timer
 from rclpy.topic_endpoint_info import TopicEndpointInfo, TopicEndpointTypeEnum
 from rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
 from rclpy.utilities import get_default_context
 
+from archo_tui.embedded import absent
+
 MsgT = TypeVar("MsgT")
 NamesAndTypes = list[tuple[str, list[str]]]
+_DESCRIBES_TYPES = "start_type_description_service"
 
 
 class Node(NodeParameters, Destroyable):
@@ -117,7 +116,11 @@ class Node(NodeParameters, Destroyable):
         )
         self._time_source = TimeSource(node=self)
         self._time_source.attach_clock(self._clock)
-        type_description_service.declare_parameter(self)
+        if not self.has_parameter(_DESCRIBES_TYPES):
+            # False, where rclpy's default is True: there are no descriptions of types to serve.
+            about = "If enabled, start the ~/get_type_description service."
+            read_only = ParameterDescriptor(description=about, read_only=True)
+            self.declare_parameter(_DESCRIBES_TYPES, False, read_only)
         if self._declare_on_start:
             for parameter, value in overrides.items():
                 if not self.has_parameter(parameter):
@@ -234,11 +237,6 @@ class Node(NodeParameters, Destroyable):
         return self._own(Client)
 
     @property
-    def guards(self) -> Iterator[GuardCondition]:
-        """This node's guard conditions."""
-        return iter(self._all(GuardCondition))
-
-    @property
     def timers(self) -> Iterator[Timer]:
         """This node's timers."""
         return iter(self._all(Timer))
@@ -251,20 +249,18 @@ class Node(NodeParameters, Destroyable):
         *,
         callback_group: CallbackGroup | None = None,
         event_callbacks: PublisherEventCallbacks | None = None,
-        qos_overriding_options: QoSOverridingOptions | None = None,
+        qos_overriding_options: None = None,
         publisher_class: type[Publisher[Any]] = Publisher,
     ) -> Publisher[MsgT]:
-        """Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError."""
+        """Raises InvalidTopicNameException, TypeError, ValueError."""
+        absent.check_arguments("create_publisher", qos_overriding_options=qos_overriding_options)
         self._use()
         check_is_valid_msg_type(msg_type)
         name = self._validated(topic)
-        qos = as_profile(qos_profile)
-        if qos_overriding_options is not None:
-            _declare_qos_parameters(Publisher, self, name, qos, qos_overriding_options)
-        publisher = publisher_class(self, msg_type, topic, name, qos)
+        publisher = publisher_class(self, msg_type, topic, name, as_profile(qos_profile))
         callbacks = event_callbacks or PublisherEventCallbacks()
         group = callback_group or self._default_callback_group
-        publisher._hear(callbacks.create_event_handlers(group, publisher, topic))
+        publisher.event_handlers = callbacks.create_event_handlers(group, publisher, topic)
         self._publishers.append(publisher)
         self._graph.add_publisher(publisher)
         return publisher
@@ -278,25 +274,27 @@ class Node(NodeParameters, Destroyable):
         *,
         callback_group: CallbackGroup | None = None,
         event_callbacks: SubscriptionEventCallbacks | None = None,
-        qos_overriding_options: QoSOverridingOptions | None = None,
+        qos_overriding_options: None = None,
         raw: bool = False,
-        content_filter_options: ContentFilterOptions | None = None,
+        content_filter_options: None = None,
     ) -> Subscription[MsgT]:
         """`callback` takes the message, or the message and its info; serialized bytes when `raw`.
 
-        A content filter is taken and has no effect, as with an RMW that has none.
-        Raises InvalidTopicNameException, TypeError, ValueError, InvalidQosOverridesError.
+        Raises InvalidTopicNameException, TypeError, ValueError.
         """
+        absent.check_arguments(
+            "create_subscription",
+            qos_overriding_options=qos_overriding_options,
+            content_filter_options=content_filter_options,
+        )
         self._use()
         check_is_valid_msg_type(msg_type)
         group = callback_group or self._default_callback_group
         name = self._validated(topic)
         qos = as_profile(qos_profile)
-        if qos_overriding_options is not None:
-            _declare_qos_parameters(Subscription, self, name, qos, qos_overriding_options)
         subscription = Subscription(self, msg_type, topic, name, callback, group, qos, raw)
         callbacks = event_callbacks or SubscriptionEventCallbacks()
-        subscription._hear(callbacks.create_event_handlers(group, subscription, topic))
+        subscription.event_handlers = callbacks.create_event_handlers(group, subscription, topic)
         self._entity_list.append(subscription)
         self._graph.add_subscription(subscription)
         return subscription
@@ -341,7 +339,8 @@ class Node(NodeParameters, Destroyable):
         autostart: bool = True,
     ) -> Timer:
         """A timer of that period in s. Raises RCLError for a negative one, and after shutdown."""
-        self._check_context("timer")
+        if not self._context.ok():
+            raise RCLError("failed to create timer: the given context is not valid")
         group = callback_group or self._default_callback_group
         period_ns = int(float(timer_period_sec) * 1e9)
         timer = Timer(self, callback, group, period_ns, clock or self._clock)
@@ -352,10 +351,6 @@ class Node(NodeParameters, Destroyable):
             timer.cancel()
         return timer
 
-    def _check_context(self, what: str) -> None:
-        if not self._context.ok():
-            raise RCLError(f"failed to create {what}: the given context is not valid")
-
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
         """Sleeps at that frequency (Hz) while another thread spins the node."""
         if frequency <= 0:
@@ -363,18 +358,9 @@ class Node(NodeParameters, Destroyable):
         timer = self.create_timer(1.0 / frequency, _nothing, clock=clock)
         return Rate(timer, context=self._context)
 
-    def create_guard_condition(
-        self, callback: Callable[[], Any], callback_group: CallbackGroup | None = None
-    ) -> GuardCondition:
-        """Its callback runs on the executor after each `trigger()`. Raises RCLError."""
-        self._check_context("guard_condition")
-        guard = GuardCondition(self, callback, callback_group or self._default_callback_group)
-        self._entity_list.append(guard)
-        return guard
-
-    def destroy_guard_condition(self, guard: GuardCondition) -> bool:
-        """False when it is not this node's."""
-        return self._destroy(guard)
+    create_guard_condition = absent.Attribute()
+    destroy_guard_condition = absent.Attribute()
+    guards = absent.Attribute()
 
     def destroy_rate(self, rate: Rate) -> bool:
         """False when it is not this node's."""

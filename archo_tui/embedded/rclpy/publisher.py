@@ -60,8 +60,6 @@ class Publisher(Endpoint, Generic[MsgT]):
         self._use()
         message: Any = msg
         self._sent += 1
-        for watcher in self._watchers:
-            watcher._sample(self)
         if self._keeps:
             with self._node._graph.lock:  # so that a late joiner gets each one once
                 now = monotonic_ns()
@@ -95,11 +93,8 @@ class Publisher(Endpoint, Generic[MsgT]):
             subscription._receive(message, self)
 
     def assert_liveliness(self) -> None:
-        """Say that this publisher is alive. Raises InvalidHandle after `destroy()`."""
+        """Do nothing: no liveliness events are emulated. Raises InvalidHandle after `destroy()`."""
         self._use()
-        for endpoint in (self, *self._matched):
-            for watcher in endpoint._watchers:
-                watcher._asserted(self)
 
     def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
         """True when everybody has what was published: in one process at once.

@@ -1,8 +1,7 @@
 """Quality of service: profiles, and whether two of them match.
 
 History depth, reliability and durability are honoured; lifespan ends what is kept for late joiners.
-Deadline and liveliness are compared when endpoints meet, as DDS does; _event_handlers.py tells of
-those that are missed.
+Deadline and liveliness are compared when endpoints meet, as DDS does, and have no other effect.
 """
 
 from __future__ import annotations
@@ -10,10 +9,14 @@ from __future__ import annotations
 import warnings
 from copy import copy
 from enum import Enum, EnumMeta, IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from rclpy._rclpy_pybind11 import rmw_qos_profile_t
 from rclpy.duration import Duration
+
+from archo_tui.embedded import absent
+
+if not TYPE_CHECKING:
+    __getattr__ = absent.lookup_in(__name__)
 
 _NO_TIME = Duration()
 _BEST_TIME = Duration(nanoseconds=9223372036854775806)  # rmw's "best available"
@@ -99,14 +102,6 @@ class QoSPolicyKind(IntEnum):
     DEPTH = 1 << 7
     LIVELINESS_LEASE_DURATION = 1 << 8
     AVOID_ROS_NAMESPACE_CONVENTIONS = 1 << 9
-
-
-class QoSCompatibility(Enum):
-    """What `qos_check_compatible` finds."""
-
-    OK = 0
-    WARNING = 1
-    ERROR = 2
 
 
 _DEFAULT_DEPTH = 10
@@ -200,13 +195,6 @@ class QoSProfile:
         )
         return f"QoSProfile({', '.join(inside)})"
 
-    def get_c_qos_profile(self) -> rmw_qos_profile_t:
-        """Its values as rclpy's C layer has them."""
-        values = {name: getattr(self, name) for name in ("depth", *_TYPES)}
-        return rmw_qos_profile_t(
-            {name: int(v) if isinstance(v, IntEnum) else v for name, v in values.items()}
-        )
-
     @property
     def _queue_size(self) -> int | None:
         """Samples a queue of this profile holds; None for no bound."""
@@ -288,100 +276,28 @@ def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
 
 
 def incompatible_policy(offered: QoSProfile, requested: QoSProfile) -> QoSPolicyKind | None:
-    """The policy for which a subscription asks more than the publisher offers, or None."""
-    faults = [kind for kind, fault, _ in _compared(offered, requested) if fault]
-    return faults[-1] if faults else None
-
-
-def qos_check_compatible(
-    publisher_qos: QoSProfile, subscription_qos: QoSProfile
-) -> tuple[QoSCompatibility, str]:
-    """Whether a publisher and a subscription can talk, and why not, or why that is unknown."""
-    found = _compared(publisher_qos, subscription_qos)
-    errors = "".join(f"ERROR: {fault};" for _, fault, _ in found if fault)
-    if errors:
-        return QoSCompatibility.ERROR, errors
-    doubts = "".join(f"WARNING: {doubt};" for _, _, doubt in found if doubt)
-    return (QoSCompatibility.WARNING if doubts else QoSCompatibility.OK), doubts
-
-
-def _compared(pub: QoSProfile, sub: QoSProfile) -> list[tuple[QoSPolicyKind, str, str]]:
-    """Of each policy: what makes the two incompatible, and what may, as rmw's DDS layers say it."""
-    return [
-        (
-            QoSPolicyKind.RELIABILITY,
-            _fault(pub.reliability, "BEST_EFFORT", sub.reliability, "RELIABLE",
-                   "Best effort publisher and reliable subscription"),
-            _doubt(pub.reliability, "BEST_EFFORT", "Best effort publisher", sub.reliability,
-                   "RELIABLE", "Reliable subscription", "reliability", "reliability"),
+    """Return the last policy for which a subscription asks more than the publisher offers."""
+    faults = {
+        QoSPolicyKind.RELIABILITY: (
+            offered.reliability == ReliabilityPolicy.BEST_EFFORT
+            and requested.reliability == ReliabilityPolicy.RELIABLE
         ),
-        (
-            QoSPolicyKind.DURABILITY,
-            _fault(pub.durability, "VOLATILE", sub.durability, "TRANSIENT_LOCAL",
-                   "Volatile publisher and transient local subscription"),
-            _doubt(pub.durability, "VOLATILE", "Volatile publisher", sub.durability,
-                   "TRANSIENT_LOCAL", "Transient local subscription", "durabilty", "durability"),
+        QoSPolicyKind.DURABILITY: (
+            offered.durability == DurabilityPolicy.VOLATILE
+            and requested.durability == DurabilityPolicy.TRANSIENT_LOCAL
         ),
-        (
-            QoSPolicyKind.DEADLINE,
-            _time_fault(pub.deadline, sub.deadline, "deadline",
-                        "Subscription deadline is less than publisher deadline"),
-            "",
-        ),
-        (
-            QoSPolicyKind.LIVELINESS,
-            _fault(pub.liveliness, "AUTOMATIC", sub.liveliness, "MANUAL_BY_TOPIC",
-                   "Publisher's liveliness is automatic and subscription's is manual by topic"),
-            _liveliness_doubt(pub.liveliness, sub.liveliness),
-        ),
-        (
-            QoSPolicyKind.LIVELINESS,
-            _time_fault(pub.liveliness_lease_duration, sub.liveliness_lease_duration,
-                        "liveliness lease duration",
-                        "Subscription liveliness lease duration is less than publisher"),
-            "",
-        ),
-    ]  # fmt: skip
+        QoSPolicyKind.DEADLINE: _is_longer(offered.deadline, requested.deadline),
+        QoSPolicyKind.LIVELINESS: (
+            offered.liveliness == LivelinessPolicy.AUTOMATIC
+            and requested.liveliness == LivelinessPolicy.MANUAL_BY_TOPIC
+        )
+        or _is_longer(offered.liveliness_lease_duration, requested.liveliness_lease_duration),
+    }
+    return next((kind for kind in reversed(faults) if faults[kind]), None)
 
 
-def _fault(pub: Any, weak: str, sub: Any, strong: str, said: str) -> str:
-    return said if pub.name == weak and sub.name == strong else ""
-
-
-def _time_fault(pub: Duration, sub: Duration, name: str, less: str) -> str:
-    if sub.nanoseconds in (0, _BEST_TIME.nanoseconds) or pub.nanoseconds == _BEST_TIME.nanoseconds:
-        return ""
-    if pub.nanoseconds == 0:
-        return f"Subscription has a {name}, but publisher does not"
-    return less if sub.nanoseconds < pub.nanoseconds else ""
-
-
-def _is_open(policy: Any) -> bool:
-    return policy.name in ("SYSTEM_DEFAULT", "UNKNOWN")
-
-
-def _doubt(
-    pub: Any, weak: str, weak_said: str, sub: Any, strong: str, strong_said: str,
-    pub_name: str, sub_name: str,
-) -> str:  # fmt: skip
-    if _is_open(pub) and _is_open(sub):
-        one, other = pub.name.lower(), sub.name.lower()
-        return f"Publisher {pub_name} is {one} and subscription {sub_name} is {other}"
-    if _is_open(pub) and sub.name == strong:
-        return f"{strong_said}, but publisher is {pub.name.lower()}"
-    if pub.name == weak and _is_open(sub):
-        return f"{weak_said}, but subscription is {sub.name.lower()}"
-    return ""
-
-
-def _liveliness_doubt(pub: LivelinessPolicy, sub: LivelinessPolicy) -> str:
-    if _is_open(pub) and _is_open(sub):
-        one, other = pub.name.lower(), sub.name.lower()
-        return f"Publisher liveliness is {one} and subscription liveliness is {other}"
-    if _is_open(pub) and sub == LivelinessPolicy.MANUAL_BY_TOPIC:
-        is_ = pub.name.lower()
-        return f"Subscription's liveliness is manual by topic, but publisher's is {is_}"
-    if pub == LivelinessPolicy.AUTOMATIC and _is_open(sub):
-        is_ = sub.name.lower()
-        return f"Publisher's liveliness is automatic, but subscription's is {is_}"
-    return ""
+def _is_longer(offered: Duration, requested: Duration) -> bool:
+    """Return True when a publisher's duration exceeds the one that a subscription asks for."""
+    if requested.nanoseconds in (0, _BEST_TIME.nanoseconds) or offered == _BEST_TIME:
+        return False
+    return offered.nanoseconds == 0 or requested.nanoseconds < offered.nanoseconds

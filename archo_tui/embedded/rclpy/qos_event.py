@@ -2,38 +2,10 @@
 
 from __future__ import annotations
 
-from rclpy.event_handler import (
-    IncompatibleTypeInfo,
-    PublisherEventCallbacks,
-    QoSLivelinessChangedInfo,
-    QoSLivelinessLostInfo,
-    QoSMessageLostInfo,
-    QoSOfferedDeadlineMissedInfo,
-    QoSOfferedIncompatibleQoSInfo,
-    QoSPublisherEventType,
-    QoSPublisherMatchedInfo,
-    QoSRequestedDeadlineMissedInfo,
-    QoSRequestedIncompatibleQoSInfo,
-    QoSSubscriptionEventType,
-    QoSSubscriptionMatchedInfo,
-    SubscriptionEventCallbacks,
-    UnsupportedEventTypeError,
-)
+from typing import TYPE_CHECKING
 
-__all__ = [
-    "IncompatibleTypeInfo",
-    "PublisherEventCallbacks",
-    "QoSLivelinessChangedInfo",
-    "QoSLivelinessLostInfo",
-    "QoSMessageLostInfo",
-    "QoSOfferedDeadlineMissedInfo",
-    "QoSOfferedIncompatibleQoSInfo",
-    "QoSPublisherEventType",
-    "QoSPublisherMatchedInfo",
-    "QoSRequestedDeadlineMissedInfo",
-    "QoSRequestedIncompatibleQoSInfo",
-    "QoSSubscriptionEventType",
-    "QoSSubscriptionMatchedInfo",
-    "SubscriptionEventCallbacks",
-    "UnsupportedEventTypeError",
-]
+from rclpy.event_handler import *  # noqa: F403
+from rclpy.event_handler import __all__ as __all__
+
+if not TYPE_CHECKING:
+    from rclpy.event_handler import __getattr__ as __getattr__

@@ -6,10 +6,9 @@ import inspect
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
-from rclpy._entity import QueueEntity
+from rclpy._entity import QueueEntity, ServiceEnd
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
-from rclpy.service_introspection import REQUEST_RECEIVED, RESPONSE_SENT, ServiceEnd
 
 if TYPE_CHECKING:
     from rclpy.client import Client
@@ -61,22 +60,13 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         self._use()
         message: Any = response
         client, number = header
-        if self._events is not None:
-            self._tell(RESPONSE_SENT, client._gid, number, response=response)
         client._deliver((number, message.__received__()))
 
     def destroy(self) -> None:
         """Leave the graph; requests still queued are never answered."""
         self._destroyed = True
-        self._end_introspection()
         graph = self._node._graph
         graph.remove_named(graph.services, self._service_name, self)
-
-    def _work(self, item: tuple[RequestHeader, Any]) -> Callable[[], Any]:
-        (client, number), request = item
-        if self._events is not None:
-            self._tell(REQUEST_RECEIVED, client._gid, number, request=request)
-        return super()._work(item)
 
     def _handle(self, item: tuple[RequestHeader, Any]) -> Any:
         header, request = item

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any, Generic, TypedDict, TypeVar
 from rclpy import _time_source
 from rclpy._entity import QueueEntity
 from rclpy._event_handlers import Endpoint
-from rclpy._rclpy_pybind11 import RCLError
 from rclpy._type_checks import takes_info
 from rclpy.callback_groups import CallbackGroup
 from rclpy.qos import QoSProfile
-from rclpy.subscription_content_filter_options import ContentFilterOptions
 
+from archo_tui.embedded import absent
 from archo_tui.embedded.cdr import encode
 
 if TYPE_CHECKING:
@@ -98,23 +97,9 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         with graph.lock:
             return sum(self in p._matched for p in graph.topics[self._topic_name].publishers)
 
-    # like an RMW that has no content filters: DDS may leave them out
-
-    @property
-    def is_cft_enabled(self) -> bool:
-        """False: it receives all messages. Raises InvalidHandle after `destroy()`."""
-        self._use()
-        return False
-
-    def set_content_filter(self, filter_expression: str, expression_parameters: list[str]) -> None:
-        """Raises RCLError, InvalidHandle after `destroy()`."""
-        self._use()
-        raise RCLError("Failed to set cft expression parameters: error not set")
-
-    def get_content_filter(self) -> ContentFilterOptions:
-        """Raises RCLError, InvalidHandle after `destroy()`."""
-        self._use()
-        raise RCLError("Failed to get cft expression parameters: error not set")
+    is_cft_enabled = absent.Attribute()
+    set_content_filter = absent.Attribute()
+    get_content_filter = absent.Attribute()
 
     def destroy(self) -> None:
         """Leave the topic; what is still queued is dropped."""
@@ -125,8 +110,6 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
 
     def _receive(self, message: Any, sender: Publisher[Any]) -> None:
         """A message that a publisher sends; it is copied here."""
-        for watcher in self._watchers:
-            watcher._sample(sender)
         copied = encode(message) if self.raw else message.__received__()
         if not self._with_info:
             self._deliver(copied)

@@ -7,7 +7,8 @@ from enum import IntEnum
 from typing import Any
 
 from rclpy.qos import QoSProfile, as_profile, qos_profile_unknown
-from rclpy.type_hash import TypeHash
+
+from archo_tui.embedded import absent
 
 
 class TopicEndpointTypeEnum(IntEnum):
@@ -25,10 +26,10 @@ class TopicEndpointInfo:
     node_name: str = ""
     node_namespace: str = ""
     topic_type: str = ""
-    topic_type_hash: TypeHash = field(default_factory=TypeHash)  # here always INVALID
     endpoint_type: TopicEndpointTypeEnum = TopicEndpointTypeEnum.INVALID
     endpoint_gid: list[int] = field(default_factory=list)  # 16 bytes
     qos_profile: QoSProfile = field(default_factory=lambda: as_profile(qos_profile_unknown))
+    topic_type_hash = absent.Attribute()
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Raises AttributeError for another name, AssertionError for a value of another type."""
@@ -36,8 +37,8 @@ class TopicEndpointInfo:
             raise AttributeError(f"'TopicEndpointInfo' object has no attribute {name!r}")
         if name == "endpoint_gid":
             value = list(value)
-        if name in ("topic_type_hash", "qos_profile") and isinstance(value, dict):
-            value = _TYPES[name](**value)
+        if name == "qos_profile" and isinstance(value, dict):
+            value = QoSProfile(**value)
         fits = isinstance(value, _TYPES[name])
         assert fits
         if name == "endpoint_type":
@@ -52,7 +53,7 @@ class TopicEndpointInfo:
                 f"Node name: {self.node_name}",
                 f"Node namespace: {self.node_namespace}",
                 f"Topic type: {self.topic_type}",
-                f"Topic type hash: {self.topic_type_hash}",
+                "Topic type hash: INVALID",
                 f"Endpoint type: {self.endpoint_type.name}",
                 f"GID: {gid}",
                 "QoS profile:",
@@ -71,7 +72,6 @@ _TYPES: dict[str, type] = {
     "node_name": str,
     "node_namespace": str,
     "topic_type": str,
-    "topic_type_hash": TypeHash,
     "endpoint_type": int,
     "endpoint_gid": list,
     "qos_profile": QoSProfile,

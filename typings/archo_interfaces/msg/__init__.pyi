@@ -1,4 +1,4 @@
-# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.
+# Made by tests.stubs from the interface files; a test keeps it fresh.
 
 from typing import Any, ClassVar
 

@@ -1,4 +1,4 @@
-# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.
+# Made by tests.stubs from the interface files; a test keeps it fresh.
 
 from typing import Any, ClassVar
 
@@ -18,7 +18,6 @@ class EmergencyStop:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class ResetEncoder:
     class Request:
@@ -34,5 +33,3 @@ class ResetEncoder:
         @classmethod
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
-
-    Event: ClassVar[Any]

@@ -1,4 +1,4 @@
-# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.
+# Made by tests.stubs from the interface files; a test keeps it fresh.
 
 from typing import Any, ClassVar
 
@@ -19,7 +19,6 @@ class ChangeState:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class GetAvailableStates:
     class Request:
@@ -35,7 +34,6 @@ class GetAvailableStates:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class GetAvailableTransitions:
     class Request:
@@ -51,7 +49,6 @@ class GetAvailableTransitions:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class GetState:
     class Request:
@@ -66,5 +63,3 @@ class GetState:
         @classmethod
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
-
-    Event: ClassVar[Any]

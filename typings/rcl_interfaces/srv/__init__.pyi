@@ -1,4 +1,4 @@
-# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.
+# Made by tests.stubs from the interface files; a test keeps it fresh.
 
 from typing import Any, ClassVar
 
@@ -19,7 +19,6 @@ class DescribeParameters:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class GetLoggerLevels:
     class Request:
@@ -36,7 +35,6 @@ class GetLoggerLevels:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class GetParameterTypes:
     class Request:
@@ -53,7 +51,6 @@ class GetParameterTypes:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class GetParameters:
     class Request:
@@ -70,7 +67,6 @@ class GetParameters:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class ListParameters:
     class Request:
@@ -89,7 +85,6 @@ class ListParameters:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class SetLoggerLevels:
     class Request:
@@ -106,7 +101,6 @@ class SetLoggerLevels:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class SetParameters:
     class Request:
@@ -123,7 +117,6 @@ class SetParameters:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class SetParametersAtomically:
     class Request:
@@ -139,5 +132,3 @@ class SetParametersAtomically:
         @classmethod
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
-
-    Event: ClassVar[Any]

@@ -1,4 +1,4 @@
-# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.
+# Made by tests.stubs from the interface files; a test keeps it fresh.
 
 from typing import Any, ClassVar
 
@@ -16,7 +16,6 @@ class Empty:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class SetBool:
     class Request:
@@ -34,7 +33,6 @@ class SetBool:
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
 
-    Event: ClassVar[Any]
 
 class Trigger:
     class Request:
@@ -50,5 +48,3 @@ class Trigger:
         @classmethod
         def get_fields_and_field_types(cls) -> dict[str, str]: ...
         def __received__(self) -> Any: ...
-
-    Event: ClassVar[Any]

@@ -20,16 +20,15 @@ from rclpy._rclpy_pybind11 import RCLError
 from rclpy._type_checks import check_action
 from rclpy.action._goal_states import ACTIVE
 from rclpy.callback_groups import CallbackGroup
-from rclpy.clock import Clock
 from rclpy.qos import (
     QoSProfile,
     qos_profile_action_status_default,
     qos_profile_services_default,
 )
-from rclpy.service_introspection import ServiceIntrospectionState
 from rclpy.task import Future, wait_for
-from rclpy.waitable import NumberOfEntities
 from unique_identifier_msgs.msg import UUID
+
+from archo_tui.embedded import absent
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -99,6 +98,8 @@ class ClientGoalHandle:
 class ActionClient:
     """Sends goals of one action."""
 
+    configure_introspection = absent.Attribute()
+
     def __init__(
         self,
         node: Node,
@@ -160,16 +161,6 @@ class ActionClient:
         node._entity_list.append(self._together)
         self._status._follows_changes = True
         self._status._queue = deque(self._status._queue)  # no change may be lost
-
-    def configure_introspection(
-        self,
-        clock: Clock,
-        service_event_qos_profile: QoSProfile,
-        introspection_state: ServiceIntrospectionState,
-    ) -> None:
-        """Tell of the calls of the action's three services, or no longer; raises as a client's."""
-        for one in self._clients:
-            one.configure_introspection(clock, service_event_qos_profile, introspection_state)
 
     def send_goal_async(
         self,
@@ -239,12 +230,6 @@ class ActionClient:
                 _time_source.patience_ns(timeout_sec),
             )
             return self.server_is_ready()
-
-    def get_num_entities(self) -> NumberOfEntities:
-        """What a wait set would hold of it."""
-        return NumberOfEntities(
-            num_subscriptions=len(self._subscriptions), num_clients=len(self._clients)
-        )
 
     def __enter__(self) -> None:
         """As rclpy's: it gives nothing, and nothing is destroyed behind it."""

@@ -16,7 +16,6 @@ from rclpy._rclpy_pybind11 import RCLError
 from rclpy._type_checks import check_action
 from rclpy.action import _goal_states as states
 from rclpy.callback_groups import CallbackGroup
-from rclpy.clock import Clock
 from rclpy.executors import await_or_execute
 from rclpy.qos import (
     QoSProfile,
@@ -24,9 +23,9 @@ from rclpy.qos import (
     qos_profile_services_default,
 )
 from rclpy.service import DeferredService, RequestHeader, Service
-from rclpy.service_introspection import ServiceIntrospectionState
 from rclpy.task import Future
-from rclpy.waitable import NumberOfEntities
+
+from archo_tui.embedded import absent
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -159,6 +158,8 @@ def default_cancel_callback(cancel_request: Any) -> CancelResponse:
 class ActionServer:
     """Serves one action. Cancels are rejected unless `cancel_callback` accepts them."""
 
+    configure_introspection = absent.Attribute()
+
     def __init__(
         self,
         node: Node,
@@ -236,16 +237,6 @@ class ActionServer:
         self._status._kept_by(self._all_statuses)
         self._feedback._is_part_of_action = self._status._is_part_of_action = True
 
-    def configure_introspection(
-        self,
-        clock: Clock,
-        service_event_qos_profile: QoSProfile,
-        introspection_state: ServiceIntrospectionState,
-    ) -> None:
-        """Tell of the calls of the action's three services, or no longer; raises as a service's."""
-        for one in self._services:
-            one.configure_introspection(clock, service_event_qos_profile, introspection_state)
-
     @property
     def _goal_handles(self) -> dict[bytes, ServerGoalHandle]:
         """Those whose results are not forgotten yet, by their id."""
@@ -278,10 +269,6 @@ class ActionServer:
     def action_type(self) -> Any:
         """The action's type."""
         return self._action_type
-
-    def get_num_entities(self) -> NumberOfEntities:
-        """What a wait set would hold of it."""
-        return NumberOfEntities(num_timers=1, num_services=len(self._services))
 
     def __enter__(self) -> None:
         """As rclpy's: it gives nothing, and nothing is destroyed behind it."""

@@ -1,8 +1,8 @@
-"""Writes type stubs for interface packages.
+"""The writer of type stubs for interface packages.
 
-`python -m archo_tui.embedded.stubs FOLDER [package=DIRECTORY ...]`
+`python -m tests.stubs FOLDER [package=DIRECTORY ...]`
 
-Type checkers cannot run an import hook; they read what this writes.
+Type checkers cannot run an import hook; they read the stubs.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from archo_tui.embedded.idl import Section, parse
 from archo_tui.embedded.idl_types import FLOATS, INTEGERS, TYPE_CODES, FieldType
 from archo_tui.embedded.import_hook import KINDS
 
-_HEADER = "# Made by archo_tui.embedded.stubs from the interface files; a test keeps it fresh.\n"
+_HEADER = "# Made by tests.stubs from the interface files; a test keeps it fresh.\n"
 
 
 def stubs(packages: dict[str, Path]) -> dict[str, str]:
@@ -47,7 +47,8 @@ def _module(package: str, kind: str, paths: list[Path]) -> str:
         body.append(f"class {path.stem}:")
         for name, section in zip(names, sections, strict=True):
             body += _message(name, section, f"{package}.{kind}", imports, "    ")
-        body.append(f"    {'Impl' if kind == 'action' else 'Event'}: ClassVar[Any]")
+        if kind == "action":
+            body.append("    Impl: ClassVar[Any]")
         body.append("")
     lines = [_HEADER, "from typing import Any, ClassVar", ""]
     lines += [f"import {name}" for name in sorted(imports)]
