@@ -37,7 +37,6 @@ _MAIN = "import sys\nfrom archo_tui.cli import main\nsys.exit(main(sys.argv[1:])
 _CLIENT = Path(__file__).with_name("warm_client.py")
 ROOT = Path(__file__).parent.parent.parent
 
-_started: list[subprocess.Popen[bytes]] = []  # the loaded process; it ends with the run
 _base: dict[str, str] | None = None  # of `_READ_ONCE`, in the loaded process; None: never forked
 
 
@@ -89,7 +88,7 @@ def _server() -> str:
             start_new_session=True,
             env={**os.environ, **_base},
         )
-        _started.append(process)
+        process.returncode = 0  # nobody waits for it: it ends with the run
     return name
 
 
