@@ -427,7 +427,7 @@ def noticed(folder: Path, fault: Fault) -> bool:
     text = path.read_text(encoding="utf-8")
     assert fault.line in text, f"{fault.file} does not say {fault.line!r}"
     path.write_text(text.replace(fault.line, fault.instead, 1), encoding="utf-8")
-    words = [sys.executable, "-m", "pytest", "-q", "-x", "--no-header", *fault.tests.split()]
+    words = [sys.executable, "-m", "pytest", "-n0", "-q", "-x", *fault.tests.split()]
     environ = os.environ | {"PYTHONPATH": f"{folder}:{folder / 'nodes'}"}
     try:
         done = subprocess.run(

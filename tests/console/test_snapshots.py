@@ -243,21 +243,11 @@ async def test_without_colour_every_word_stays(
     assert len(colours - grey) <= 4, colours - grey  # the drawn window's own frame and buttons
 
 
+@pytest.mark.parametrize("panel", corners(["4"], [*"123568"]))
 async def test_a_tiny_terminal_shows_the_focused_panel_between_header_and_footer(
-    request: pytest.FixtureRequest,
+    request: pytest.FixtureRequest, panel: str
 ) -> None:
-    clock = StandingClock()
-    clock.passed = -3.0
-    app = stub_app(STATES["battery low and moving"], clock, size=SIZES["40x10"])
-    different = []
-    async with app.run_test(size=SIZES["40x10"]):
-        clock.passed = 0.0
-        for panel in "1234568":
-            send(app, panel)
-            await rest(app, Quiet(app))
-            svg = app.export_screenshot(simplify=True)
-            different += differs(request, f"tiny panel {panel} 40x10", svg)
-    assert different == [], "\n".join(different)
+    await compare(request, f"tiny panel {panel}", STATES["battery low and moving"], "40x10", panel)
 
 
 MOVES = board(40, STATES["motor moving"])._replace(

@@ -514,7 +514,7 @@ async def test_it_sees_what_there_is_with_ages() -> None:
 async def test_no_motion_without_a_yes_whatever_is_called(
     request: pytest.FixtureRequest,
 ) -> None:
-    calls = 10_000 if request.config.getoption("--end-to-end") else 100
+    calls = 10_000 if request.config.getoption("--night") else 100
     choose = Random(11)
     words = [
         *(["go", "12"], ["cancel"], ["status"], ["release", "--yes"], ["continue"], ["goals"]),
