@@ -701,9 +701,18 @@ def _console(session: Session, stdin: TextIO | None) -> int:
             return FAILED
 
 
+# settings of Textual's developers, which press keys or end the app, and a size that need not be
+# the terminal's; a shell exports them to whatever it starts
+_FOREIGN = ("TEXTUAL_DRIVER", "TEXTUAL_PRESS", "TEXTUAL_SCREENSHOT", "COLUMNS", "LINES")
+
+
 def _need_terminal(stdin: TextIO | None) -> None:
-    if os.environ.get("TEXTUAL_DRIVER"):  # another driver than a terminal's
-        return
+    """Raise ArchoError unless a screen can be shown; remove what would disturb it.
+
+    Called before Textual is imported, which reads its settings once.
+    """
+    for name in _FOREIGN:
+        os.environ.pop(name, None)
     term = os.environ.get("TERM", "")
     if term in ("", "dumb", "unknown"):
         said = f"TERM is {term}" if term else "TERM is not set"

@@ -10,6 +10,8 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
+LAST_STAMP = 2**31 - 1  # Unix s that a message can carry: `sec` of builtin_interfaces/Time is int32
+
 
 class Clock:
     """The machine's own time."""

@@ -41,8 +41,12 @@ def read(path: Path) -> bytes:
 def replace(path: Path, text: str) -> None:
     """Write a file anew: whoever reads it finds the old text or the new one. Raises OSError."""
     new = path.with_name(f"{path.name}.{os.getpid()}")
-    new.write_text(text, encoding="utf-8")
-    new.replace(path)
+    try:
+        new.write_text(text, encoding="utf-8")
+        new.replace(path)
+    except OSError:
+        new.unlink(missing_ok=True)  # half of it, where the disk is full
+        raise
 
 
 def _not_regular(path: Path) -> OSError:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from archo_tui import engine
-from archo_tui.clock import Clock
+from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
@@ -307,6 +307,9 @@ class Session:
             self._server.start()
         for line in files.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
+        if self.station.clock.now() > LAST_STAMP:
+            text = "the clock is past January 2038: stamps in messages stay at its 19th"
+            self.robot.note("WARN", "console", text)
 
     def _users(self) -> list[Override]:
         """The overrides of the user's own files."""

@@ -203,7 +203,12 @@ def options() -> set[str]:
 
 @each_page
 def test_every_option_that_is_named_exists(page: Path) -> None:
-    others = {"--config-settings", "--end-to-end", "--night", "--update-snapshots"}  # of pip and pytest
+    others = {
+        "--config-settings",
+        "--end-to-end",
+        "--night",
+        "--update-snapshots",
+    }  # of pip and pytest
     for code in read(page).code:
         if code.startswith("--"):
             assert code.split()[0] in options() | others, code

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from collections.abc import Callable
@@ -9,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from archo_tui import regular_files
 from archo_tui.paths import config_file, state_file
+from archo_tui.recording import store
 from archo_tui.station import recall
 from archo_tui.terminal import themes
 from archo_tui.terminal.stderr import guarded_stderr
@@ -64,3 +67,22 @@ def test_what_libraries_print_leads_somewhere(misplaced: Callable[[Path], Path])
         os.write(2, b"said by a library\n")
         assert sys.__stderr__ is not None
         sys.__stderr__.close()
+
+
+@pytest.mark.parametrize(
+    "write",
+    [lambda path: regular_files.replace(path, "text"), lambda path: store.try_out(path.parent)],
+    ids=["a file", "a try"],
+)
+def test_a_full_disk_leaves_nothing_half_written(
+    write: Callable[[Path], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write_half(path: Path, *_: object, **__: object) -> int:
+        path.touch()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", write_half)
+    monkeypatch.setattr(Path, "write_bytes", write_half)
+    with pytest.raises(OSError, match="No space"):
+        write(tmp_path / "theme")
+    assert list(tmp_path.iterdir()) == []

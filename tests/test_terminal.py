@@ -436,3 +436,24 @@ def test_an_interrupt_while_it_is_loaded_ends_it_without_a_word(terminals: list[
     terminals.append(terminal)
     assert terminal.exit_code() == -signal.SIGINT
     assert terminal.output == b""
+
+
+FOREIGN = {
+    "COLUMNS": "300",
+    "LINES": "100",
+    "TEXTUAL_DRIVER": "nowhere:Driver",
+    "TEXTUAL_PRESS": "ctrl+x",
+    "TEXTUAL_SCREENSHOT": "0",
+}
+
+
+def test_sizes_and_keys_in_the_environment_are_not_the_terminals(
+    terminals: list[Terminal],
+) -> None:
+    terminal = Terminal(code=f"import os; os.environ |= {FOREIGN!r}", size=(80, 24), fresh=True)
+    terminals.append(terminal)
+    terminal.until("● online")
+    terminal.until(lambda: "palette" in terminal.text)  # the footer, in the last line of 24
+    assert b"STOPPED" not in terminal.output
+    terminal.write("q")
+    assert terminal.exit_code() == 0

@@ -118,11 +118,11 @@ def try_out(folder: Path) -> None:
     """Raises OSError while nothing can be written."""
     made = folder / f"{_UNFINISHED}try.{os.getpid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
-    made.write_bytes(bytes(_TRIED))
     try:
+        made.write_bytes(bytes(_TRIED))
         _sync(made)
     finally:
-        made.unlink()
+        made.unlink(missing_ok=True)
 
 
 def make_room(folder: Path, budget: int) -> tuple[int, list[Recording]]:

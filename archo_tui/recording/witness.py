@@ -11,6 +11,7 @@ from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
+from archo_tui.clock import LAST_STAMP
 from archo_tui.recording import triggers
 from archo_tui.recording.box import AFTER, KEPT, BlackBox
 from archo_tui.recording.data import to_data
@@ -68,7 +69,7 @@ class Witness:
 def _log(event: Event, _first: bool) -> Log:
     seconds, rest = divmod(int(event.time * 1e9), 10**9)
     return Log(
-        stamp=Time(sec=seconds, nanosec=rest),
+        stamp=Time(sec=min(seconds, LAST_STAMP), nanosec=rest),
         level=LEVELS.get(event.level, LEVELS["INFO"]),
         name=event.source,
         msg=f"{event.level}: {event.text}" if event.level in OWN_LEVELS else event.text,

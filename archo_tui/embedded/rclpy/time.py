@@ -9,6 +9,7 @@ import builtin_interfaces.msg
 from rclpy.clock_type import ClockType
 from rclpy.duration import S_TO_NS, Duration, in_int64
 
+_LAST_SECOND = 2**31 - 1  # of builtin_interfaces/Time, whose `sec` is an int32
 _TOO_LARGE = "Total nanoseconds value is too large to store in C time point."
 
 
@@ -97,8 +98,9 @@ class Time:
             raise TypeError(f"Can't {doing} times with different clock types")
 
     def to_msg(self) -> builtin_interfaces.msg.Time:
-        """As builtin_interfaces/Time."""
+        """Return it as builtin_interfaces/Time, which ends in January 2038."""
         sec, nanosec = self.seconds_nanoseconds()
+        sec = min(sec, _LAST_SECOND)
         return builtin_interfaces.msg.Time(sec=sec, nanosec=nanosec)
 
     @classmethod
