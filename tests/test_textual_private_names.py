@@ -41,6 +41,7 @@ KNOWN = {
     "terminal/keyboard.py": "_ansi_sequences _xterm_parser",
     "terminal/keys.py": "_ansi_sequences _character_to_key _keyboard_protocol",
     "terminal/sequences.py": "_ansi_sequences",
+    "terminal/styles_cache.py": "_styles_cache",
     "terminal/typed.py": "_prevent",
     "widgets/field.py": "_bindings _on_key _on_paste",
     "widgets/rows.py": "_refresh_scrollbars",

@@ -32,6 +32,7 @@ from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.terminal.notice import notice
+from archo_tui.terminal.styles_cache import share_colours
 from archo_tui.terminal.themes import HIGH_CONTRAST, OF_16, THEMES, grey, remember, tones
 from archo_tui.terminal.typed import typed_after
 
@@ -80,6 +81,7 @@ class TerminalApp(App[None]):
 
     def __init__(self, station: Station, theme: str) -> None:
         """`theme` is a name, or empty for the one that suits the terminal."""
+        share_colours()
         super().__init__()
         self.station = station
         self.failure = ""  # the traceback that ended this screen
