@@ -23,7 +23,7 @@ from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.requests import EXPIRES, READ
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
-from archo_tui.verbs.base import PATIENCE, Question, Verb
+from archo_tui.verbs.base import Question, Verb
 from archo_tui.verbs.parse import YES, named, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
@@ -128,7 +128,6 @@ class Plain:
             rest = spared.rest(self._clock.monotonic())
             if rest > 0:
                 await self._until(lambda: stops.overtaken, rest)
-            await self._until(lambda: self._robot.snapshot.offered, PATIENCE)
             spared.leaves(self._clock.monotonic())
             self._stopped = stops.count
             self._start(self._stop(self._stopped))

@@ -34,7 +34,7 @@ async def wait_for(
     end = None if timeout is None else clock.monotonic() + timeout
     while (outcome := look()) is None:
         if end is not None and clock.monotonic() >= end:
-            moves = station.robot.snapshot.running_goal is not None
+            moves = station.running_goal is not None
             raise RanOut("the robot still drives" if moves else "not yet")
         await clock.sleep(LOOK)
     return outcome

@@ -52,7 +52,7 @@ from archo_tui.robot.state import (
     not_offered,
     values_text,
 )
-from archo_tui.robot.stopping import ALL_ANSWERS, Stopping
+from archo_tui.robot.stopping import ALL_ANSWERS, FIRST_FOUND, Stopping
 from archo_tui.robot.stops import HELD, NOT_SENT, UNCONFIRMED, Gate, Stops, Void
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import harmless
@@ -446,7 +446,7 @@ class Robot:
                 return log(Outcome(Code.REFUSED, in_one_line(error)))
 
         # more than any verb takes that still can end: STOP waits for a server, and then for all
-        deadline = services.DEADLINE + ALL_ANSWERS + 1.0
+        deadline = FIRST_FOUND + ALL_ANSWERS + 1.0
         try:
             return await self._thread.run(there, deadline)
         except TimeoutError:

@@ -15,6 +15,7 @@ from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
 from archo_tui.robot import messages, services
+from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.period import Period
 from archo_tui.robot.readings import as_received, number, read
 from archo_tui.robot.state import Goal, Motion, Phase
@@ -55,6 +56,8 @@ class Followed:
         self.since = clock.monotonic()  # by this clock, whoever sent it
         self.tried_to_cancel = 0.0  # monotonic s, by the console itself
         self.gate: Gate | None = None  # that it passed as it was sent from here
+        self.is_cancelled = False  # the operator asked for it before the server took the goal
+        self.cancel_outcome: Outcome | None = None  # of the cancel that its acceptance began
         self._result: Any = None  # the future of the last question for the result
         self._asked = 0.0  # when that question was put
         self._pace = Period()  # of its feedback
@@ -64,6 +67,11 @@ class Followed:
     def is_void(self) -> bool:
         """True when a STOP was read after it was typed."""
         return self.gate is not None and self.gate.is_shut
+
+    @property
+    def is_unwanted(self) -> bool:
+        """True when it is to be cancelled as soon as its server takes it."""
+        return self.is_void or self.is_cancelled
 
     def accepted(self, handle: Any) -> None:
         """The server took it, in time or later."""

@@ -26,7 +26,7 @@ from archo_tui.robot.listener import Listener
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Phase, not_offered
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stops import NEVER_LEFT, Gate
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import GoalKind
 
@@ -131,6 +131,7 @@ class Goals:
         self._watching = watching
         self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
         self._numbers = itertools.count(1)
+        self._coming: list[Followed] = []  # ours, that are to be sent and have not left yet
         self._running: dict[bytes, Followed] = {}
         self._over: deque[bytes] = deque(maxlen=_OVER)  # those that ended
         self._last: Goal | None = None  # the one that ended last
@@ -184,8 +185,26 @@ class Goals:
         action = self.open(kind)
         if action.type is None:
             return Outcome(Code.REFUSED, check.missing(kind.action, kind.type))
-        if not known:
-            await self._found(action)
+        goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
+        one = Followed(goal, uuid.uuid4().bytes, action, self._clock, self._goal_changed)
+        one.gate = gate
+        self._coming.append(one)  # from here on a cancel finds it
+        try:
+            if not known:
+                await self._found(one)
+            request = self._request(one)
+            gate()
+        finally:
+            self._coming.remove(one)
+        if isinstance(request, Outcome):
+            return request
+        return await self._send(one, request)
+
+    def _request(self, one: Followed) -> Any:
+        """Build the request of a goal that is to be sent; an Outcome says why it cannot be."""
+        action, kind = one.action, one.goal.kind
+        if one.is_cancelled:
+            return Outcome(Code.CANCELLED, NEVER_LEFT)
         if self._ours is not None and self._ours.goal.phase in (Phase.UNKNOWN, Phase.LOST):
             doubt = f"nothing is heard of the goal to {self._ours.goal.name}"
             return Outcome(Code.REFUSED, f"{doubt}: cancel it, or wait until the robot is heard")
@@ -193,32 +212,35 @@ class Goals:
             return Outcome(Code.REFUSED, "a goal is already running: cancel it first")
         if not action.is_served:
             return Outcome(Code.NOT_OFFERED, not_offered(kind.action))
-        try:
-            request = messages.goal_request(action.type, kind, values)
-        except ValueError as error:
-            return Outcome(Code.MISUSE, str(error))
-        gate()
         if self.are_over:
             return Outcome(Code.CANCELLED, "not sent: the console ends")
+        try:
+            return messages.goal_request(action.type, kind, one.goal.fields)
+        except ValueError as error:
+            return Outcome(Code.MISUSE, str(error))
+
+    async def _send(self, one: Followed, request: Any) -> Outcome:
+        """Send a goal's request; ends as `send` does."""
         now, time = self._clock.monotonic(), self._clock.now()
-        goal = Goal(kind, values, Phase.SENT, now, time, length=length, number=next(self._numbers))
+        one.goal = one.goal._replace(sent=now, time=time, number=next(self._numbers))
+        one.since = now
         self._refusals.clear()
-        goal_id = UUID(uuid=list(uuid.uuid4().bytes))
-        one = self._follow(goal, bytes(goal_id.uuid), action)
-        one.gate = gate
+        self._running[one.id] = one
+        self._changed(True)
         answered = self._future()
 
         def on_answer(done: Any) -> None:
             handle = done.result()
             if handle is not None and one.goal.is_running:
                 self._answered(one, handle)
-            elif handle is not None and handle.accepted and one.is_void:  # long given up
+            elif handle is not None and handle.accepted and one.is_unwanted:  # long given up
                 handle.cancel_goal_async()
             answered.set_result(True)
             self._wake()
 
         try:
-            future = action.client.send_goal_async(request, goal_uuid=goal_id)
+            goal_id = UUID(uuid=list(one.id))
+            future = one.action.client.send_goal_async(request, goal_uuid=goal_id)
         except Exception as error:  # it never left
             reason = f"not sent: {in_one_line(error)}"
             one.end(Phase.REFUSED, reason)
@@ -235,11 +257,11 @@ class Goals:
             reason = await self._reason()
             one.end(Phase.REFUSED, reason)
             return Outcome(Code.REFUSED, reason)
+        if one.is_unwanted and one.goal.phase == Phase.MOVING:  # since it was accepted
+            self._task(self._cancel_unwanted, one)
         if one.is_void:
-            if one.goal.phase == Phase.MOVING:  # the STOP was read in between
-                self._task(self._cancel, one)
             return Outcome(Code.CANCELLED, "accepted after a STOP: cancelling it")
-        return Outcome(Code.ACCEPTED, "accepted")
+        return Outcome(Code.ACCEPTED, "accepted, and cancelled" if one.is_cancelled else "accepted")
 
     def _answered(self, one: Followed, handle: Any) -> None:
         """The server accepted or refused, in time or later."""
@@ -247,26 +269,52 @@ class Goals:
             one.accepted(handle)
             if one.is_void:
                 self._say("WARN", f"{one.goal.name} was accepted after a STOP: cancelling it")
-                self._task(self._cancel, one)
+            if one.is_unwanted:
+                self._task(self._cancel_unwanted, one)
         elif one.goal.phase == Phase.UNKNOWN:
             one.end(Phase.REFUSED, "refused (the answer came late)")
 
-    async def _found(self, action: _Action) -> None:
+    async def _found(self, one: Followed) -> None:
         """Wait for the server of a client that was made just now."""
         end = self._clock.monotonic() + services.DEADLINE
-        while not action.is_served and self._clock.monotonic() < end:
+        while not (one.action.is_served or one.is_unwanted) and self._clock.monotonic() < end:
             await self._services.pause(_FIND_PERIOD)
 
     async def cancel(self, *, another: bool) -> Outcome:
-        """Ask to cancel our goal, or another client's; how it ends is the robot's to say."""
+        """Ask to cancel our goal, or another client's; how it ends is the robot's to say.
+
+        Ours is cancelled also before it has left, and before its server has taken it.
+        """
+        if self._coming and not another:
+            for coming in self._coming:
+                coming.is_cancelled = True
+            return Outcome(Code.ACCEPTED, NEVER_LEFT)
         one = self._shown if another else self._ours
         if one is None or one.goal.mine == another:
             return Outcome(
                 Code.REFUSED, "no goal is running" if one is None else "another goal runs now"
             )
-        if one.handle is None:
-            return Outcome(Code.REFUSED, "the goal has not been accepted yet")
+        if one.goal.phase in (Phase.SENT, Phase.UNKNOWN):  # its server may take it later
+            one.is_cancelled = True
+        if one.goal.phase == Phase.SENT:
+            return await self._cancelled_when_taken(one)
         return await self._cancel(one)
+
+    async def _cancelled_when_taken(self, one: Followed) -> Outcome:
+        """Wait for the answer to the cancel that begins when a goal is accepted."""
+        end = self._clock.monotonic() + services.DEADLINE
+        while one.goal.phase == Phase.SENT and self._clock.monotonic() < end:
+            await self._services.pause(_FIND_PERIOD)
+        if one.goal.phase in (Phase.SENT, Phase.UNKNOWN):
+            return Outcome(Code.TIMEOUT, "the goal is not accepted yet: it is cancelled when it is")
+        while one.cancel_outcome is None and one.goal.is_running:
+            await self._services.pause(_FIND_PERIOD)
+        if one.cancel_outcome is not None:
+            return one.cancel_outcome
+        return Outcome(Code.DONE, f"the goal was not driven: {one.goal.message}".rstrip(": "))
+
+    async def _cancel_unwanted(self, one: Followed) -> None:
+        one.cancel_outcome = await self._cancel(one)
 
     async def _cancel(self, one: Followed) -> Outcome:
         if one.handle is None:

@@ -23,6 +23,7 @@ from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # s that the answers of several servers are waited for
 OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
+FIRST_FOUND = 5.0  # s from the start in which the robot may not be found yet
 _FIND_PERIOD = 0.1  # s between two looks for a server
 _NOTHING_NEW = ("", "ok", "stop", "stopped", "success")  # in the answer to a STOP that is confirmed
 
@@ -57,6 +58,7 @@ class Stopping:
         self._node, self._stop, self._clock = node, stop, clock
         self._services, self._graph, self._offers = pending, graph, offers
         self._look, self._changed, self._tell = look, changed, tell
+        self._begun = clock.monotonic()
         self.open: OpenStop | None = None  # the first that is not confirmed
         self._first = 0  # the turn of that first one: an answer to an earlier one is not to it
         self._told = 0  # the turn of the one that was answered so
@@ -173,8 +175,9 @@ class Stopping:
         return sent if self._clock.monotonic() - confirmed >= OBEYED else None
 
     async def _found(self, name: str) -> None:
-        """Wait up to DEADLINE for a server, at the start or after a restart of its node."""
-        end = self._clock.monotonic() + services.DEADLINE
+        """Wait for a server: up to DEADLINE after a restart of its node, longer at the start."""
+        now = self._clock.monotonic()
+        end = max(now + services.DEADLINE, self._begun + FIRST_FOUND)
         while name not in self._graph.offered and self._clock.monotonic() < end:
             await self._services.pause(_FIND_PERIOD)
             self._look()

@@ -14,6 +14,7 @@ from contextvars import ContextVar
 from typing import NamedTuple
 
 NOT_SENT = "not sent: STOP came after it"
+NEVER_LEFT = "cancelled before it was sent"
 APART = 1.0  # s between a STOP and the next but one, when they are all that is asked for
 UNCONFIRMED = "the STOP is not confirmed: release it first, or give it up"
 HELD = "held: STOP"  # of the queue: the robot is stopped, or is to be

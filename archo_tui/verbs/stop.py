@@ -44,7 +44,7 @@ class Release(Verb):
         return super().is_ready(station, values) and is_said and not behind
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        return await station.robot.release_emergency_stop()
+        return await station.release()
 
     def asks(self, station: Station, values: Values) -> Question:
         text = "Release the stop? Moves are allowed again; nothing resumes by itself."
