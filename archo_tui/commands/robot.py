@@ -106,7 +106,7 @@ class StopNow(Speak):
 
     def run(self, console: Console) -> Work | None:
         stops = console.station.robot.stops
-        if console.repeated and console.view.snapshot.motion.stopped and not stops.overtaken:
+        if console.repeated and console.view.snapshot.says_stopped and not stops.overtaken:
             return None  # the key is held, and the robot has stopped
         return super().run(console)
 

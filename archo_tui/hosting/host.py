@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from itertools import count
 from typing import Any
 
@@ -22,6 +22,7 @@ from archo_tui.hosting.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, 
 from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps
 from archo_tui.hosting.workers import Workers, multi_threaded
+from archo_tui.robot import message_classes
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.robot.values import text_of
@@ -66,6 +67,33 @@ class HostedNode:
     def start(self) -> None:
         """Begin to spin."""
         self._thread.start()
+
+    def take_stop(self, service: str) -> str:
+        """Have a node that does not spin yet carry out a STOP.
+
+        Returns:
+            Why that is not confirmed; empty: it is.
+        """
+        served = next(found for found in self.node.services if found.service_name == service)
+        kind = served.srv_type
+
+        def stop() -> Any:
+            answer = served.callback(kind.Request(), kind.Response())
+            if isinstance(answer, Coroutine):
+                try:
+                    answer.send(None)
+                except StopIteration as end:
+                    return end.value
+                answer.close()
+                raise ValueError("its callback waits for something")
+            return answer
+
+        try:
+            answer = run_limited(stop, CONSTRUCTION_TIME, self.name)
+            outcome = message_classes.outcome_of(answer)
+        except Exception as error:  # whatever the user's callback raises
+            return in_one_line(error)
+        return "" if outcome.ok else outcome.text
 
     def again(self) -> HostedNode:
         """Another node of the same kind and name, as it was at the start."""
@@ -161,13 +189,21 @@ class Host:
         context: Context,
         on_event: Callable[[str, str, str], None],
         on_end: Callable[[Sequence[str]], None],
+        stop_to_tell: Callable[[], str] = str,
+        told_stop: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """`on_event(level, source, text)` is called from the nodes' threads when one crashes.
+        """Host no node yet.
 
-        `on_end(names)` when what served these services and actions was restarted.
+        Args:
+            context: The rclpy context of the nodes.
+            on_event: Called from the nodes' threads with level, source and text.
+            on_end: Called with the services and actions of a node that was restarted.
+            stop_to_tell: Returns the service of a STOP that is not released, or "".
+            told_stop: Called with the name of a node that has confirmed it before it spins.
         """
         self._context = context
         self._on_event, self._on_end = on_event, on_end
+        self._stop_to_tell, self._told_stop = stop_to_tell, told_stop
         self._changing = threading.Lock()
         self.nodes: list[HostedNode] = []
 
@@ -201,9 +237,12 @@ class Host:
     def stop_node(self, name: str) -> Outcome:
         """Stop a node; the others are not affected."""
         with self._changing:
-            if not self._find(name).stop():
+            hosted = self._find(name)
+            if not hosted.stop():
                 return Outcome(Code.TIMEOUT, f"{name} does not stop: its callback does not return")
-            return Outcome(Code.DONE, f"{name} stopped")
+            holds = self._stop_to_tell() in hosted.state.serves
+            held = "; it held the STOP, and is told of it again before it starts" if holds else ""
+            return Outcome(Code.DONE, f"{name} stopped{held}")
 
     def copy_node(self, name: str) -> Outcome:
         """Run one more node of the same kind, under the next free name: `dashboard_2`."""
@@ -255,13 +294,32 @@ class Host:
                 [*(hosted for hosted in self.nodes if hosted not in olds), *news],
                 key=lambda hosted: hosted.name,
             )
-            for new in news:
-                new.start()
+            stopped = "".join([self._begin(new) for new in news])
         if failed is not None:
             self._not_run(news, file, failed)
         else:
             restarted = ", ".join(sorted(names))
-            self._on_event("YOU", "console", f"{file.path.name} was saved: {restarted} restarted")
+            said = f"{file.path.name} was saved: {restarted} restarted{stopped}"
+            self._on_event("YOU", "console", said)
+
+    def _begin(self, new: HostedNode) -> str:
+        """Spin a node; behind a STOP that is not released it first carries that out.
+
+        Returns:
+            What becomes of the STOP, to be put behind that the node was started.
+        """
+        service, said = self._stop_to_tell(), ""
+        if service in new.state.serves:
+            refusal = new.take_stop(service)
+            if refusal:
+                why = f"the STOP is not confirmed by it ({refusal}): use the hardware stop"
+                self._on_event("ERROR", new.name.lstrip("/"), why)
+                said = f"; {why}"
+            else:
+                self._told_stop(new.name)
+                said = f"; {new.name} was told STOP first, and is stopped"
+        new.start()
+        return said
 
     def _constructed(self, olds: list[HostedNode]) -> list[HostedNode]:
         """Nodes as they were, as far as they still can be."""
@@ -315,8 +373,7 @@ class Host:
             return Outcome(Code.REFUSED, in_one_line(error))
         kept = [hosted for hosted in self.nodes if hosted is not instead_of]
         self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
-        new.start()
-        return Outcome(Code.DONE, said)
+        return Outcome(Code.DONE, said + self._begin(new))
 
     def _find(self, name: str) -> HostedNode:
         return next(hosted for hosted in self.nodes if hosted.name == name)

@@ -340,6 +340,14 @@ class OpenStop(NamedTuple):
     why: str = ""  # more about that
 
 
+class Latch(Enum):
+    """What the console knows of the last STOP that the robot confirmed or told of."""
+
+    NONE = "none"  # there was none, or it was released
+    HELD = "held"
+    UNCERTAIN = "uncertain"  # the node that held it has left, or was started anew
+
+
 class Snapshot(NamedTuple):
     """Everything a screen can show, at one moment."""
 
@@ -356,6 +364,9 @@ class Snapshot(NamedTuple):
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     open_stop: OpenStop | None = None
+    latch: Latch = Latch.NONE
+    latch_lost: str = ""  # what became of the node that held an UNCERTAIN one
+    released: float | None = None  # when the robot confirmed a release, monotonic s
     moves_on: bool = False  # the robot, though it has confirmed a STOP
     outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
     namespace: str = "/"  # of the robot that is operated
@@ -374,8 +385,15 @@ class Snapshot(NamedTuple):
 
     @property
     def is_stopped(self) -> bool:
-        """True when the robot says so, and while a STOP is not confirmed yet."""
-        return self.open_stop is not None or bool(self.motion.stopped)
+        """True when the robot says so, and while a STOP is not confirmed, or no longer certain."""
+        return self.open_stop is not None or self.latch is Latch.UNCERTAIN or self.says_stopped
+
+    @property
+    def says_stopped(self) -> bool:
+        """True when the robot said so, by a node that is still there, and confirmed no release."""
+        heard, released = self.motion.received, self.released
+        is_past = heard is not None and released is not None and heard <= released
+        return bool(self.motion.stopped) and not is_past and self.latch is not Latch.UNCERTAIN
 
     @property
     def running_goal(self) -> Goal | None:

@@ -31,7 +31,7 @@ from tests.support.shells import until as really
 class Hesitant(Node):
     """Takes a goal only when it is told to, and drives it until it is cancelled."""
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, action: str = "move_to_shelf", **options: Any) -> None:
         super().__init__("hesitant", **options)
         self.seen = 0
         self.takes: Future[bool] = Future()
@@ -40,7 +40,7 @@ class Hesitant(Node):
         self.server = ActionServer(
             self,
             MoveToShelf,
-            "move_to_shelf",
+            action,
             self.execute,
             goal_callback=self.on_goal,
             cancel_callback=self.on_cancel,
