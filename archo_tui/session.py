@@ -199,7 +199,7 @@ class Session:
             )
             robot = self.robot
             self.host = Host(
-                *(self._context, robot.note, robot.restarted),
+                *(self._context, robot.note, robot.node_gone),
                 stop_to_tell=robot.stop_to_tell,
                 told_stop=robot.told_stop,
             )

@@ -197,7 +197,7 @@ class Host:
         Args:
             context: The rclpy context of the nodes.
             on_event: Called from the nodes' threads with level, source and text.
-            on_end: Called with the services and actions of a node that was restarted.
+            on_end: Called with the services and actions that went with a node of this process.
             stop_to_tell: Returns the service of a STOP that is not released, or "".
             told_stop: Called with the name of a node that has confirmed it before it spins.
         """
@@ -232,6 +232,7 @@ class Host:
             said = f"{name} started"
             if not old.stop():  # it may be stuck; a crashed one releases what it holds
                 said += self._left(old)
+                self._gone(old)
             return self._spin(old.again, said, instead_of=old)
 
     def stop_node(self, name: str) -> Outcome:
@@ -240,6 +241,7 @@ class Host:
             hosted = self._find(name)
             if not hosted.stop():
                 return Outcome(Code.TIMEOUT, f"{name} does not stop: its callback does not return")
+            self._gone(hosted)
             holds = self._stop_to_tell() in hosted.state.serves
             held = "; it held the STOP, and is told of it again before it starts" if holds else ""
             return Outcome(Code.DONE, f"{name} stopped{held}")
@@ -272,7 +274,7 @@ class Host:
             for old in olds:
                 if not old.stop():
                     self._on_event("WARN", old.name.lstrip("/"), self._left(old).lstrip(", "))
-                self._on_end(old.state.serves)
+                self._gone(old)
             failed: NodeFileError | None = None
             news: list[HostedNode] = []
             try:
@@ -390,7 +392,14 @@ class Host:
             if changed:
                 self._changing.release()
 
+    def _gone(self, hosted: HostedNode) -> None:
+        """Tell of what nobody here serves any more."""
+        others = [one for one in self.nodes if one is not hosted and one.state.life == Life.UP]
+        left = {name for one in others for name in one.state.serves}
+        self._on_end([name for name in hosted.state.serves if name not in left])
+
     def _crashed(self, hosted: HostedNode) -> None:
+        self._gone(hosted)
         self._on_event("ERROR", hosted.name.lstrip("/"), f"crashed: {hosted.state.error}")
 
 

@@ -161,8 +161,6 @@ class Plain:
         if self._goal is not None and self._goal.phase == Phase.LOST and not self._is_over():
             self._say(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
         await self._hold(self._is_over)
-        if self._goal is not None and self._goal.is_running and self._goal.mine:
-            self._fail(f"{self._goal.name}: lost, and nobody serves it any more")
         last = self._robot.stops.count
         await self._hold(lambda: self._are_answered(last))
         await self._robot.catch_up()
@@ -196,13 +194,9 @@ class Plain:
         return ", ".join(wanted.text for wanted in self._station.queue.waiting)
 
     def _is_over(self) -> bool:
-        """No goal of ours runs, as far as anybody can still say, and none is to be sent."""
-        goal, goals = self._goal, self._station.queue
-        runs = goal is not None and goal.is_running and goal.mine
-        if goal is not None and goal.phase == Phase.LOST:
-            snapshot = self._robot.snapshot
-            runs = runs and goal.kind.action in {*snapshot.offered, *snapshot.actions}
-        return not runs and not goals.is_going
+        """No goal of ours runs, and none is to be sent."""
+        runs = self._goal is not None and self._goal.is_running and self._goal.mine
+        return not runs and not self._station.queue.is_going
 
     async def _tick(self) -> None:
         while True:

@@ -356,11 +356,11 @@ class Robot:
             lambda gate: self._nodes.set_level(node, level, gate),
         )
 
-    def restarted(self, served: Sequence[str]) -> None:
-        """The node that served these actions was restarted: their goals are over. Any thread."""
+    def node_gone(self, served: Sequence[str]) -> None:
+        """The node of this process that served these actions has gone. Any thread."""
 
         def end() -> None:
-            self._goals.restarted(lambda kind: self._offers.full(kind.action) in served)
+            self._goals.node_gone(lambda kind: self._offers.full(kind.action) in served)
 
         self._thread.submit(end)
 

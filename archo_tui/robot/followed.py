@@ -2,6 +2,7 @@
 
 A goal is never declared ended because the console stopped waiting: without an answer it is UNKNOWN,
 without news while it runs LOST, until the robot says how it ended, or that it does not know it.
+It is over without that only when its node has gone (GONE).
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from archo_tui.robot_file.model import MessageField
 FARTHEST = 1e6  # a remainder beyond that is not a reading
 FIRST_FEEDBACK = 15.0  # s without a word, where none is due, until a served goal counts as lost
 ASK_AGAIN = 5.0  # s without a word of a goal itself, until its server is asked whether it knows it
+NOBODY_SERVES = 1.0  # s that nobody serves its action, and it is not heard of, until it is over
 SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 
 ENDS = {
@@ -35,6 +37,7 @@ ENDS = {
     GoalStatus.STATUS_ABORTED: Phase.ABORTED,
 }
 _NO_REASON = "the robot gave no reason"
+_GONE = "the robot may still be moving"
 _FORGOTTEN = "the robot no longer knows this goal (was it restarted?)"
 
 
@@ -61,6 +64,7 @@ class Followed:
         self._result: Any = None  # the future of the last question for the result
         self._asked = 0.0  # when that question was put
         self._pace = Period()  # of its feedback
+        self._unserved: float | None = None  # since when nobody serves its action, monotonic s
         self._ended_as: tuple[Phase, float] | None = None  # by the action's status, and since when
 
     @property
@@ -110,6 +114,13 @@ class Followed:
         goal = self.goal
         if self._ended_as is not None and now - self._ended_as[1] > services.DEADLINE:
             self.end(self._ended_as[0], _NO_REASON)  # the result does not come
+            return
+        if self.action.is_served:
+            self._unserved = None
+        elif self._unserved is None:
+            self._unserved = now
+        elif now - max(self._unserved, goal.heard or 0.0) >= NOBODY_SERVES:
+            self.node_gone()
             return
         if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(now, motion):
             self.update(phase=Phase.LOST)
@@ -178,6 +189,13 @@ class Followed:
             said = read(MessageField(self.goal.kind.message), result)
             return "" if said is None else text_of(said)
         return messages.text(result)
+
+    def node_gone(self) -> None:
+        """End it: its node has gone, and nobody will tell how it ended.
+
+        This is the one rule for screen, queue, `--plain` and shells, whoever has found it out.
+        """
+        self.end(Phase.GONE, _GONE)
 
     def forgotten(self) -> None:
         """The robot does not know it."""

@@ -134,6 +134,7 @@ class Goals:
         self._coming: list[Followed] = []  # ours, that are to be sent and have not left yet
         self._running: dict[bytes, Followed] = {}
         self._over: deque[bytes] = deque(maxlen=_OVER)  # those that ended
+        self._lost: dict[bytes, Goal] = {}  # ours whose node has gone
         self._last: Goal | None = None  # the one that ended last
         self._refusals: deque[str] = deque(maxlen=5)
         self.history: deque[Goal] = deque(maxlen=HISTORY)
@@ -403,11 +404,11 @@ class Goals:
         for one in list(self._running.values()):
             one.heard()
 
-    def restarted(self, served: Callable[[GoalKind], bool]) -> None:
-        """What served some actions was restarted by us: it does not know their goals."""
+    def node_gone(self, served: Callable[[GoalKind], bool]) -> None:
+        """End the goals of a node of this process that was halted or restarted, or crashed."""
         for one in list(self._running.values()):
             if served(one.goal.kind):
-                one.end(Phase.ABORTED, "its node was restarted")
+                one.node_gone()
 
     def check(self, now: float, motion: Motion) -> None:
         """Silent goals are lost; the robot is asked about doubtful ones."""
@@ -446,12 +447,14 @@ class Goals:
         begun = now - age if 0 <= age <= _LONGEST_AGE else now
         phase = _RUNNING.get(status.status, Phase.MOVING)
         asked = now if phase == Phase.CANCELLING else None
+        lost = self._lost.pop(goal_id, None)  # of ours: its node was only out of sight
+        fields, mine = ({}, False) if lost is None else (lost.fields, True)
         goal = Goal(
-            *(action.kind, {}, phase, begun, time),
+            *(action.kind, fields, phase, begun, time),
             heard=now,
             started=begun,
             cancel_asked=asked,
-            mine=False,
+            mine=mine,
             number=next(self._numbers),
         )
         one = self._follow(goal, goal_id, action)
@@ -459,7 +462,8 @@ class Goals:
             one.assume()
         one.on_status(status.status)
         one.ask_result()
-        self._say("GOAL", f"another client sent a goal to {action.kind.action}")
+        sent = f"another client sent a goal to {action.kind.action}"
+        self._say("GOAL", f"{goal.name} was not lost: its node is heard again" if mine else sent)
 
     def _on_feedback(self, message: Any) -> None:
         one = self._running.get(bytes(message.goal_id.uuid))
@@ -484,6 +488,8 @@ class Goals:
         if before.is_running and not goal.is_running:
             self._running.pop(one.id, None)
             self._over.append(one.id)
+            if goal.phase == Phase.GONE and goal.mine:
+                self._lost = {**dict([*self._lost.items()][-HISTORY:]), one.id: goal}
             self._last = goal
             self.history.appendleft(goal)
             if goal.phase != Phase.REFUSED or before.phase != Phase.SENT:  # else the verb says it

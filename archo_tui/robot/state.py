@@ -16,7 +16,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from archo_tui.robot.acts import Act
-from archo_tui.robot.outcome import Code
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import UNMEASURED, Pace, is_silent
 from archo_tui.robot.readings import number
 from archo_tui.robot.values import same, text_of
@@ -98,6 +98,7 @@ class Phase(Enum):
     UNKNOWN = "UNKNOWN"
     LOST = "LOST"
     DISPUTED = "ENDED"  # the action and its result disagree
+    GONE = "GONE"  # its node has gone: nobody will ever tell how it ended
 
 
 _CODES = {  # of those that ended
@@ -106,6 +107,7 @@ _CODES = {  # of those that ended
     Phase.ABORTED: Code.ABORTED,
     Phase.REFUSED: Code.REFUSED,
     Phase.DISPUTED: Code.NOT_CONFIRMED,
+    Phase.GONE: Code.TIMEOUT,
 }
 RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST)
 
@@ -153,6 +155,8 @@ class Goal(NamedTuple):
     @property
     def word(self) -> str:
         """Its phase; one that leads nowhere runs and succeeds."""
+        if self.phase == Phase.GONE:
+            return str(Phase.LOST.value)
         words = {} if self.kind.noun else {Phase.MOVING: "RUNNING", Phase.ARRIVED: "SUCCEEDED"}
         return words.get(self.phase, str(self.phase.value))
 
@@ -162,8 +166,16 @@ class Goal(NamedTuple):
         return _CODES.get(self.phase)
 
     @property
+    def outcome(self) -> Outcome | None:
+        """How it ended, as whoever waits for it is told; None while it runs."""
+        if self.code is None:
+            return None
+        text = self.message or self.word.lower()
+        return Outcome(self.code, f"goal lost: {text}" if self.phase == Phase.GONE else text)
+
+    @property
     def is_running(self) -> bool:
-        """True until the robot has said that it ended (or refused)."""
+        """True until the robot has said that it ended (or refused), or nobody can any more."""
         return self.phase in RUNNING
 
     def elapsed(self, now: float) -> float:

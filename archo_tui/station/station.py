@@ -330,11 +330,12 @@ class Station:
         for wanted, before in list(self._underway):
             since = [goal for goal in ours if goal.number > before]
             goal = min(since, key=lambda goal: goal.number, default=None)
-            if goal is not None and goal.code is not None:
+            outcome = None if goal is None else goal.outcome
+            if goal is not None and outcome is not None:
                 self._underway.remove((wanted, before))
                 wanted.asker.goal = goal
                 self.requests.goal_ended(wanted.end, goal)
-                _end(wanted, Outcome(goal.code, goal.message or goal.word.lower()))
+                _end(wanted, outcome)
 
     def _advance(self) -> None:
         """Send what is due in the queue, and say when it is held."""

@@ -151,7 +151,7 @@ async def test_one_that_is_cancelled_in_the_same_turn_never_leaves_the_desk(
         assert made[0].seen == 0
 
 
-async def test_a_key_cancels_a_goal_that_the_robot_hesitates_to_take_and_questions_know_it(
+async def test_a_key_cancels_a_goal_that_is_not_taken_yet_and_questions_know_it(
     hesitant: Any, made: list[Hesitant]
 ) -> None:
     async with console(node_makers=[hesitant], wait=False) as op:

@@ -225,7 +225,7 @@ async def test_a_file_that_is_saved_behind_a_stop_runs_stopped(here: Path) -> No
 
 
 @pytest.mark.parametrize("last", ["", "halt motor_controller --yes\nstart motor_controller\n"])
-async def test_a_release_behind_a_stop_needs_no_wait_and_one_without_is_refused_at_once(
+async def test_a_release_is_judged_by_what_was_confirmed_and_never_waits(
     last: str,
 ) -> None:
     code, said = await typed(f"stop\n{last}release --yes\ngo 7\n", ros_args=FAST)
