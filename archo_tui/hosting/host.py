@@ -131,8 +131,9 @@ class HostedNode:
         """End the thread and destroy the node; False when a callback takes longer than that (s)."""
         self.begin_to_stop()
         end = time.monotonic() + timeout
-        for thread in self.threads():
-            thread.join(max(end - time.monotonic(), 0.0))
+        # asked anew each time: until it has ended, the one that spins starts workers
+        while (threads := self.threads()) and time.monotonic() < end:
+            threads[0].join(max(end - time.monotonic(), 0.0))
         if self.threads():
             self.state = self.state._replace(life=Life.STUCK)
             return False
