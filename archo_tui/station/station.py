@@ -420,8 +420,12 @@ class Station:
             outcome = Outcome(Code.CANCELLED, NEVER_LEFT)
         else:
             self.ledger.has_left = True
-            with self.robot.stops.at(wanted.stops), asked_by(wanted.asker):
-                outcome = await self.robot.send(wanted.kind, wanted.values, queued=queued)
+            try:
+                with self.robot.stops.at(wanted.stops), asked_by(wanted.asker):
+                    outcome = await self.robot.send(wanted.kind, wanted.values, queued=queued)
+            except asyncio.CancelledError:  # the screen ends: the next one knows it by its snapshot
+                self.ledger.drop()
+                raise
         if outcome.code == Code.HELD:
             self.queue.not_sent(wanted)
         else:

@@ -53,9 +53,16 @@ def state(station: Station) -> dict[str, Any]:
             }
             for alarm in station.view.alarms
         ],
-        "stop": "open" if snapshot.open_stop is not None else "",
+        "stop": _stop(snapshot),
         "line": in_line(station),
     }
+
+
+def _stop(snapshot: Snapshot) -> str:
+    """Return `open` while a STOP is not confirmed, `uncertain` when it is no longer certain."""
+    if snapshot.open_stop is not None:
+        return "open"
+    return "uncertain" if snapshot.latch is Latch.UNCERTAIN else ""
 
 
 def in_line(station: Station) -> str:
