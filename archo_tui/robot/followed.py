@@ -60,7 +60,8 @@ class Followed:
         self.tried_to_cancel = 0.0  # monotonic s, by the console itself
         self.gate: Gate | None = None  # that it passed as it was sent from here
         self.is_cancelled = False  # the operator asked for it before the server took the goal
-        self.cancel_outcome: Outcome | None = None  # of the cancel that its acceptance began
+        self.cancel_began = False  # because of that, or of a STOP, as it was accepted
+        self.cancel_outcome: Outcome | None = None  # of that cancel
         self._result: Any = None  # the future of the last question for the result
         self._asked = 0.0  # when that question was put
         self._pace = Period()  # of its feedback

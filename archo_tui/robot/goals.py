@@ -258,8 +258,7 @@ class Goals:
             reason = await self._reason()
             one.end(Phase.REFUSED, reason)
             return Outcome(Code.REFUSED, reason)
-        if one.is_unwanted and one.goal.phase == Phase.MOVING:  # since it was accepted
-            self._task(self._cancel_unwanted, one)
+        self._cancel_if_unwanted(one)  # since it was accepted
         if one.is_void:
             return Outcome(Code.CANCELLED, "accepted after a STOP: cancelling it")
         return Outcome(Code.ACCEPTED, "accepted, and cancelled" if one.is_cancelled else "accepted")
@@ -270,8 +269,7 @@ class Goals:
             one.accepted(handle)
             if one.is_void:
                 self._say("WARN", f"{one.goal.name} was accepted after a STOP: cancelling it")
-            if one.is_unwanted:
-                self._task(self._cancel_unwanted, one)
+            self._cancel_if_unwanted(one)
         elif one.goal.phase == Phase.UNKNOWN:
             one.end(Phase.REFUSED, "refused (the answer came late)")
 
@@ -314,8 +312,15 @@ class Goals:
             return one.cancel_outcome
         return Outcome(Code.DONE, f"the goal was not driven: {one.goal.message}".rstrip(": "))
 
-    async def _cancel_unwanted(self, one: Followed) -> None:
-        one.cancel_outcome = await self._cancel(one)
+    def _cancel_if_unwanted(self, one: Followed) -> None:
+        """Begin to cancel a goal that was accepted too late, once: a second one is refused."""
+
+        async def cancel() -> None:
+            one.cancel_outcome = await self._cancel(one)
+
+        if one.is_unwanted and one.goal.phase == Phase.MOVING and not one.cancel_began:
+            one.cancel_began = True
+            self._task(cancel)
 
     async def _cancel(self, one: Followed) -> Outcome:
         if one.handle is None:

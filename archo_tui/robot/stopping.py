@@ -169,21 +169,20 @@ class Stopping:
         """See whether the nodes that hold the STOP are those that confirmed it."""
         if self.latch is Latch.NONE or self._stop is None:
             return
-        now = self._graph.holders(self._stop.service)
+        now, before = self._graph.holders(self._stop.service), (self.latch, self.lost)
         anew = {node: ids for node, ids in now.items() if node in self._told_anew}
         held = {**self._holders, **anew}
         if not self._holders or now == held:
-            self._holders = now
-            before, self.latch = self.latch, Latch.HELD
+            self._holders, self.latch, self.lost = now, Latch.HELD, ""
             self._told_anew -= now.keys()
         else:
-            before, self.latch = self.latch, Latch.UNCERTAIN
+            self.latch = Latch.UNCERTAIN
             gone = sorted(held.keys() - now.keys())
             new = sorted(node for node, ids in now.items() if ids != held.get(node))
             self.lost = f"{new[0]} was started since" if new else f"{gone[0]} has left"
             if new:
                 self._changed_at = self._clock.monotonic()
-        if before is not self.latch:
+        if before != (self.latch, self.lost):
             self._changed()
 
     def heard(self, motion: Motion) -> None:

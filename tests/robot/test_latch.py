@@ -133,10 +133,9 @@ async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_sa
         await until(lambda: it.snapshot.motion.stopped is False)
         await until(lambda: latch(it) is Latch.UNCERTAIN)
         assert it.snapshot.is_stopped
-        now = seconds()
-        assert plain(motion_word(it.snapshot, now, 40)) == "✗ STOP NOT CERTAIN"
+        assert plain(motion_word(it.snapshot, seconds(), 40)) == "✗ STOP NOT CERTAIN"
         said = "/motor_controller was started since: stop again, or release it"
-        assert conditions(it.snapshot, now)["stop not certain"].endswith(said)
+        await until(lambda: conditions(it.snapshot, seconds())["stop not certain"].endswith(said))
         assert await ended(go(it, 3)) == (Code.REFUSED, UNCERTAIN)
         await while_passes(6.0)
         assert said_by_others(it) == []
