@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -77,18 +78,20 @@ class Elsewhere:
         assert self._host.executor is not None
         self._host.executor.create_task(*work)
 
-    def kill(self) -> None:
-        motor = self.motor
+    async def kill(self) -> None:
+        motor, ended = self.motor, threading.Event()
 
         def end() -> None:
             self._host.executor.remove_node(motor)  # type: ignore[union-attr]
             motor.server.destroy()
             motor.destroy_node()
+            ended.set()
 
         self._do(end)
+        await until(ended.is_set)
 
-    def restart(self) -> None:
-        self.kill()
+    async def restart(self) -> None:
+        await self.kill()
         self.motor = self._made()
 
 
@@ -111,7 +114,7 @@ async def stopped_elsewhere() -> AsyncIterator[tuple[Robot, Elsewhere]]:
         try:
             yield it, elsewhere
         finally:
-            elsewhere.kill()
+            await elsewhere.kill()
 
 
 def latch(it: Robot) -> Latch:
@@ -129,7 +132,7 @@ async def while_passes(time: float) -> None:
 
 async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_said_anew() -> None:
     async with stopped_elsewhere() as (it, elsewhere):
-        elsewhere.restart()
+        await elsewhere.restart()
         await until(lambda: it.snapshot.motion.stopped is False)
         await until(lambda: latch(it) is Latch.UNCERTAIN)
         assert it.snapshot.is_stopped
@@ -141,7 +144,7 @@ async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_sa
         assert said_by_others(it) == []
         assert (await ended(it.emergency_stop())).ok
         assert latch(it) is Latch.HELD
-        elsewhere.restart()
+        await elsewhere.restart()
         await until(lambda: latch(it) is Latch.UNCERTAIN)
         assert (await ended(it.release_emergency_stop())).ok
         assert latch(it) is Latch.NONE
@@ -152,7 +155,7 @@ async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_sa
 
 async def test_of_one_that_has_left_it_is_never_shown_as_stopped() -> None:
     async with stopped_elsewhere() as (it, elsewhere):
-        elsewhere.kill()
+        await elsewhere.kill()
         await until(lambda: latch(it) is Latch.UNCERTAIN)
         found = conditions(it.snapshot, seconds())
         assert "/motor_controller has left" in found["stop not certain"]
