@@ -297,7 +297,7 @@ class Host:
                 [*(hosted for hosted in self.nodes if hosted not in olds), *news],
                 key=lambda hosted: hosted.name,
             )
-            stopped = "".join([self._begin(new) for new in news])
+            stopped = "".join([self._begin(new).text for new in news])
         if failed is not None:
             self._not_run(news, file, failed)
         else:
@@ -305,24 +305,25 @@ class Host:
             said = f"{file.path.name} was saved: {restarted} restarted{stopped}"
             self._on_event("YOU", "console", said)
 
-    def _begin(self, new: HostedNode) -> str:
+    def _begin(self, new: HostedNode) -> Outcome:
         """Spin a node; behind a STOP that is not released it first carries that out.
 
         Returns:
-            What becomes of the STOP, to be put behind that the node was started.
+            What becomes of the STOP; its text is put behind that the node was started.
         """
-        service, said = self._stop_to_tell(), ""
+        service, outcome = self._stop_to_tell(), Outcome(Code.DONE, "")
         if service in new.state.serves:
             refusal = new.take_stop(service)
             if refusal:
                 why = f"the STOP is not confirmed by it ({refusal}): use the hardware stop"
                 self._on_event("ERROR", new.name.lstrip("/"), why)
-                said = f"; {why}"
+                outcome = Outcome(Code.NOT_CONFIRMED, f"; {why}")
             else:
                 self._told_stop(new.name)
-                said = f"; {new.name} was told STOP first, and is stopped"
+                told = f"; {new.name} was told STOP first, and is stopped"
+                outcome = Outcome(Code.DONE, told)
         new.start()
-        return said
+        return outcome
 
     def _constructed(self, olds: list[HostedNode]) -> list[HostedNode]:
         """Nodes as they were, as far as they still can be."""
@@ -376,7 +377,8 @@ class Host:
             return Outcome(Code.REFUSED, in_one_line(error))
         kept = [hosted for hosted in self.nodes if hosted is not instead_of]
         self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
-        return Outcome(Code.DONE, said + self._begin(new))
+        outcome = self._begin(new)
+        return outcome._replace(text=said + outcome.text)
 
     def _find(self, name: str) -> HostedNode:
         return next(hosted for hosted in self.nodes if hosted.name == name)

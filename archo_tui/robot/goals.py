@@ -474,6 +474,8 @@ class Goals:
         one = self._running.get(bytes(message.goal_id.uuid))
         if one is not None:
             one.on_feedback(message.feedback)
+            if one.is_cancelled:  # the answer that it was accepted may have been lost
+                self._cancel_if_unwanted(one)
 
     async def _reason(self) -> str:
         """Why the goal was refused: an action has no field for the reason, the log has it."""

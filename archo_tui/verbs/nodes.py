@@ -73,7 +73,7 @@ class _OfNode(Verb):
             outcome = Outcome(Code.CANCELLED, NOT_SENT)
         else:
             outcome = await in_daemon(self.work(station), name)  # it waits for the node's thread
-        if outcome.ok and self.starts:
+        if self.starts:
             station.node_started()
         act = Act(self.id, {"node": name}, outcome.code)
         said = f"{self.title.lower()} {name}: {outcome.text}"

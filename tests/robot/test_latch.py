@@ -206,6 +206,7 @@ async def test_one_that_cannot_take_it_is_no_longer_certain(here: Path) -> None:
         why = "the STOP is not confirmed by it (the brake is worn): use the hardware stop"
         await person.until(f"/motor_controller started; {why}")
         await person.until("alarm unacknowledged: THE STOP IS NO LONGER CERTAIN")
+        assert f"failed: start: /motor_controller started; {why}" in person.said
 
 
 async def test_a_file_that_is_saved_behind_a_stop_runs_stopped(here: Path) -> None:
