@@ -197,7 +197,12 @@ class Session:
                 self.box.hear,
                 watching=self.options.watch,
             )
-            self.host = Host(self._context, self.robot.note, self.robot.restarted)
+            robot = self.robot
+            self.host = Host(
+                *(self._context, robot.note, robot.node_gone),
+                stop_to_tell=robot.stop_to_tell,
+                told_stop=robot.told_stop,
+            )
             self._node_files = [NodeFile(str(given)) for given in self.options.node_files]
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:

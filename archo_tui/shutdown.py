@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING
 
 from archo_tui.clock import Clock
-from archo_tui.robot.state import Goal, Phase
+from archo_tui.robot.state import Goal
 from archo_tui.system import END_SIGNALS
 
 if TYPE_CHECKING:
@@ -41,11 +41,8 @@ async def _let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> N
         robot.note("WARN", "console", f"{why}: the goal to {goal.name} is left running")
         return
     robot.note("WARN", "console", f"{why}: cancelling the goal to {goal.name}")
-    while goal is not None and goal.phase == Phase.SENT:  # none is cancelled before its acceptance
-        await clock.sleep(_LOOK)
-        goal = _ours(robot)
-    outcome = None if goal is None else await robot.cancel()
-    while outcome is not None and outcome.ok and _ours(robot) is not None:
+    outcome = await robot.cancel()
+    while outcome.ok and _ours(robot) is not None:
         await clock.sleep(_LOOK)
 
 

@@ -36,7 +36,7 @@ def test_a_goal_that_arrives_is_exit_code_0() -> None:
 async def test_a_goal_whose_node_was_halted_is_not_waited_for_for_ever() -> None:
     code, said = await plain("go 12\nhalt motor_controller --yes\n", ros_args=LONG)
     assert code == 1
-    assert "failed: shelf 12: lost, and nobody serves it any more" in said
+    assert "goal LOST, shelf 12, the robot may still be moving" in said
 
 
 @pytest.mark.parametrize("last", ["go 12\nquit\n", "go 12"])

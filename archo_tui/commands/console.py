@@ -128,7 +128,7 @@ class Suspend(Command):
         return "" if CAN_SUSPEND else "this system cannot suspend a program"
 
     def run(self, console: Console) -> None:
-        goal = console.view.snapshot.running_goal
+        goal = console.station.running_goal
         if goal is None or console.station.attached:
             console.action_suspend_process()
             return
@@ -141,7 +141,7 @@ class Quit(Command):
     help = "Quit; while a goal runs asks, and cancels it first"
 
     def run(self, console: Console) -> Work | None:
-        goal, station = console.view.snapshot.running_goal, console.station
+        goal, station = console.station.running_goal, console.station
         if goal is None:
             return self._end(console, station.on_disconnect)  # one may be on its way to the robot
         if not goal.mine:

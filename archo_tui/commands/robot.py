@@ -7,12 +7,9 @@ from typing import Any
 
 from archo_tui.commands.base import EVERYWHERE, Command, Console, Speak, Work
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import RUNNING, Phase
+from archo_tui.robot.state import Phase
 from archo_tui.verbs import goals, services
 from archo_tui.verbs.base import Verb
-
-# a cancel was asked for, or there is nothing to cancel any more
-_CANCELLED = {Phase.CANCELLING} | (set(Phase) - set(RUNNING))
 
 
 class Go(Command):
@@ -79,10 +76,10 @@ class Cancel(Speak):
         self.help = "Cancel the running goal; if none is running, copy the selection"
 
     def run(self, console: Console) -> Work | None:
-        goal = console.view.snapshot.goal
-        if console.repeated and (goal is None or goal.phase in _CANCELLED or not goal.mine):
+        running = console.station.running_goal
+        is_ours = running is not None and running.mine and running.phase != Phase.CANCELLING
+        if console.repeated and not is_ours:
             return None
-        running = console.view.snapshot.running_goal
         if running is None:
             if not console.copy_selection():
                 keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
@@ -109,7 +106,7 @@ class StopNow(Speak):
 
     def run(self, console: Console) -> Work | None:
         stops = console.station.robot.stops
-        if console.repeated and console.view.snapshot.motion.stopped and not stops.overtaken:
+        if console.repeated and console.view.snapshot.says_stopped and not stops.overtaken:
             return None  # the key is held, and the robot has stopped
         return super().run(console)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from itertools import count
 from typing import Any
 
@@ -22,6 +22,7 @@ from archo_tui.hosting.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, 
 from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps
 from archo_tui.hosting.workers import Workers, multi_threaded
+from archo_tui.robot import message_classes
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.robot.values import text_of
@@ -67,6 +68,33 @@ class HostedNode:
         """Begin to spin."""
         self._thread.start()
 
+    def take_stop(self, service: str) -> str:
+        """Have a node that does not spin yet carry out a STOP.
+
+        Returns:
+            Why that is not confirmed; empty: it is.
+        """
+        served = next(found for found in self.node.services if found.service_name == service)
+        kind = served.srv_type
+
+        def stop() -> Any:
+            answer = served.callback(kind.Request(), kind.Response())
+            if isinstance(answer, Coroutine):
+                try:
+                    answer.send(None)
+                except StopIteration as end:
+                    return end.value
+                answer.close()
+                raise ValueError("its callback waits for something")
+            return answer
+
+        try:
+            answer = run_limited(stop, CONSTRUCTION_TIME, self.name)
+            outcome = message_classes.outcome_of(answer)
+        except Exception as error:  # whatever the user's callback raises
+            return in_one_line(error)
+        return "" if outcome.ok else outcome.text
+
     def again(self) -> HostedNode:
         """Another node of the same kind and name, as it was at the start."""
         return HostedNode(self.make, self._context, self._on_change, self._rename)
@@ -103,8 +131,9 @@ class HostedNode:
         """End the thread and destroy the node; False when a callback takes longer than that (s)."""
         self.begin_to_stop()
         end = time.monotonic() + timeout
-        for thread in self.threads():
-            thread.join(max(end - time.monotonic(), 0.0))
+        # asked anew each time: until it has ended, the one that spins starts workers
+        while (threads := self.threads()) and time.monotonic() < end:
+            threads[0].join(max(end - time.monotonic(), 0.0))
         if self.threads():
             self.state = self.state._replace(life=Life.STUCK)
             return False
@@ -161,13 +190,21 @@ class Host:
         context: Context,
         on_event: Callable[[str, str, str], None],
         on_end: Callable[[Sequence[str]], None],
+        stop_to_tell: Callable[[], str] = str,
+        told_stop: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """`on_event(level, source, text)` is called from the nodes' threads when one crashes.
+        """Host no node yet.
 
-        `on_end(names)` when what served these services and actions was restarted.
+        Args:
+            context: The rclpy context of the nodes.
+            on_event: Called from the nodes' threads with level, source and text.
+            on_end: Called with the services and actions that went with a node of this process.
+            stop_to_tell: Returns the service of a STOP that is not released, or "".
+            told_stop: Called with the name of a node that has confirmed it before it spins.
         """
         self._context = context
         self._on_event, self._on_end = on_event, on_end
+        self._stop_to_tell, self._told_stop = stop_to_tell, told_stop
         self._changing = threading.Lock()
         self.nodes: list[HostedNode] = []
 
@@ -196,14 +233,19 @@ class Host:
             said = f"{name} started"
             if not old.stop():  # it may be stuck; a crashed one releases what it holds
                 said += self._left(old)
+                self._gone(old)
             return self._spin(old.again, said, instead_of=old)
 
     def stop_node(self, name: str) -> Outcome:
         """Stop a node; the others are not affected."""
         with self._changing:
-            if not self._find(name).stop():
+            hosted = self._find(name)
+            if not hosted.stop():
                 return Outcome(Code.TIMEOUT, f"{name} does not stop: its callback does not return")
-            return Outcome(Code.DONE, f"{name} stopped")
+            self._gone(hosted)
+            holds = self._stop_to_tell() in hosted.state.serves
+            held = "; it held the STOP, and is told of it again before it starts" if holds else ""
+            return Outcome(Code.DONE, f"{name} stopped{held}")
 
     def copy_node(self, name: str) -> Outcome:
         """Run one more node of the same kind, under the next free name: `dashboard_2`."""
@@ -233,7 +275,7 @@ class Host:
             for old in olds:
                 if not old.stop():
                     self._on_event("WARN", old.name.lstrip("/"), self._left(old).lstrip(", "))
-                self._on_end(old.state.serves)
+                self._gone(old)
             failed: NodeFileError | None = None
             news: list[HostedNode] = []
             try:
@@ -255,13 +297,33 @@ class Host:
                 [*(hosted for hosted in self.nodes if hosted not in olds), *news],
                 key=lambda hosted: hosted.name,
             )
-            for new in news:
-                new.start()
+            stopped = "".join([self._begin(new).text for new in news])
         if failed is not None:
             self._not_run(news, file, failed)
         else:
             restarted = ", ".join(sorted(names))
-            self._on_event("YOU", "console", f"{file.path.name} was saved: {restarted} restarted")
+            said = f"{file.path.name} was saved: {restarted} restarted{stopped}"
+            self._on_event("YOU", "console", said)
+
+    def _begin(self, new: HostedNode) -> Outcome:
+        """Spin a node; behind a STOP that is not released it first carries that out.
+
+        Returns:
+            What becomes of the STOP; its text is put behind that the node was started.
+        """
+        service, outcome = self._stop_to_tell(), Outcome(Code.DONE, "")
+        if service in new.state.serves:
+            refusal = new.take_stop(service)
+            if refusal:
+                why = f"the STOP is not confirmed by it ({refusal}): use the hardware stop"
+                self._on_event("ERROR", new.name.lstrip("/"), why)
+                outcome = Outcome(Code.NOT_CONFIRMED, f"; {why}")
+            else:
+                self._told_stop(new.name)
+                told = f"; {new.name} was told STOP first, and is stopped"
+                outcome = Outcome(Code.DONE, told)
+        new.start()
+        return outcome
 
     def _constructed(self, olds: list[HostedNode]) -> list[HostedNode]:
         """Nodes as they were, as far as they still can be."""
@@ -315,8 +377,8 @@ class Host:
             return Outcome(Code.REFUSED, in_one_line(error))
         kept = [hosted for hosted in self.nodes if hosted is not instead_of]
         self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
-        new.start()
-        return Outcome(Code.DONE, said)
+        outcome = self._begin(new)
+        return outcome._replace(text=said + outcome.text)
 
     def _find(self, name: str) -> HostedNode:
         return next(hosted for hosted in self.nodes if hosted.name == name)
@@ -333,7 +395,14 @@ class Host:
             if changed:
                 self._changing.release()
 
+    def _gone(self, hosted: HostedNode) -> None:
+        """Tell of what nobody here serves any more."""
+        others = [one for one in self.nodes if one is not hosted and one.state.life == Life.UP]
+        left = {name for one in others for name in one.state.serves}
+        self._on_end([name for name in hosted.state.serves if name not in left])
+
     def _crashed(self, hosted: HostedNode) -> None:
+        self._gone(hosted)
         self._on_event("ERROR", hosted.name.lstrip("/"), f"crashed: {hosted.state.error}")
 
 

@@ -23,7 +23,7 @@ from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.requests import EXPIRES, READ
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
-from archo_tui.verbs.base import PATIENCE, Question, Verb
+from archo_tui.verbs.base import Question, Verb
 from archo_tui.verbs.parse import YES, named, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
@@ -128,7 +128,6 @@ class Plain:
             rest = spared.rest(self._clock.monotonic())
             if rest > 0:
                 await self._until(lambda: stops.overtaken, rest)
-            await self._until(lambda: self._robot.snapshot.offered, PATIENCE)
             spared.leaves(self._clock.monotonic())
             self._stopped = stops.count
             self._start(self._stop(self._stopped))
@@ -162,8 +161,6 @@ class Plain:
         if self._goal is not None and self._goal.phase == Phase.LOST and not self._is_over():
             self._say(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
         await self._hold(self._is_over)
-        if self._goal is not None and self._goal.is_running and self._goal.mine:
-            self._fail(f"{self._goal.name}: lost, and nobody serves it any more")
         last = self._robot.stops.count
         await self._hold(lambda: self._are_answered(last))
         await self._robot.catch_up()
@@ -197,13 +194,9 @@ class Plain:
         return ", ".join(wanted.text for wanted in self._station.queue.waiting)
 
     def _is_over(self) -> bool:
-        """No goal of ours runs, as far as anybody can still say, and none is to be sent."""
-        goal, goals = self._goal, self._station.queue
-        runs = goal is not None and goal.is_running and goal.mine
-        if goal is not None and goal.phase == Phase.LOST:
-            snapshot = self._robot.snapshot
-            runs = runs and goal.kind.action in {*snapshot.offered, *snapshot.actions}
-        return not runs and not goals.is_going
+        """No goal of ours runs, and none is to be sent."""
+        runs = self._goal is not None and self._goal.is_running and self._goal.mine
+        return not runs and not self._station.queue.is_going
 
     async def _tick(self) -> None:
         while True:

@@ -130,7 +130,7 @@ class Status:
     goal: Goal | None
     queue: Queue
     alarms: list[Alarm]
-    stop: str  # `open` while a STOP is not confirmed
+    stop: str  # `open`: a STOP is not confirmed; `uncertain`: it is no longer certain
     line: str
 
 

@@ -82,7 +82,8 @@ class Assistants:
             return {"code": Code.REFUSED.value, "text": WATCHING}
         values = self._values(verb, wanted.get("values"))
         goals = {GOALS: [values]}
-        await self._until(asker, lambda: verb.is_ready(self._station, goals), PATIENCE)
+        left = PATIENCE - self._station.age
+        await self._until(asker, lambda: verb.is_ready(self._station, goals), left)
         await verb.prepare(self._station, goals)
         refusal = verb.refusal(self._station)
         if refusal:
@@ -183,4 +184,4 @@ class Assistants:
         if all(end.done() for end in asker.ends):
             said = "no goal of this assistant runs; say stop to stop the robot"
             return Outcome(Code.REFUSED, said)
-        return await self._station.robot.cancel()  # while it waits or runs, no other one does
+        return await self._station.cancel()  # while it waits or runs, no other one does

@@ -15,7 +15,7 @@ from archo_tui.remote.assistants import Assistants
 from archo_tui.remote.follow import follow
 from archo_tui.remote.protocol import GONE, LOST, PROTOCOL, is_stop, words_of
 from archo_tui.remote.server import Guest
-from archo_tui.remote.waits import LOOK, RanOut, wait_for
+from archo_tui.remote.waits import LOOK, RanOut, ran_out, timeout_of, wait_for
 from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.stops import NOT_SENT, Spared, Void
@@ -205,6 +205,7 @@ class Desk:
         if "--help" in rest:
             return _result(number, Outcome(Code.DONE, verb.explained))
         values, yes = parse(verb, self._station, rest)
+        timeout, clock = timeout_of(request), self._station.clock
         person = request.get("person") is True
         ask = None if yes else partial(self._ask, visit, number, person)
         visit.is_waiting, asker = request.get("wait") is True, visit.asker
@@ -214,7 +215,10 @@ class Desk:
             visit.sent = asker.ends
         if visit.is_waiting and outcome.ok and asker.ends:
             visit.client.tell({"id": number, "said": outcome.text})
-            outcome = await _ended(asker.ends)
+            try:
+                outcome = await clock.wait_for(_ended(asker.ends), timeout)
+            except TimeoutError:
+                raise ran_out(self._station) from None
         result = {**_result(number, outcome), "tells": verb.tells}
         told = verb.data(self._station, values) if outcome.ok else None
         if visit.is_waiting and asker.goal is not None:
@@ -284,7 +288,7 @@ def _asker(client: Guest, *, assistant: bool = False) -> Asker:
 async def _ended(ends: list[asyncio.Future[Outcome]]) -> Outcome:
     """How goals ended, when all have; one that was held, and goes on, has another end."""
     while waited := [end for end in ends if not end.done()]:
-        await waited[0]
+        await asyncio.wait(waited[:1])  # which leaves it as it is when this is given up
     return _outcome(ends)
 
 

@@ -21,6 +21,7 @@ _OF_ONE = {
 _OF_OTHERS = (
     ("--yes", "where it asks: the answer is yes"),
     ("--wait", "of goals: end when all have ended"),
+    ("--timeout S", "with --wait: end with 4 after S seconds; goals run on"),
     ("--leave", "with --wait: goals run on when this is interrupted"),
 )
 

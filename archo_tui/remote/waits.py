@@ -34,8 +34,7 @@ async def wait_for(
     end = None if timeout is None else clock.monotonic() + timeout
     while (outcome := look()) is None:
         if end is not None and clock.monotonic() >= end:
-            moves = station.robot.snapshot.running_goal is not None
-            raise RanOut("the robot still drives" if moves else "not yet")
+            raise ran_out(station)
         await clock.sleep(LOOK)
     return outcome
 
@@ -51,6 +50,11 @@ def timeout_of(request: Mapping[str, Any]) -> float | None:
 
 class RanOut(ValueError):
     """The time is over."""
+
+
+def ran_out(station: Station) -> RanOut:
+    """Build the error for a wait whose time is over, which says whether the robot still drives."""
+    return RanOut("not yet" if station.running_goal is None else "the robot still drives")
 
 
 def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Look:
@@ -72,9 +76,7 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
         if running is None:
             return Outcome(Code.REFUSED, "no goal is running")
         goal = _same(station, running)
-        if goal is None or goal.code is None:
-            return None if goal is not None else Outcome(Code.REFUSED, "the goal is not known")
-        return Outcome(goal.code, goal.message or goal.word.lower())
+        return Outcome(Code.REFUSED, "the goal is not known") if goal is None else goal.outcome
 
     if list(words) in (["idle"], ["ready"], ["arrived"]):
         return {"idle": idle, "ready": ready, "arrived": arrived}[words[0]]

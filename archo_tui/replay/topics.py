@@ -28,7 +28,10 @@ class Topics:
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
         """One publisher of what is in the recording."""
         kind = self._types.get(self.full(topic))
-        return [] if kind is None else [SimpleNamespace(topic_type=kind, qos_profile=_QOS)]
+        if kind is None:
+            return []
+        nobody = {"node_name": "", "node_namespace": "/"}  # a bag does not name its publishers
+        return [SimpleNamespace(topic_type=kind, qos_profile=_QOS, **nobody)]
 
     def listen_quietly(
         self, _kind: Any, topic: str, callback: Callable[[Any], None], _qos: Any

@@ -44,6 +44,7 @@ from archo_tui.robot.state import (
     WATCHING,
     Event,
     Goal,
+    Latch,
     Leaf,
     NodeInfo,
     Snapshot,
@@ -52,8 +53,8 @@ from archo_tui.robot.state import (
     not_offered,
     values_text,
 )
-from archo_tui.robot.stopping import ALL_ANSWERS, Stopping
-from archo_tui.robot.stops import HELD, NOT_SENT, UNCONFIRMED, Gate, Stops, Void
+from archo_tui.robot.stopping import ALL_ANSWERS, FIRST_FOUND, Stopping
+from archo_tui.robot.stops import HELD, NOT_SENT, UNCERTAIN, UNCONFIRMED, Gate, Stops, Void
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
@@ -66,6 +67,7 @@ WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
 _ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
 _SILENT = f"no answer in {_ASKED:g} s from the console's own node"
+_RESTART = 3.0  # s after its restart in which what a node says differs because of that
 _ACTS = 100  # of other consoles, kept while the thread is busy
 
 
@@ -98,6 +100,8 @@ class Robot:
         self._outlived: tuple[str, ...] = ()  # goals that still run after an answered STOP
         self._faults: dict[str, str] = {}
         self._consoles: set[str] | None = None  # the others, at the last look
+        self._motion_ids: frozenset[bytes] = frozenset()  # of who tells how the robot moves
+        self._motion_changed = float("-inf")  # when these were others than before, monotonic s
         node = self._node = Listener(
             own_name(), heard, context=context, start_parameter_services=False
         )
@@ -179,7 +183,10 @@ class Robot:
 
         command = self._offers.call_command(stop.service, {})
         self.stops.overtaken = False
-        return await self._do("stop", {}, "STOP", command, lambda _: self._stopping.send())
+        try:
+            return await self._do("stop", {}, "STOP", command, lambda _: self._stopping.send())
+        finally:
+            self.stops.answered = self.stops.count
 
     async def release_emergency_stop(self) -> Outcome:
         """Allow moves again; none resumes by itself."""
@@ -218,11 +225,13 @@ class Robot:
 
         async def go(gate: Gate) -> Outcome:
             turn = self._services.turn()
-            if queued and (self._stopping.open is not None or self._telemetry.motion.stopped):
+            if queued and (self._stopping.open is not None or self._says_stopped):
                 return Outcome(Code.HELD, HELD)
             # it may not have come, and would be asked for no more; a goal from before it is void
             if self._stopping.open is not None and not gate.is_shut:
                 return Outcome(Code.REFUSED, UNCONFIRMED)
+            if self._stopping.latch is Latch.UNCERTAIN and not gate.is_shut:
+                return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
             rivals = self._graph.rivals(kind.action)
             if rivals:  # of another one than the robot file's as well
                 return Outcome(Code.REFUSED, check.several(kind.action, rivals))
@@ -347,13 +356,26 @@ class Robot:
             lambda gate: self._nodes.set_level(node, level, gate),
         )
 
-    def restarted(self, served: Sequence[str]) -> None:
-        """The node that served these actions was restarted: their goals are over. Any thread."""
+    def node_gone(self, served: Sequence[str]) -> None:
+        """The node of this process that served these actions has gone. Any thread."""
 
         def end() -> None:
-            self._goals.restarted(lambda kind: self._offers.full(kind.action) in served)
+            self._goals.node_gone(lambda kind: self._offers.full(kind.action) in served)
 
         self._thread.submit(end)
+
+    def stop_to_tell(self) -> str:
+        """Return the service of a STOP that is not released, for a node that starts. Any thread.
+
+        Empty: there is none.
+        """
+        stop, stopping = self.file.stop, self._stopping
+        is_over = stopping.open is None and stopping.latch is Latch.NONE and self.stops.are_answered
+        return "" if stop is None or is_over else self._offers.full(stop.service)
+
+    def told_stop(self, node: str) -> None:
+        """A node that starts here was told of the STOP before anything else. Any thread."""
+        self._thread.submit(lambda: self._stopping.told_anew(node))
 
     def note(
         self, level: str, source: str, text: str, command: str = "", act: Act | None = None
@@ -446,7 +468,7 @@ class Robot:
                 return log(Outcome(Code.REFUSED, in_one_line(error)))
 
         # more than any verb takes that still can end: STOP waits for a server, and then for all
-        deadline = services.DEADLINE + ALL_ANSWERS + 1.0
+        deadline = FIRST_FOUND + ALL_ANSWERS + 1.0
         try:
             return await self._thread.run(there, deadline)
         except TimeoutError:
@@ -482,8 +504,33 @@ class Robot:
         said = f"STOP, sent again behind an earlier command: {outcome.text}"
         self._tell_of_stop(said, outcome.code)
 
+    @property
+    def _says_stopped(self) -> bool:
+        """As `Snapshot.says_stopped`, of what was heard by now."""
+        heard = Snapshot(
+            motion=self._telemetry.motion,
+            latch=self._stopping.latch,
+            released=self._stopping.released,
+        )
+        return heard.says_stopped
+
+    def _motion_restarted(self) -> bool:
+        """Return whether another node than before tells how the robot moves."""
+        self._look_at_motion()
+        return self._clock.monotonic() - self._motion_changed <= _RESTART
+
+    def _look_at_motion(self) -> None:
+        if self.file.motion is None:
+            return
+        now, before = self._graph.publisher_ids(self.file.motion.topic), self._motion_ids
+        if now and before and now != before:
+            self._motion_changed = self._clock.monotonic()
+        self._motion_ids = now or before
+
     def _look(self) -> None:
         changed = self._graph.look()
+        self._look_at_motion()
+        self._stopping.look_at_holders()
         self._others.who = CONSOLE if self._graph.mute else CLIENT
         self._tell_of_consoles()
         self._telemetry.look()
@@ -534,7 +581,6 @@ class Robot:
         if motion is not None and topic == motion.topic:
             self._goals.heard()
             if topic not in self._graph.publishers:  # else the readings of several come mixed
-                self._others.motion(self._telemetry.motion, self._clock.monotonic())
                 # of several robots one says nothing about the others
                 stop = self.file.stop
                 if stop is not None and stop.service not in self._graph.several:
@@ -542,6 +588,8 @@ class Robot:
                     self._stopping.heard(self._telemetry.motion)
                     if self._stopping.is_unheeded != before:
                         self._mark()
+                now = self._clock.monotonic()
+                self._others.motion(self._telemetry.motion, now, self._motion_restarted)
         self._unseen = True
         if news is News.WORDS:
             self._mark()
@@ -589,6 +637,8 @@ class Robot:
         self._others.told(told.act, self._clock.monotonic())
         self.stops.elsewhere += told.act.verb == "stop"
         self.stops.overtaken |= told.act.verb != "stop"
+        if told.act.verb == "release" and told.act.code is Code.DONE:
+            self._stopping.released_elsewhere()
         now = self._clock.now()
         self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))
 
@@ -659,6 +709,9 @@ class Robot:
                 events=self._log.all(),
                 charge=self._telemetry.charge,
                 open_stop=self._stopping.open,
+                latch=self._stopping.latch,
+                latch_lost=self._stopping.lost,
+                released=self._stopping.released,
                 moves_on=self._stopping.is_unheeded,
                 outlived=self._outlived,
                 namespace=self._graph.namespace,

@@ -2,6 +2,7 @@
 
 A goal is never declared ended because the console stopped waiting: without an answer it is UNKNOWN,
 without news while it runs LOST, until the robot says how it ended, or that it does not know it.
+It is over without that only when its node has gone (GONE).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from unique_identifier_msgs.msg import UUID
 
 from archo_tui.clock import Clock
 from archo_tui.robot import messages, services
+from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.period import Period
 from archo_tui.robot.readings import as_received, number, read
 from archo_tui.robot.state import Goal, Motion, Phase
@@ -26,6 +28,7 @@ from archo_tui.robot_file.model import MessageField
 FARTHEST = 1e6  # a remainder beyond that is not a reading
 FIRST_FEEDBACK = 15.0  # s without a word, where none is due, until a served goal counts as lost
 ASK_AGAIN = 5.0  # s without a word of a goal itself, until its server is asked whether it knows it
+NOBODY_SERVES = 1.0  # s that nobody serves its action, and it is not heard of, until it is over
 SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 
 ENDS = {
@@ -34,6 +37,7 @@ ENDS = {
     GoalStatus.STATUS_ABORTED: Phase.ABORTED,
 }
 _NO_REASON = "the robot gave no reason"
+_GONE = "the robot may still be moving"
 _FORGOTTEN = "the robot no longer knows this goal (was it restarted?)"
 
 
@@ -55,15 +59,24 @@ class Followed:
         self.since = clock.monotonic()  # by this clock, whoever sent it
         self.tried_to_cancel = 0.0  # monotonic s, by the console itself
         self.gate: Gate | None = None  # that it passed as it was sent from here
+        self.is_cancelled = False  # the operator asked for it before the server took the goal
+        self.cancel_began = False  # because of that, or of a STOP, as it was accepted
+        self.cancel_outcome: Outcome | None = None  # of that cancel
         self._result: Any = None  # the future of the last question for the result
         self._asked = 0.0  # when that question was put
         self._pace = Period()  # of its feedback
+        self._unserved: float | None = None  # since when nobody serves its action, monotonic s
         self._ended_as: tuple[Phase, float] | None = None  # by the action's status, and since when
 
     @property
     def is_void(self) -> bool:
         """True when a STOP was read after it was typed."""
         return self.gate is not None and self.gate.is_shut
+
+    @property
+    def is_unwanted(self) -> bool:
+        """True when it is to be cancelled as soon as its server takes it."""
+        return self.is_void or self.is_cancelled
 
     def accepted(self, handle: Any) -> None:
         """The server took it, in time or later."""
@@ -102,6 +115,13 @@ class Followed:
         goal = self.goal
         if self._ended_as is not None and now - self._ended_as[1] > services.DEADLINE:
             self.end(self._ended_as[0], _NO_REASON)  # the result does not come
+            return
+        if self.action.is_served:
+            self._unserved = None
+        elif self._unserved is None:
+            self._unserved = now
+        elif now - max(self._unserved, goal.heard or 0.0) >= NOBODY_SERVES:
+            self.node_gone()
             return
         if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(now, motion):
             self.update(phase=Phase.LOST)
@@ -170,6 +190,13 @@ class Followed:
             said = read(MessageField(self.goal.kind.message), result)
             return "" if said is None else text_of(said)
         return messages.text(result)
+
+    def node_gone(self) -> None:
+        """End it: its node has gone, and nobody will tell how it ended.
+
+        This is the one rule for screen, queue, `--plain` and shells, whoever has found it out.
+        """
+        self.end(Phase.GONE, _GONE)
 
     def forgotten(self) -> None:
         """The robot does not know it."""

@@ -26,7 +26,7 @@ from archo_tui.robot.listener import Listener
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Phase, not_offered
-from archo_tui.robot.stops import Gate
+from archo_tui.robot.stops import NEVER_LEFT, Gate
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import GoalKind
 
@@ -131,8 +131,10 @@ class Goals:
         self._watching = watching
         self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
         self._numbers = itertools.count(1)
+        self._coming: list[Followed] = []  # ours, that are to be sent and have not left yet
         self._running: dict[bytes, Followed] = {}
         self._over: deque[bytes] = deque(maxlen=_OVER)  # those that ended
+        self._lost: dict[bytes, Goal] = {}  # ours whose node has gone
         self._last: Goal | None = None  # the one that ended last
         self._refusals: deque[str] = deque(maxlen=5)
         self.history: deque[Goal] = deque(maxlen=HISTORY)
@@ -184,8 +186,26 @@ class Goals:
         action = self.open(kind)
         if action.type is None:
             return Outcome(Code.REFUSED, check.missing(kind.action, kind.type))
-        if not known:
-            await self._found(action)
+        goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
+        one = Followed(goal, uuid.uuid4().bytes, action, self._clock, self._goal_changed)
+        one.gate = gate
+        self._coming.append(one)  # from here on a cancel finds it
+        try:
+            if not known:
+                await self._found(one)
+            request = self._request(one)
+            gate()
+        finally:
+            self._coming.remove(one)
+        if isinstance(request, Outcome):
+            return request
+        return await self._send(one, request)
+
+    def _request(self, one: Followed) -> Any:
+        """Build the request of a goal that is to be sent; an Outcome says why it cannot be."""
+        action, kind = one.action, one.goal.kind
+        if one.is_cancelled:
+            return Outcome(Code.CANCELLED, NEVER_LEFT)
         if self._ours is not None and self._ours.goal.phase in (Phase.UNKNOWN, Phase.LOST):
             doubt = f"nothing is heard of the goal to {self._ours.goal.name}"
             return Outcome(Code.REFUSED, f"{doubt}: cancel it, or wait until the robot is heard")
@@ -193,32 +213,35 @@ class Goals:
             return Outcome(Code.REFUSED, "a goal is already running: cancel it first")
         if not action.is_served:
             return Outcome(Code.NOT_OFFERED, not_offered(kind.action))
-        try:
-            request = messages.goal_request(action.type, kind, values)
-        except ValueError as error:
-            return Outcome(Code.MISUSE, str(error))
-        gate()
         if self.are_over:
             return Outcome(Code.CANCELLED, "not sent: the console ends")
+        try:
+            return messages.goal_request(action.type, kind, one.goal.fields)
+        except ValueError as error:
+            return Outcome(Code.MISUSE, str(error))
+
+    async def _send(self, one: Followed, request: Any) -> Outcome:
+        """Send a goal's request; ends as `send` does."""
         now, time = self._clock.monotonic(), self._clock.now()
-        goal = Goal(kind, values, Phase.SENT, now, time, length=length, number=next(self._numbers))
+        one.goal = one.goal._replace(sent=now, time=time, number=next(self._numbers))
+        one.since = now
         self._refusals.clear()
-        goal_id = UUID(uuid=list(uuid.uuid4().bytes))
-        one = self._follow(goal, bytes(goal_id.uuid), action)
-        one.gate = gate
+        self._running[one.id] = one
+        self._changed(True)
         answered = self._future()
 
         def on_answer(done: Any) -> None:
             handle = done.result()
             if handle is not None and one.goal.is_running:
                 self._answered(one, handle)
-            elif handle is not None and handle.accepted and one.is_void:  # long given up
+            elif handle is not None and handle.accepted and one.is_unwanted:  # long given up
                 handle.cancel_goal_async()
             answered.set_result(True)
             self._wake()
 
         try:
-            future = action.client.send_goal_async(request, goal_uuid=goal_id)
+            goal_id = UUID(uuid=list(one.id))
+            future = one.action.client.send_goal_async(request, goal_uuid=goal_id)
         except Exception as error:  # it never left
             reason = f"not sent: {in_one_line(error)}"
             one.end(Phase.REFUSED, reason)
@@ -235,11 +258,10 @@ class Goals:
             reason = await self._reason()
             one.end(Phase.REFUSED, reason)
             return Outcome(Code.REFUSED, reason)
+        self._cancel_if_unwanted(one)  # since it was accepted
         if one.is_void:
-            if one.goal.phase == Phase.MOVING:  # the STOP was read in between
-                self._task(self._cancel, one)
             return Outcome(Code.CANCELLED, "accepted after a STOP: cancelling it")
-        return Outcome(Code.ACCEPTED, "accepted")
+        return Outcome(Code.ACCEPTED, "accepted, and cancelled" if one.is_cancelled else "accepted")
 
     def _answered(self, one: Followed, handle: Any) -> None:
         """The server accepted or refused, in time or later."""
@@ -247,26 +269,58 @@ class Goals:
             one.accepted(handle)
             if one.is_void:
                 self._say("WARN", f"{one.goal.name} was accepted after a STOP: cancelling it")
-                self._task(self._cancel, one)
+            self._cancel_if_unwanted(one)
         elif one.goal.phase == Phase.UNKNOWN:
             one.end(Phase.REFUSED, "refused (the answer came late)")
 
-    async def _found(self, action: _Action) -> None:
+    async def _found(self, one: Followed) -> None:
         """Wait for the server of a client that was made just now."""
         end = self._clock.monotonic() + services.DEADLINE
-        while not action.is_served and self._clock.monotonic() < end:
+        while not (one.action.is_served or one.is_unwanted) and self._clock.monotonic() < end:
             await self._services.pause(_FIND_PERIOD)
 
     async def cancel(self, *, another: bool) -> Outcome:
-        """Ask to cancel our goal, or another client's; how it ends is the robot's to say."""
+        """Ask to cancel our goal, or another client's; how it ends is the robot's to say.
+
+        Ours is cancelled also before it has left, and before its server has taken it.
+        """
+        if self._coming and not another:
+            for coming in self._coming:
+                coming.is_cancelled = True
+            return Outcome(Code.ACCEPTED, NEVER_LEFT)
         one = self._shown if another else self._ours
         if one is None or one.goal.mine == another:
             return Outcome(
                 Code.REFUSED, "no goal is running" if one is None else "another goal runs now"
             )
-        if one.handle is None:
-            return Outcome(Code.REFUSED, "the goal has not been accepted yet")
+        if one.goal.phase in (Phase.SENT, Phase.UNKNOWN):  # its server may take it later
+            one.is_cancelled = True
+        if one.goal.phase == Phase.SENT:
+            return await self._cancelled_when_taken(one)
         return await self._cancel(one)
+
+    async def _cancelled_when_taken(self, one: Followed) -> Outcome:
+        """Wait for the answer to the cancel that begins when a goal is accepted."""
+        end = self._clock.monotonic() + services.DEADLINE
+        while one.goal.phase == Phase.SENT and self._clock.monotonic() < end:
+            await self._services.pause(_FIND_PERIOD)
+        if one.goal.phase in (Phase.SENT, Phase.UNKNOWN):
+            return Outcome(Code.TIMEOUT, "the goal is not accepted yet: it is cancelled when it is")
+        while one.cancel_outcome is None and one.goal.is_running:
+            await self._services.pause(_FIND_PERIOD)
+        if one.cancel_outcome is not None:
+            return one.cancel_outcome
+        return Outcome(Code.DONE, f"the goal was not driven: {one.goal.message}".rstrip(": "))
+
+    def _cancel_if_unwanted(self, one: Followed) -> None:
+        """Begin to cancel a goal that was accepted too late, once: a second one is refused."""
+
+        async def cancel() -> None:
+            one.cancel_outcome = await self._cancel(one)
+
+        if one.is_unwanted and one.goal.phase == Phase.MOVING and not one.cancel_began:
+            one.cancel_began = True
+            self._task(cancel)
 
     async def _cancel(self, one: Followed) -> Outcome:
         if one.handle is None:
@@ -355,11 +409,11 @@ class Goals:
         for one in list(self._running.values()):
             one.heard()
 
-    def restarted(self, served: Callable[[GoalKind], bool]) -> None:
-        """What served some actions was restarted by us: it does not know their goals."""
+    def node_gone(self, served: Callable[[GoalKind], bool]) -> None:
+        """End the goals of a node of this process that was halted or restarted, or crashed."""
         for one in list(self._running.values()):
             if served(one.goal.kind):
-                one.end(Phase.ABORTED, "its node was restarted")
+                one.node_gone()
 
     def check(self, now: float, motion: Motion) -> None:
         """Silent goals are lost; the robot is asked about doubtful ones."""
@@ -398,12 +452,14 @@ class Goals:
         begun = now - age if 0 <= age <= _LONGEST_AGE else now
         phase = _RUNNING.get(status.status, Phase.MOVING)
         asked = now if phase == Phase.CANCELLING else None
+        lost = self._lost.pop(goal_id, None)  # of ours: its node was only out of sight
+        fields, mine = ({}, False) if lost is None else (lost.fields, True)
         goal = Goal(
-            *(action.kind, {}, phase, begun, time),
+            *(action.kind, fields, phase, begun, time),
             heard=now,
             started=begun,
             cancel_asked=asked,
-            mine=False,
+            mine=mine,
             number=next(self._numbers),
         )
         one = self._follow(goal, goal_id, action)
@@ -411,12 +467,15 @@ class Goals:
             one.assume()
         one.on_status(status.status)
         one.ask_result()
-        self._say("GOAL", f"another client sent a goal to {action.kind.action}")
+        sent = f"another client sent a goal to {action.kind.action}"
+        self._say("GOAL", f"{goal.name} was not lost: its node is heard again" if mine else sent)
 
     def _on_feedback(self, message: Any) -> None:
         one = self._running.get(bytes(message.goal_id.uuid))
         if one is not None:
             one.on_feedback(message.feedback)
+            if one.is_cancelled:  # the answer that it was accepted may have been lost
+                self._cancel_if_unwanted(one)
 
     async def _reason(self) -> str:
         """Why the goal was refused: an action has no field for the reason, the log has it."""
@@ -436,6 +495,8 @@ class Goals:
         if before.is_running and not goal.is_running:
             self._running.pop(one.id, None)
             self._over.append(one.id)
+            if goal.phase == Phase.GONE and goal.mine:
+                self._lost = {**dict([*self._lost.items()][-HISTORY:]), one.id: goal}
             self._last = goal
             self.history.appendleft(goal)
             if goal.phase != Phase.REFUSED or before.phase != Phase.SENT:  # else the verb says it

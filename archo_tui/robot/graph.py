@@ -147,6 +147,20 @@ class Graph:
                 found += [*nodes, *[nodes[-1] if nodes else name] * (count - len(nodes))]
         return tuple(found)
 
+    def holders(self, service: str) -> dict[str, frozenset[bytes]]:
+        """Return the nodes that serve a service, each with ids that differ after a restart.
+
+        The ids are those of its publishers of /parameter_events, which every node of rclcpp and
+        rclpy has; of another node there are none, and only its coming and leaving is seen.
+        """
+        ids = _ids_by_node(self._node.get_publishers_info_by_topic("/parameter_events"))
+        return {node: ids.get(node, frozenset()) for node, _ in self._servers(service)}
+
+    def publisher_ids(self, topic: str) -> frozenset[bytes]:
+        """Return the ids of the publishers of a topic: another one after a restart."""
+        by_node = _ids_by_node(self._node.get_publishers_info_by_topic(topic))
+        return frozenset().union(*by_node.values())
+
     def served_types(self, name: str) -> list[str]:
         """The types of a service's servers."""
         return sorted({kind for _, kinds in self._servers(name) for kind in kinds})
@@ -229,6 +243,14 @@ def is_hidden(name: str) -> bool:
 
 def _action_types(infos: Any) -> tuple[str, ...]:
     return tuple(sorted({info.topic_type.removesuffix("_FeedbackMessage") for info in infos}))
+
+
+def _ids_by_node(infos: Any) -> dict[str, frozenset[bytes]]:
+    found: dict[str, frozenset[bytes]] = {}
+    for info in infos:
+        name = _full(*_of(info))
+        found[name] = found.get(name, frozenset()) | {bytes(info.endpoint_gid)}
+    return found
 
 
 def _of(info: Any) -> tuple[str, str]:

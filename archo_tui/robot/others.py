@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
 from archo_tui.robot.acts import Act
@@ -55,18 +55,29 @@ class Others:
         if act.code not in _NOT_DONE:
             self._told.append((act, now))
 
-    def motion(self, motion: Motion, now: float) -> None:
-        """How the robot moves now."""
+    def motion(
+        self, motion: Motion, now: float, restarted: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Compare how the robot moves now with how it did.
+
+        Args:
+            motion: What was received last.
+            now: Monotonic time in seconds.
+            restarted: Whether another node tells it than before; asked when something changed.
+        """
         before, self._motion = self._motion, motion
         if now - (before.received or 0.0) > _GAP:
             return  # it may be another node by now
+        seen = []
         if before.stopped is False and motion.stopped:
-            self._seen.append(_Seen(("stop",), f"stopped by {self.who}", now))
+            seen.append(_Seen(("stop",), f"stopped by {self.who}", now))
         if before.stopped and motion.stopped is False:
-            self._seen.append(_Seen(("release",), f"stop released by {self.who}", now))
+            seen.append(_Seen(("release",), f"stop released by {self.who}", now))
         if before.count and motion.count == 0:
             said = f"encoder reset by {self.who}: 0, was {before.count}"
-            self._seen.append(_Seen(self._commands, said, now))
+            seen.append(_Seen(self._commands, said, now))
+        if seen and not restarted():
+            self._seen += seen
 
     def parameter(self, node: str, name: str, old: Any, new: Any, now: float) -> None:
         """A node says that a parameter has changed."""

@@ -41,10 +41,10 @@ class Parameters:
         clock: Clock,
         pending: Services,
         changed: Callable[[], None],
-        set_anew: Callable[[], None],
+        set_anew: Callable[[str, Any, Any], None],
         told: Callable[[str, str, Any, Any], None],
     ) -> None:
-        """`set_anew()` is called when a value has changed.
+        """`set_anew(node, old, new)` is called when a value has changed.
 
         `told(node, name, old, new)` when its node says so, whoever did it.
         """
@@ -230,7 +230,7 @@ class Parameters:
         elif not same(known.value, value):
             self._by_node[node][name] = known._replace(value=value)
             self._changed()
-            self._set_anew()
+            self._set_anew(node, known.value, value)
 
 
 def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:

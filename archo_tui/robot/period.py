@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 _MEASURED = 5  # intervals, of which the median is the period
 LEAST_SILENCE = 2.5  # s
 UNMEASURED = 30.0  # s of silence before the period is known: longer than that of most topics
+LONGEST_SET = UNMEASURED / 3  # s; a longer period that a parameter seems to be is not believed
+_ALIKE = 0.1  # of a parameter's value by which a period may differ from it
 _SMOOTHING = 0.2  # weight of the newest interval in a pace
 
 
@@ -18,21 +20,44 @@ class Period(NamedTuple):
 
     intervals: tuple[float, ...] = ()
     last: float | None = None
+    known: float | None = None  # the period (s) that holds until it is measured
+
+    def anew(self, old: object, new: object) -> Period:
+        """Return the period to be measured anew, because a parameter has changed.
+
+        What is known stays until then. Where the parameter was the period itself, that is its new
+        value.
+
+        Args:
+            old: What the parameter was; None: it is of another node than the publisher.
+            new: What it is.
+        """
+        seconds = self.seconds
+        if seconds is None or not (is_number(old) and is_number(new)):
+            return Period(known=seconds)
+        if abs(seconds - old) <= _ALIKE * old and new > 0:
+            seconds = min(float(new), LONGEST_SET)
+        return Period(known=seconds)
 
     def heard(self, now: float) -> Period:
         """With one more message."""
         if len(self.intervals) == _MEASURED:
             return self
         if self.last is None:
-            return Period((), now)
-        return Period((*self.intervals, now - self.last), now)
+            return self._replace(last=now)
+        return self._replace(intervals=(*self.intervals, now - self.last), last=now)
 
     @property
     def seconds(self) -> float | None:
-        """The period in s, of two in the middle the longer; None before two messages."""
+        """The period in s, of two in the middle the longer; before two messages what is known."""
         if not self.intervals:
-            return None
+            return self.known
         return sorted(self.intervals)[len(self.intervals) // 2]
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Return whether it is a number, and no truth value."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 class Pace(NamedTuple):

@@ -16,7 +16,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from archo_tui.robot.acts import Act
-from archo_tui.robot.outcome import Code
+from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import UNMEASURED, Pace, is_silent
 from archo_tui.robot.readings import number
 from archo_tui.robot.values import same, text_of
@@ -98,6 +98,7 @@ class Phase(Enum):
     UNKNOWN = "UNKNOWN"
     LOST = "LOST"
     DISPUTED = "ENDED"  # the action and its result disagree
+    GONE = "GONE"  # its node has gone: nobody will ever tell how it ended
 
 
 _CODES = {  # of those that ended
@@ -106,6 +107,7 @@ _CODES = {  # of those that ended
     Phase.ABORTED: Code.ABORTED,
     Phase.REFUSED: Code.REFUSED,
     Phase.DISPUTED: Code.NOT_CONFIRMED,
+    Phase.GONE: Code.TIMEOUT,
 }
 RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST)
 
@@ -153,6 +155,8 @@ class Goal(NamedTuple):
     @property
     def word(self) -> str:
         """Its phase; one that leads nowhere runs and succeeds."""
+        if self.phase == Phase.GONE:
+            return str(Phase.LOST.value)
         words = {} if self.kind.noun else {Phase.MOVING: "RUNNING", Phase.ARRIVED: "SUCCEEDED"}
         return words.get(self.phase, str(self.phase.value))
 
@@ -162,8 +166,16 @@ class Goal(NamedTuple):
         return _CODES.get(self.phase)
 
     @property
+    def outcome(self) -> Outcome | None:
+        """How it ended, as whoever waits for it is told; None while it runs."""
+        if self.code is None:
+            return None
+        text = self.message or self.word.lower()
+        return Outcome(self.code, f"goal lost: {text}" if self.phase == Phase.GONE else text)
+
+    @property
     def is_running(self) -> bool:
-        """True until the robot has said that it ended (or refused)."""
+        """True until the robot has said that it ended (or refused), or nobody can any more."""
         return self.phase in RUNNING
 
     def elapsed(self, now: float) -> float:
@@ -340,6 +352,14 @@ class OpenStop(NamedTuple):
     why: str = ""  # more about that
 
 
+class Latch(Enum):
+    """What the console knows of the last STOP that the robot confirmed or told of."""
+
+    NONE = "none"  # there was none, or it was released
+    HELD = "held"
+    UNCERTAIN = "uncertain"  # the node that held it has left, or was started anew
+
+
 class Snapshot(NamedTuple):
     """Everything a screen can show, at one moment."""
 
@@ -356,6 +376,9 @@ class Snapshot(NamedTuple):
     events: tuple[Event, ...] = ()  # newest last
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     open_stop: OpenStop | None = None
+    latch: Latch = Latch.NONE
+    latch_lost: str = ""  # what became of the node that held an UNCERTAIN one
+    released: float | None = None  # when the robot confirmed a release, monotonic s
     moves_on: bool = False  # the robot, though it has confirmed a STOP
     outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
     namespace: str = "/"  # of the robot that is operated
@@ -374,8 +397,15 @@ class Snapshot(NamedTuple):
 
     @property
     def is_stopped(self) -> bool:
-        """True when the robot says so, and while a STOP is not confirmed yet."""
-        return self.open_stop is not None or bool(self.motion.stopped)
+        """True when the robot says so, and while a STOP is not confirmed, or no longer certain."""
+        return self.open_stop is not None or self.latch is Latch.UNCERTAIN or self.says_stopped
+
+    @property
+    def says_stopped(self) -> bool:
+        """True when the robot said so, by a node that is still there, and confirmed no release."""
+        heard, released = self.motion.received, self.released
+        is_past = heard is not None and released is not None and heard <= released
+        return bool(self.motion.stopped) and not is_past and self.latch is not Latch.UNCERTAIN
 
     @property
     def running_goal(self) -> Goal | None:

@@ -18,11 +18,13 @@ from archo_tui.robot.graph import Graph
 from archo_tui.robot.offers import Offers
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
-from archo_tui.robot.state import Motion, OpenStop, StopAnswer, not_offered
+from archo_tui.robot.state import Latch, Motion, OpenStop, StopAnswer, not_offered
 from archo_tui.robot_file import model
 
 ALL_ANSWERS = 3.0  # s that the answers of several servers are waited for
 OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
+FIRST_FOUND = 5.0  # s from the start in which the robot may not be found yet
+_SETTLED = 1.0  # s after a change of nodes in which what the one before has said still comes
 _FIND_PERIOD = 0.1  # s between two looks for a server
 _NOTHING_NEW = ("", "ok", "stop", "stopped", "success")  # in the answer to a STOP that is confirmed
 
@@ -57,6 +59,7 @@ class Stopping:
         self._node, self._stop, self._clock = node, stop, clock
         self._services, self._graph, self._offers = pending, graph, offers
         self._look, self._changed, self._tell = look, changed, tell
+        self._begun = clock.monotonic()
         self.open: OpenStop | None = None  # the first that is not confirmed
         self._first = 0  # the turn of that first one: an answer to an earlier one is not to it
         self._told = 0  # the turn of the one that was answered so
@@ -65,6 +68,12 @@ class Stopping:
         self._is_latched = False  # as the robot said last
         self.is_unheeded = False  # the robot says that it moves, though it has confirmed a STOP
         self._left: int | None = None  # the turn of the last one, that nothing was accepted behind
+        self.latch = Latch.NONE
+        self.lost = ""  # what became of the node that held an UNCERTAIN one
+        self.released: float | None = None  # when the robot confirmed a release, monotonic s
+        self._holders: dict[str, frozenset[bytes]] = {}  # the nodes that hold it, and their ids
+        self._told_anew: set[str] = set()  # those that their host told of it at their start
+        self._changed_at = 0.0  # when another node than these was seen, monotonic s
 
     async def send(self) -> Outcome:
         """Stop the robot; ends when all servers answered, or did not in time."""
@@ -109,6 +118,8 @@ class Stopping:
             return False
         if said.outcome.ok or said.answer == StopAnswer.UNCONFIRMED:
             self._answered = sent, self._clock.monotonic()
+        if said.outcome.ok:
+            self._hold()
         if self.open is None:  # another one was confirmed meanwhile
             return False
         if said.outcome.ok:
@@ -134,8 +145,45 @@ class Stopping:
         if self.is_behind(turn):
             return
         self._left = self._unheeded = None
+        self.latch, self.released = Latch.NONE, self._clock.monotonic()
         if self.open is not None:
             self.over()
+
+    def _hold(self) -> None:
+        """Remember that the robot is stopped, and by which nodes."""
+        assert self._stop is not None
+        self.latch, self.lost = Latch.HELD, ""
+        self._holders = self._graph.holders(self._stop.service)
+        self._told_anew.clear()
+
+    def told_anew(self, node: str) -> None:
+        """A node that was started here was told of the STOP before anything else."""
+        self._told_anew.add(node)
+        self.look_at_holders()
+
+    def released_elsewhere(self) -> None:
+        """Another console has released it."""
+        self.latch = Latch.NONE
+
+    def look_at_holders(self) -> None:
+        """See whether the nodes that hold the STOP are those that confirmed it."""
+        if self.latch is Latch.NONE or self._stop is None:
+            return
+        now, before = self._graph.holders(self._stop.service), (self.latch, self.lost)
+        anew = {node: ids for node, ids in now.items() if node in self._told_anew}
+        held = {**self._holders, **anew}
+        if not self._holders or now == held:
+            self._holders, self.latch, self.lost = now, Latch.HELD, ""
+            self._told_anew -= now.keys()
+        else:
+            self.latch = Latch.UNCERTAIN
+            gone = sorted(held.keys() - now.keys())
+            new = sorted(node for node, ids in now.items() if ids != held.get(node))
+            self.lost = f"{new[0]} was started since" if new else f"{gone[0]} has left"
+            if new:
+                self._changed_at = self._clock.monotonic()
+        if before != (self.latch, self.lost):
+            self._changed()
 
     def heard(self, motion: Motion) -> None:
         """What the robot says of itself, by one node only."""
@@ -147,6 +195,14 @@ class Stopping:
             self.over()
         released = self._is_latched and motion.stopped is False
         self._is_latched = bool(motion.stopped)
+        if motion.stopped:
+            settled = self._clock.monotonic() - self._changed_at >= _SETTLED
+            if self.latch is Latch.NONE or (self.latch is Latch.UNCERTAIN and settled):
+                self._hold()
+        elif released and self.latch is Latch.HELD:
+            self.look_at_holders()  # it may be another node that says so
+            if self.latch is Latch.HELD:
+                self.latch = Latch.NONE
         if released or not motion.moving:
             self._unheeded = None
         elif self._is_latched and self._unheeded is None:  # whoever stopped it
@@ -173,8 +229,9 @@ class Stopping:
         return sent if self._clock.monotonic() - confirmed >= OBEYED else None
 
     async def _found(self, name: str) -> None:
-        """Wait up to DEADLINE for a server, at the start or after a restart of its node."""
-        end = self._clock.monotonic() + services.DEADLINE
+        """Wait for a server: up to DEADLINE after a restart of its node, longer at the start."""
+        now = self._clock.monotonic()
+        end = max(now + services.DEADLINE, self._begun + FIRST_FOUND)
         while name not in self._graph.offered and self._clock.monotonic() < end:
             await self._services.pause(_FIND_PERIOD)
             self._look()

@@ -14,8 +14,10 @@ from contextvars import ContextVar
 from typing import NamedTuple
 
 NOT_SENT = "not sent: STOP came after it"
+NEVER_LEFT = "cancelled before it was sent"
 APART = 1.0  # s between a STOP and the next but one, when they are all that is asked for
 UNCONFIRMED = "the STOP is not confirmed: release it first, or give it up"
+UNCERTAIN = "the STOP is no longer certain: release it, or stop again"
 HELD = "held: STOP"  # of the queue: the robot is stopped, or is to be
 
 
@@ -29,6 +31,7 @@ class Stops:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self.count = 0
+        self.answered = 0  # of these, when the answer to the last one came, or did not in time
         self.elsewhere = 0  # that other consoles told of
         self.overtaken = False  # something else was asked for since the last one left
         self._carried: ContextVar[int | None] = ContextVar("stops", default=None)
@@ -38,6 +41,11 @@ class Stops:
         with self._lock:
             self.count += 1
             return self.count
+
+    @property
+    def are_answered(self) -> bool:
+        """True when none is on its way to the robot."""
+        return self.answered >= self.count
 
     @property
     def carried(self) -> int:

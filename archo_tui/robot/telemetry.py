@@ -16,7 +16,7 @@ from archo_tui.robot import message_classes, messages
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.period import LEAST_SILENCE, UNMEASURED, Period
 from archo_tui.robot.readings import as_received, flag, integer, number, read
-from archo_tui.robot.state import Battery, Motion, Reading
+from archo_tui.robot.state import Battery, Motion, Reading, in_namespace
 from archo_tui.robot.text import harmless
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import Gauge, MessageField, RobotFile
@@ -71,6 +71,7 @@ class Telemetry:
         self._subscriptions: dict[object, tuple[tuple[str, bool, bool], Any]] = {}
         self._periods: dict[object, Period] = {}
         self._graces: dict[object, float | None] = {}  # see Battery
+        self._publishers: dict[object, frozenset[str]] = {}  # nodes, fully qualified
         self.faults: dict[str, str] = {}  # why a topic, or one of its publishers, is not heard
         self.battery = Battery()
         self.motion = Motion()
@@ -105,12 +106,26 @@ class Telemetry:
                 self._warn(fault)
         self.faults = faults
 
-    def measure_anew(self) -> None:
-        """The robot may have another pace from now on: silence is judged when that is known."""
-        self._periods.clear()
-        self.battery = self.battery._replace(period=self._fixed(self._robot.battery))
-        self.motion = replace(self.motion, period=self._fixed(self._robot.motion))
-        self.gauges = tuple(reading._replace(period=None) for reading in self.gauges)
+    def measure_anew(self, node: str, old: object, new: object) -> None:
+        """Measure every period anew: a parameter has changed, and may be one of them.
+
+        Silence is judged by what was known until then.
+
+        Args:
+            node: The node that has the parameter, fully qualified.
+            old: What it was.
+            new: What it is.
+        """
+        for key, period in self._periods.items():
+            is_its = node in self._publishers.get(key, ())
+            self._periods[key] = period.anew(old if is_its else None, new)
+        known = {key: period.seconds for key, period in self._periods.items()}
+        fixed = self._fixed(self._robot.battery), self._fixed(self._robot.motion)
+        self.battery = self.battery._replace(period=fixed[0] or known.get("battery"))
+        self.motion = replace(self.motion, period=fixed[1] or known.get("motion"))
+        self.gauges = tuple(
+            reading._replace(period=known.get(place)) for place, reading in enumerate(self.gauges)
+        )
 
     def kept(self) -> Kept:
         """The readings, to be put back."""
@@ -130,6 +145,9 @@ class Telemetry:
         faults: dict[str, str],
     ) -> None:
         publishers = self._node.get_publishers_info_by_topic(topic)
+        self._publishers[key] = frozenset(
+            in_namespace(info.node_namespace, info.node_name) for info in publishers
+        )
         if not publishers:
             self._graces[key] = LEAST_SILENCE  # nobody is there to say more
             return  # keep listening: the publisher may come back

@@ -10,7 +10,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from archo_tui.robot.period import LEAST_SILENCE
-from archo_tui.robot.state import Hosted, Life, OpenStop, Snapshot, StopAnswer, not_offered
+from archo_tui.robot.state import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer, not_offered
 from archo_tui.robot_file.model import RobotFile
 
 
@@ -73,11 +73,13 @@ STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
 WORD, MIXED, TWICE = "battery health", "several publishers", "name twice"
 SILENT, UNWRITTEN, GAUGE = "motor silent", "journal not written", "gauge"
 UNRECORDED = "recordings"
+UNCERTAIN = "stop not certain"
 OUTLIVED, STOPS = "moves after stop", "several stops"
 NOBODY, NO_CLOCK = "no nodes", "no clock"
 _PRIORITIES = {
     OUTLIVED: Priority.HIGH,
     UNCONFIRMED: Priority.HIGH,
+    UNCERTAIN: Priority.HIGH,
     STOPS: Priority.HIGH,
     CONTACT_LOST: Priority.HIGH,
     EMPTY: Priority.HIGH,
@@ -110,6 +112,7 @@ ON_DELAY = {
     WORD: 2.0,
     GAUGE: 2.0,
     UNCONFIRMED: 1.0,
+    UNCERTAIN: 1.0,
     STOPS: 2.0,
     MIXED: 30.0,
     TWICE: 30.0,
@@ -198,6 +201,10 @@ def conditions(
     if snapshot.open_stop is not None:
         text = stop_texts(snapshot, snapshot.open_stop, now)[0]
         found[UNCONFIRMED] = f"{text}: use the hardware stop"
+    if snapshot.latch is Latch.UNCERTAIN:
+        found[UNCERTAIN] = (
+            f"THE STOP IS NO LONGER CERTAIN: {snapshot.latch_lost}: stop again, or release it"
+        )
     stop = snapshot.file.stop
     if stop is not None and stop.service in snapshot.several:
         nodes = snapshot.several[stop.service]
@@ -264,7 +271,7 @@ def conditions(
             f"{topic} silent for {now - motion.received:.0f} s while moving: "
             "the robot may still be driving"
         )
-    if motion.stopped:
+    if snapshot.says_stopped:
         found[STOPPED] = "STOPPED: look for the cause"
     for reading in snapshot.gauges:
         if reading.warns and not reading.is_old(now):

@@ -11,6 +11,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Phase, Snapshot, values_text
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
+from archo_tui.station.ledger import Ledger
 
 
 class QueuedGoal(NamedTuple):
@@ -31,21 +32,21 @@ class QueuedGoal(NamedTuple):
 class GoalQueue:
     """What is still to be driven. Held, nothing is sent until the operator says so."""
 
-    def __init__(self) -> None:
+    def __init__(self, ledger: Ledger | None = None) -> None:
+        """`ledger` knows the goal that is on its way to the robot."""
+        self._ledger = Ledger() if ledger is None else ledger
         self.waiting: list[QueuedGoal] = []
         self.held = ""  # why
         self._seen: int | None = None  # the goal whose end was looked at last
-        self._sending = False  # the robot has not answered yet, or its goal is not seen yet
-        self.before: int | None = None  # the goal before the one that is being sent
 
     @property
     def is_going(self) -> bool:
         """True while something is sent, or will be by itself."""
-        return self._sending or (bool(self.waiting) and not self.held)
+        return self._ledger.goal is not None or (bool(self.waiting) and not self.held)
 
     def submit(self, goals: Sequence[QueuedGoal], snapshot: Snapshot) -> QueuedGoal | None:
         """The operator wants these: returns the first when it can be sent now; the rest waits."""
-        if self._sending or snapshot.running_goal is not None:
+        if self._ledger.running_goal(snapshot) is not None:
             self.waiting += goals
             return None
         self.waiting += goals[1:]
@@ -58,7 +59,7 @@ class GoalQueue:
 
     def not_sent(self, wanted: QueuedGoal) -> None:
         """A STOP came before it left: it waits again."""
-        self._sending = False
+        self._ledger.drop()
         self.waiting.insert(0, wanted)
         self.hold("STOP")
 
@@ -77,19 +78,18 @@ class GoalQueue:
         if self.waiting and not self.held:
             self.held = why
 
-    def answered(self, *, ok: bool) -> None:
-        """The robot has answered what was sent last."""
+    def answered(self, *, ok: bool, why: str = "refused") -> None:
+        """Take the answer to the goal that was sent last; where it is not `ok`, hold the rest."""
         if not ok:
-            self._sending = False
-            self.hold("refused")
+            self._ledger.drop()
+            self.hold(why)
 
     def next(
         self, snapshot: Snapshot, alarms: Iterable[Alarm], stops: int = 0
     ) -> QueuedGoal | None:
         """What is to be sent now, taken out of the queue; `stops` have been read."""
         goal = snapshot.goal
-        if goal is not None and goal.number != self.before:
-            self._sending = False
+        self._ledger.take(snapshot)
         ended = ""
         if goal is not None and not goal.is_running and goal.number != self._seen:
             self._seen = goal.number
@@ -101,13 +101,12 @@ class GoalQueue:
             self.held = "STOP"  # whether the goal that it ended is heard of before or after it
         else:
             self.hold(ended or _in_the_way(alarms))
-        if self.held or self._sending or snapshot.running_goal is not None:
+        if self.held or self._ledger.running_goal(snapshot) is not None:
             return None
         return self._begin(self.waiting.pop(0), snapshot)
 
     def _begin(self, wanted: QueuedGoal, snapshot: Snapshot) -> QueuedGoal:
-        self._sending = True
-        self.before = None if snapshot.goal is None else snapshot.goal.number
+        self._ledger.send(wanted.kind, wanted.values, snapshot)
         return wanted
 
 

@@ -18,10 +18,11 @@ from archo_tui.robot import forms
 from archo_tui.robot.acts import Act
 from archo_tui.robot.asker import YOU, Asker, asked_by, asking
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Hosted, Snapshot
-from archo_tui.robot.stops import NOT_SENT
+from archo_tui.robot.state import Goal, Hosted, Snapshot
+from archo_tui.robot.stops import NEVER_LEFT, NOT_SENT
 from archo_tui.station.alarms import Alarm, AlarmBoard, Ringer, conditions
 from archo_tui.station.history import History
+from archo_tui.station.ledger import RELEASE, Ledger
 from archo_tui.station.queue import GoalQueue, QueuedGoal
 from archo_tui.station.requests import Request, Requests, Stand
 from archo_tui.station.undo import Edit, UndoList
@@ -129,7 +130,8 @@ class Station:
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.edits = UndoList()
-        self.queue = GoalQueue()
+        self.ledger = Ledger()
+        self.queue = GoalQueue(self.ledger)
         self._held = ""  # why it was held at the last look
         self.requests = Requests()
         self.clients: tuple[str, ...] = ()  # the programs that are connected
@@ -138,7 +140,7 @@ class Station:
         self._loop: asyncio.AbstractEventLoop | None = None  # the face's
         self._posted: deque[Callable[[], Coroutine[Any, Any, None]]] = deque()  # not begun yet
         # goals that the robot accepted, each with the number of the goal before it
-        self._underway: list[tuple[QueuedGoal, int | None]] = []
+        self._underway: list[tuple[QueuedGoal, int]] = []
         self._journal, self.recorder = journal, recorder
         self._engine, self._namespace = engine, namespace
         self._board = AlarmBoard()
@@ -149,8 +151,17 @@ class Station:
 
     @property
     def age(self) -> float:
-        """How long it has been there, in s."""
+        """How long the console, or the node that was started here last, has been there, in s."""
         return self.clock.monotonic() - self._begun
+
+    def node_started(self) -> None:
+        """A node was started here: like the robot at the start it may not be found yet."""
+        self._begun = self.clock.monotonic()
+
+    @property
+    def running_goal(self) -> Goal | None:
+        """Our goal on its way to the robot, else the one that runs."""
+        return self.ledger.running_goal(self.robot.snapshot)
 
     def run_on(self, face: Face) -> None:
         """From now on this face runs what is sent, and hears what comes of it."""
@@ -220,7 +231,7 @@ class Station:
             if not self._drives(asker):
                 return
             with asked_by(asker):
-                outcome = await self.robot.cancel()
+                outcome = await self.cancel()
             if outcome.ok:
                 return
         if self._drives(asker):
@@ -317,13 +328,14 @@ class Station:
         snapshot = self._snapshot
         ours = [goal for goal in (snapshot.goal, *snapshot.history) if goal and goal.mine]
         for wanted, before in list(self._underway):
-            since = [goal for goal in ours if before is None or goal.number > before]
+            since = [goal for goal in ours if goal.number > before]
             goal = min(since, key=lambda goal: goal.number, default=None)
-            if goal is not None and goal.code is not None:
+            outcome = None if goal is None else goal.outcome
+            if goal is not None and outcome is not None:
                 self._underway.remove((wanted, before))
                 wanted.asker.goal = goal
                 self.requests.goal_ended(wanted.end, goal)
-                _end(wanted, Outcome(goal.code, goal.message or goal.word.lower()))
+                _end(wanted, outcome)
 
     def _advance(self) -> None:
         """Send what is due in the queue, and say when it is held."""
@@ -392,24 +404,33 @@ class Station:
     def _drive(self, wanted: QueuedGoal, answer: asyncio.Future[Outcome] | None = None) -> None:
         """Send it; whoever waits for the answer gets it."""
         assert self._face is not None  # nothing is due before there is one
-        before = self.queue.before
+        before = self.ledger.before
         self._face.carry_out(partial(self._send, self._face, wanted, before, answer))
 
     async def _send(
         self,
         face: Face,
         wanted: QueuedGoal,
-        before: int | None,
+        before: int,
         answer: asyncio.Future[Outcome] | None,
     ) -> None:
         """Send a goal; from the queue not behind a STOP."""
         queued = answer is None
-        with self.robot.stops.at(wanted.stops), asked_by(wanted.asker):
-            outcome = await self.robot.send(wanted.kind, wanted.values, queued=queued)
+        if self.ledger.is_cancelled:
+            outcome = Outcome(Code.CANCELLED, NEVER_LEFT)
+        else:
+            self.ledger.has_left = True
+            try:
+                with self.robot.stops.at(wanted.stops), asked_by(wanted.asker):
+                    outcome = await self.robot.send(wanted.kind, wanted.values, queued=queued)
+            except asyncio.CancelledError:  # the screen ends: the next one knows it by its snapshot
+                self.ledger.drop()
+                raise
         if outcome.code == Code.HELD:
             self.queue.not_sent(wanted)
         else:
-            self.queue.answered(ok=outcome.ok)
+            cancelled = outcome.code == Code.CANCELLED
+            self.queue.answered(ok=outcome.ok, why="cancelled" if cancelled else "refused")
             if outcome.ok:
                 self._underway.append((wanted, before))
                 self._look_at_ends()
@@ -421,6 +442,21 @@ class Station:
             face.goal_answered(wanted, outcome)
         elif not answer.done():
             answer.set_result(outcome)
+
+    async def cancel(self, *, another: bool = False) -> Outcome:
+        """Cancel our goal, wherever it is by now; another client's only when that is meant."""
+        if self.ledger.goal is None or self.ledger.has_left:
+            return await self.robot.cancel(another=another)
+        self.ledger.is_cancelled = True
+        outcome = Outcome(Code.ACCEPTED, NEVER_LEFT)
+        act = Act("cancel", {}, outcome.code)
+        self.robot.note("YOU", "console", f"cancel: {outcome.text}", act=act)
+        return outcome
+
+    async def release(self) -> Outcome:
+        """Allow moves again after a STOP."""
+        with self.ledger.asking(RELEASE):
+            return await self.robot.release_emergency_stop()
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:
         """The operator has seen these alarms."""

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from archo_tui.robot.acts import bounded
-from archo_tui.robot.state import Event, Goal, Parameter, Snapshot
+from archo_tui.robot.state import Event, Goal, Latch, Parameter, Snapshot
 from archo_tui.station.alarms import Priority
 from archo_tui.station.station import Station
 from archo_tui.words.goal import doing, way_left
@@ -32,7 +32,7 @@ def state(station: Station) -> dict[str, Any]:
         },
         "motion": {
             "moving": motion.moving,
-            "stopped": motion.stopped,
+            "stopped": None if snapshot.latch is Latch.UNCERTAIN else motion.stopped,
             "speed": _number(motion.speed),
             "word": _word(snapshot, now, 80),
             "age": _age(motion.received, now),
@@ -53,9 +53,16 @@ def state(station: Station) -> dict[str, Any]:
             }
             for alarm in station.view.alarms
         ],
-        "stop": "open" if snapshot.open_stop is not None else "",
+        "stop": _stop(snapshot),
         "line": in_line(station),
     }
+
+
+def _stop(snapshot: Snapshot) -> str:
+    """Return `open` while a STOP is not confirmed, `uncertain` when it is no longer certain."""
+    if snapshot.open_stop is not None:
+        return "open"
+    return "uncertain" if snapshot.latch is Latch.UNCERTAIN else ""
 
 
 def in_line(station: Station) -> str:

@@ -11,7 +11,8 @@ from archo_tui.robot_file.model import Limit
 from archo_tui.station.station import Station
 
 Values = Mapping[str, Any]  # what was typed, by the names of the arguments
-PATIENCE = 5.0  # s from the start in which a robot may not be there yet
+PATIENCE = 5.0  # s from the start (`Station.age`) in which a robot may not be there yet
+ANSWERS = 5.0  # s that answers to what was asked before are waited for; each has a deadline itself
 
 
 class Argument(NamedTuple):
@@ -112,6 +113,10 @@ class Verb:
     def is_ready(self, station: Station, values: Values) -> bool:
         """False while it may become possible by itself: the robot was only just found."""
         return not self.service or self.service in station.robot.snapshot.offered
+
+    def is_answered(self, station: Station) -> bool:
+        """Return False while an answer to something asked before decides about this verb."""
+        return True
 
     async def prepare(self, station: Station, values: Values) -> Values:
         """Read what has to be read before a question can be put. Raises ArchoError."""

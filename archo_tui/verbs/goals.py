@@ -9,6 +9,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Leaf, Phase, Snapshot, in_namespace
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import FormField, GoalKind, Link
+from archo_tui.station.ledger import RELEASE
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import fields_of, full_name, type_of
@@ -133,13 +134,15 @@ class Cancel(Verb):
     acts = may_ask = survives_stop = True
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        return bool(station.robot.snapshot.offered)
+        """A goal of ours is cancelled at once; another client's may not be heard of yet."""
+        found = station.robot.snapshot.offered or station.robot.snapshot.actions
+        return station.running_goal is not None or bool(found)
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        return {**values, RUNNING: station.robot.snapshot.running_goal}
+        return {**values, RUNNING: station.running_goal}
 
     def asks(self, station: Station, values: Values) -> Question | None:
-        goal = station.robot.snapshot.running_goal
+        goal = station.running_goal
         if "--all" in values:
             text = "Cancel every goal of the robot's actions, other clients' too?"
             return Question("Cancel every goal", text, "No", "Cancel all")
@@ -150,12 +153,12 @@ class Cancel(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         if "--all" in values:
             return await station.robot.cancel_all()
-        goal, now = values[RUNNING], station.robot.snapshot.running_goal
+        goal, now = values[RUNNING], station.running_goal
         if goal is None or goal.mine:
-            return await station.robot.cancel()
+            return await station.cancel()
         if now is None or now.number != goal.number:  # a question may wait for long
             return Outcome(Code.REFUSED, "the goal that was asked about has ended")
-        return await station.robot.cancel(another=True)
+        return await station.cancel(another=True)
 
 
 class Continue(Verb):
@@ -164,10 +167,14 @@ class Continue(Verb):
     acts = moves = True
 
     def blocked(self, station: Station) -> str:
+        if station.ledger.waits_for(RELEASE):
+            return "the release has no answer yet"
         return "" if station.queue.held else "no queue is held"
 
-    def is_ready(self, station: Station, values: Values) -> bool:
+    def is_answered(self, station: Station) -> bool:
         """What ends the goal that holds the queue may have been asked for, and not be heard yet."""
+        if station.ledger.waits_for(RELEASE):
+            return False
         goal = station.robot.snapshot.goal
         ends = goal is not None and (goal.phase == Phase.CANCELLING or not goal.is_running)
         return bool(station.queue.held) or not (station.queue.waiting and ends)

@@ -52,6 +52,7 @@ class _OfNode(Verb):
 
     arguments = (Argument("node"),)
     acts = True
+    starts = False  # one more node is on the graph then
 
     async def prepare(self, station: Station, values: Values) -> Values:
         return {"node": self.found(station, values["node"]).name}
@@ -72,6 +73,8 @@ class _OfNode(Verb):
             outcome = Outcome(Code.CANCELLED, NOT_SENT)
         else:
             outcome = await in_daemon(self.work(station), name)  # it waits for the node's thread
+        if self.starts:
+            station.node_started()
         act = Act(self.id, {"node": name}, outcome.code)
         said = f"{self.title.lower()} {name}: {outcome.text}"
         station.robot.note("YOU", "console", said, act=act)
@@ -86,6 +89,7 @@ class _OfNode(Verb):
 class Start(_OfNode):
     id, title = "start", "Start"
     help = "Start a node of this process that was stopped or has crashed"
+    starts = True
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
         return station.host.start_node
@@ -100,7 +104,7 @@ class Halt(_OfNode):
         return station.host.stop_node
 
     def asks(self, station: Station, values: Values) -> Question | None:
-        goal, hosted = station.robot.snapshot.running_goal, self.found(station, values["node"])
+        goal, hosted = station.running_goal, self.found(station, values["node"])
         if goal is None or hosted.life != Life.UP:
             return None
         grave = (_last(goal.kind.action), _stop(station))
@@ -114,7 +118,7 @@ class Halt(_OfNode):
 class Copy(_OfNode):
     id, title = "copy", "Copy"
     help = "Run another copy of a node of this process"
-    may_ask = True
+    may_ask = starts = True
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
         return station.host.copy_node

@@ -120,7 +120,7 @@ class Undo(Verb):
     def blocked(self, station: Station) -> str:
         return station.edits.blocked(station.robot.snapshot)
 
-    def is_ready(self, station: Station, values: Values) -> bool:
+    def is_answered(self, station: Station) -> bool:
         return not station.edits.is_changing
 
     def asks(self, station: Station, values: Values) -> Question | None:

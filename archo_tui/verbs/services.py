@@ -32,7 +32,7 @@ class Give(Verb):
         self.may_ask = given.ask != "never"
 
     def asks(self, station: Station, values: Values) -> Question | None:
-        goal, given = station.robot.snapshot.running_goal, self.given
+        goal, given = station.running_goal, self.given
         if given.ask == "never" or (given.ask == "moving" and goal is None):
             return None
         now = f"The robot is {way(goal)}. " if goal is not None else ""

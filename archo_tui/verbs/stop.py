@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state import Latch
 from archo_tui.robot_file import model
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Question, Values, Verb
@@ -33,18 +34,19 @@ class Release(Verb):
         if not self.service:
             return f"{snapshot.file.name} has no service to release a stop"
         released = snapshot.motion.stopped is False  # None: the robot does not say
+        asked = snapshot.open_stop is not None or not station.robot.stops.are_answered
+        released = released and not asked and snapshot.latch is Latch.NONE
         return super().blocked(station) or ("the robot is not stopped" if released else "")
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """What the robot says of itself comes a little behind its answer to a STOP."""
+        """Also what the robot says of itself was heard, or had time enough."""
         stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
         says = described is not None and any(t.stopped for t in described.types.values())
         is_said = stopped is not None or not says
-        behind = stopped is False and station.robot.stops.count > 0
-        return super().is_ready(station, values) and is_said and not behind
+        return super().is_ready(station, values) and is_said
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        return await station.robot.release_emergency_stop()
+        return await station.release()
 
     def asks(self, station: Station, values: Values) -> Question:
         text = "Release the stop? Moves are allowed again; nothing resumes by itself."

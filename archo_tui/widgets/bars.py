@@ -12,7 +12,7 @@ from textual.content import Content
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.asker import ASSISTANT
-from archo_tui.robot.state import Battery, Motion, Phase
+from archo_tui.robot.state import Battery, Latch, Motion, Phase
 from archo_tui.robot.text import harmless
 from archo_tui.station.alarms import Alarm, Priority, State, advice, is_grave, ways
 from archo_tui.station.station import View
@@ -222,7 +222,9 @@ def _doing(view: View) -> tuple[str, str]:
     """What the robot does, and how far it has to go."""
     snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.file.stop is not None else "no STOP"
-    if snapshot.motion.stopped:
+    if snapshot.latch is Latch.UNCERTAIN:
+        return "✗ STOP NOT CERTAIN", ""
+    if snapshot.says_stopped:
         return "✗ STOPPED", ""
     if goal is None:
         return stop, ""

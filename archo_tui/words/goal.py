@@ -39,6 +39,7 @@ def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None
         Phase.ARRIVED: (STRONG, f"✓ {goal.word}", _arrival(goal)),
         Phase.ABORTED: (BAD, "✗ ABORTED", goal.message),
         Phase.DISPUTED: (WARN, "? ENDED", goal.message),
+        Phase.GONE: (BAD, "✗ LOST", goal.message),
         Phase.UNKNOWN: (
             WARN,
             "? UNKNOWN",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from itertools import groupby
 
-from archo_tui.robot.state import Reading, Snapshot
+from archo_tui.robot.state import Latch, Reading, Snapshot
 from archo_tui.station.alarms import health, is_low, stop_texts
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # tones
@@ -133,6 +133,8 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
         texts = stop_texts(snapshot, snapshot.open_stop, now)
         text = next((text for text in texts if len(text) <= width), texts[-1])
         return ((text[:width], BAD),)
+    if snapshot.latch is Latch.UNCERTAIN:
+        return (("✗ STOP NOT CERTAIN", BAD),)
     if described is None:
         return (("the robot file names no motion", OLD),)
     if motion.received is None:
@@ -142,7 +144,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
         return (("? NO DATA" if offered else "not offered by any node", OLD),)
     if motion.is_old(now):
         return ((f"? silent, {age(now - motion.received)}", OLD),)
-    if motion.stopped:
+    if snapshot.says_stopped:
         return STOPPED
     word = ("▶ MOVING" if motion.moving else "● IDLE", PLAIN)
     if motion.moving is None:

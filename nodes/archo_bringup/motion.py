@@ -45,8 +45,17 @@ def ticks_per_metre(wheel_radius: float, ticks_per_revolution: int) -> float:
     return ticks_per_revolution / (2 * math.pi * wheel_radius)
 
 
+LATE = (
+    0.5  # s that a timer may be late on a busy machine; behind a longer gap the robot stood still
+)
+
+
 class Steps:
-    """Counts the control periods that have passed, however late the timer that asks is."""
+    """Counts the control periods that have passed since the last call.
+
+    A late timer makes up for the periods that it missed. A process that was suspended does not: it
+    could have taken no cancel and no stop meanwhile, and goes on with one step.
+    """
 
     def __init__(self, start_ns: int, period_ns: int) -> None:
         self._start_ns = start_ns
@@ -54,7 +63,8 @@ class Steps:
         self._taken = 0
 
     def due(self, now_ns: int) -> int:
-        """How many periods have passed since the last call. 1 % early counts as passed."""
+        """Return how many periods to drive now. 1 % early counts as passed."""
         passed = int((now_ns - self._start_ns) / self._period_ns + 0.01)
         new, self._taken = passed - self._taken, max(passed, self._taken)
-        return max(new, 0)
+        longest = max(LATE * 1e9 / self._period_ns, 1)
+        return 1 if new > longest else max(new, 0)

@@ -125,7 +125,8 @@ class MotorController(Node):
         """One control period: take a cancel, else drive on and report."""
         if self.goal.is_cancel_requested:
             self.end(CANCELED, "Cancelled mid-route")
-        # a late timer makes up for the periods it missed, so that speed follows the clock
+        # a late timer makes up for the periods it missed, so that speed follows the clock;
+        # a process that was suspended does not
         for _ in range(self.steps.due(self.clock.now().nanoseconds)):
             if self.outcome.done():
                 return

@@ -89,7 +89,8 @@ async def pictures(
     first = SIZES[next(iter(sizes))]
     app = stub_app(snapshot, clock, hosted, size=first)
     app.station.queue.waiting = [QueuedGoal(SHELF, {"shelf_number": n}) for n in queue]
-    app.station.queue._sending = bool(queue)  # none of them is sent
+    if queue:  # none of them is sent while another one is on its way
+        app.station.ledger.send(SHELF, {"shelf_number": 1}, snapshot)
     for before in past(seconds):
         app.station.history.add(*before)
     found = {}

@@ -68,3 +68,12 @@ def test_a_period_that_was_counted_is_not_counted_again() -> None:
     steps = motion.Steps(start_ns=0, period_ns=100)
     # a thread that read the clock earlier asks later
     assert [steps.due(now) for now in (500, 300, 500, 600)] == [5, 0, 0, 1]
+
+
+@pytest.mark.parametrize("period", [0.02, 0.5, 5.0])
+def test_behind_a_suspension_one_step_is_driven_and_never_the_gap(period: float) -> None:
+    steps = motion.Steps(start_ns=0, period_ns=int(period * 1e9))
+    late = int(max(motion.LATE, period) * 1e9)
+    assert steps.due(late) == round(late / (period * 1e9))  # a busy machine
+    assert steps.due(late + int(20e9)) == 1
+    assert steps.due(late + int((20 + period) * 1e9)) == 1

@@ -150,7 +150,7 @@ async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> Non
     async with served(ros_args=FAST) as person:
         spoken = person._plain._verbs
         for verb, options in (
-            ("go", {"--wait", "--leave", "--json", "--to", "--yes"}),
+            ("go", {"--wait", "--timeout", "--leave", "--json", "--to", "--yes"}),
             ("stop", {"--json", "--to"}),
             ("wait", {"--timeout", "--json", "--to"}),
             ("status", {"--line", "--json", "--to"}),

@@ -563,16 +563,6 @@ async def test_a_queued_goal_is_not_sent_behind_a_stop_that_nobody_answered() ->
         assert node.goals_seen == 0
 
 
-async def test_a_cancel_before_the_goal_was_accepted_says_so() -> None:
-    async with stoppable() as (it, node):
-        going = asyncio.ensure_future(go(it, 3))
-        await until(lambda: node.goals_seen)
-        outcome = await ended(it.cancel())
-        assert (outcome.ok, outcome.text) == (False, "the goal has not been accepted yet")
-        node.answer(node.goal_answer)
-        await ended(going)
-
-
 async def test_a_stop_waits_for_a_server_that_is_only_just_coming() -> None:
     made: list[Node] = []
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import threading
 from functools import partial
 from typing import Any
 
 import pytest
+from archo_interfaces.msg import MotorStatus
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float32
 
+from archo_tui.robot.period import Period
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
@@ -72,6 +75,56 @@ async def test_who_speaks_rarely_or_says_what_holds_is_not_silent(maker: Any) ->
         person.type("status\n")
         await person.until("battery GOOD, 42.0 %\n")
         assert "CONTACT LOST" not in person.said
+
+
+class Hanging(Node):
+    """Drives, and hangs soon after its parameter was set."""
+
+    def __init__(self, hang: threading.Event, **options: Any) -> None:
+        super().__init__("hanging", **options)
+        self.hang, self.left = hang, 0
+        self.declare_parameter("max_speed", 0.8)
+        self.motors = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.1, self.tell)
+
+    def tell(self) -> None:
+        self.motors.publish(MotorStatus(moving=True))
+        self.left -= self.get_parameter("max_speed").value != 0.8
+        if self.left < 0:
+            with clock.stuck():
+                self.hang.wait(30)
+
+
+async def test_a_node_that_hangs_after_a_set_is_missed_as_soon_as_any_other() -> None:
+    hang = threading.Event()
+    async with operated(partial(Hanging, hang)) as person:
+        robot = person._plain._station.robot
+        await until(lambda: robot.snapshot.motion.period and robot.snapshot.parameters)
+        person.type("set hanging max_speed 1.5\n")
+        await person.until("max_speed is 1.5")
+        began = seconds()
+        await person.until("alarm unacknowledged: CONTACT LOST for ")
+        assert seconds() - began < 5.0
+        clock.release(hang)
+
+
+@pytest.mark.parametrize(
+    ("measured", "old", "new", "known"),
+    [
+        (1.0, 1.0, 5.0, 5.0),  # the parameter is the period
+        (1.0, 1.0, 900.0, 10.0),  # and is believed up to a limit
+        (0.2, 0.8, 1.5, 0.2),
+        (1.0, None, 5.0, 1.0),  # of another node
+        (1.0, True, False, 1.0),
+        (1.0, 1.0, 0.0, 1.0),
+    ],
+)
+def test_a_period_is_known_until_it_is_measured_anew(
+    measured: float, old: Any, new: Any, known: float
+) -> None:
+    period = Period().heard(7.0).heard(7.0 + measured).anew(old, new)
+    assert period.seconds == pytest.approx(known)
+    assert period.heard(20.0).heard(23.0).seconds == 3.0
 
 
 async def test_a_console_that_was_suspended_with_its_nodes_has_lost_nobody() -> None:

@@ -1,0 +1,208 @@
+"""A goal that is cancelled before the robot has taken it is not driven, wherever it is then."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robot.stops import NEVER_LEFT
+from archo_tui.robot_file.model import GoalKind
+from archo_tui.station.ledger import Ledger
+from archo_tui.station.queue import QueuedGoal
+from tests.support.archo import SHELF, go
+from tests.support.clock import seconds
+from tests.support.console import console
+from tests.support.plain import operated
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
+from tests.support.shells import served, typed
+from tests.support.shells import until as really
+
+
+class Hesitant(Node):
+    """Takes a goal only when it is told to, and drives it until it is cancelled."""
+
+    def __init__(self, action: str = "move_to_shelf", **options: Any) -> None:
+        super().__init__("hesitant", **options)
+        self.seen = 0
+        self.takes: Future[bool] = Future()
+        self.cancelled: Future[bool] = Future()
+        self.create_timer(0.05, lambda: None)  # an awaited future is noticed when something wakes
+        self.server = ActionServer(
+            self,
+            MoveToShelf,
+            action,
+            self.execute,
+            goal_callback=self.on_goal,
+            cancel_callback=self.on_cancel,
+            callback_group=ReentrantCallbackGroup(),
+        )
+
+    async def on_goal(self, request: Any) -> GoalResponse:
+        self.seen += 1
+        return GoalResponse.ACCEPT if await self.takes else GoalResponse.REJECT
+
+    def on_cancel(self, goal: Any) -> CancelResponse:
+        self.cancelled.set_result(True)
+        return CancelResponse.ACCEPT
+
+    async def execute(self, goal: Any) -> Any:
+        await self.cancelled
+        goal.canceled()
+        return MoveToShelf.Result(success=False, final_message="Cancelled")
+
+    def answer(self, taken: bool = True) -> None:
+        """Take the goal, or refuse it."""
+        assert self.executor is not None
+        self.executor.create_task(lambda: self.takes.set_result(taken))
+
+
+@pytest.fixture
+def made() -> list[Hesitant]:
+    return []
+
+
+@pytest.fixture
+def hesitant(made: list[Hesitant]) -> Any:
+    def make(**options: Any) -> Hesitant:
+        made.append(Hesitant(**options))
+        return made[0]
+
+    return make
+
+
+def offered(it: Any) -> bool:
+    return "move_to_shelf" in it.snapshot.offered
+
+
+@pytest.mark.parametrize("late", [0.5, 1.5, 3.0])
+async def test_it_is_cancelled_as_soon_as_the_robot_takes_it_however_late(
+    hesitant: Any, made: list[Hesitant], late: float
+) -> None:
+    async with robot(hesitant) as it:
+        await until(lambda: offered(it))
+        going = asyncio.ensure_future(go(it, 3))
+        await until(lambda: made[0].seen)
+        began = seconds()
+        cancelling = asyncio.ensure_future(it.cancel())
+        await until(lambda: seconds() >= began + late)
+        made[0].answer()
+        await until(lambda: going.done() and cancelling.done())
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.CANCELLED)
+        if late < 2.0:
+            assert cancelling.result() == (Code.ACCEPTED, "accepted")
+            assert going.result().ok  # how it ended is the goal's to say
+        else:
+            said = "the goal is not accepted yet: it is cancelled when it is"
+            assert cancelling.result() == (Code.TIMEOUT, said)
+
+
+async def test_one_that_the_robot_refuses_meanwhile_leaves_nothing_to_cancel(
+    hesitant: Any, made: list[Hesitant]
+) -> None:
+    async with robot(hesitant) as it:
+        await until(lambda: offered(it))
+        going = asyncio.ensure_future(go(it, 3))
+        await until(lambda: made[0].seen)
+        cancelling = asyncio.ensure_future(it.cancel())
+        await until(lambda: it._goals._ours is not None and it._goals._ours.is_cancelled)
+        made[0].answer(taken=False)
+        await until(lambda: going.done() and cancelling.done())
+        said = "the goal was not driven: refused, no reason given"
+        assert cancelling.result() == (Code.DONE, said)
+
+
+async def test_one_whose_server_is_still_looked_for_is_never_sent(
+    hesitant: Any, made: list[Hesitant]
+) -> None:
+    async with robot(hesitant) as it:
+        await until(lambda: offered(it))
+        kind = GoalKind("send_goal", "Reach", "reach", SHELF.type)
+        going = asyncio.ensure_future(it.send(kind, {"shelf_number": 3}))
+        await until(lambda: it._goals._coming)
+        assert await ended(it.cancel()) == (Code.ACCEPTED, NEVER_LEFT)
+        assert await ended(going) == (Code.CANCELLED, NEVER_LEFT)
+
+
+async def test_one_that_is_cancelled_in_the_same_turn_never_leaves_the_desk(
+    hesitant: Any, made: list[Hesitant]
+) -> None:
+    async with operated(hesitant) as person:
+        station = person._plain._station
+        await until(lambda: offered(station.robot))
+        goals = [QueuedGoal(SHELF, {"shelf_number": number}) for number in (12, 7)]
+        answer = station.drive(goals)
+        goal = station.running_goal
+        assert goal is not None
+        assert (goal.name, goal.phase) == ("shelf 12", Phase.SENT)
+        assert await station.cancel() == (Code.ACCEPTED, NEVER_LEFT)
+        assert await ended(answer) == (Code.CANCELLED, NEVER_LEFT)
+        assert station.queue.held == "cancelled"
+        assert station.running_goal is None
+        assert made[0].seen == 0
+
+
+async def test_a_key_cancels_a_goal_that_is_not_taken_yet_and_questions_know_it(
+    hesitant: Any, made: list[Hesitant]
+) -> None:
+    async with console(node_makers=[hesitant], wait=False) as op:
+        await op.until(lambda: offered(op.session.robot))
+        await op.press("g", *"12 7", "enter")
+        await op.until(lambda: made[0].seen)
+        await op.press("escape", "ctrl+z")
+        await op.until("on its way to shelf 12; its nodes would pause")
+        await op.press("escape", "ctrl+c")
+        assert "No goal is running" not in op.text
+        made[0].answer()
+        await op.until("held: 7 (cancelled)")
+        assert op.app.view.snapshot.history[0].phase == Phase.CANCELLED
+
+
+@pytest.mark.real_time
+async def test_a_shells_cancel_ends_when_that_goals_cancel_is_answered(
+    hesitant: Any, made: list[Hesitant]
+) -> None:
+    async with served(hesitant) as person:
+        await really(lambda: offered(person._plain._robot))
+        going = asyncio.ensure_future(typed("go", "12", "--wait"))
+        await really(lambda: made and made[0].seen)
+        cancelling = asyncio.ensure_future(typed("cancel"))
+        ours = person._plain._robot._goals
+        await really(lambda: ours._ours is not None and ours._ours.is_cancelled)
+        assert not cancelling.done()
+        made[0].answer()
+        assert (await cancelling).code == 0
+        assert (await going).code == 5
+
+
+# the rule, without a robot
+
+
+def running(number: int, *, mine: bool, phase: Phase = Phase.MOVING) -> Goal:
+    return Goal(SHELF, {"shelf_number": 1}, phase, 0.0, 0.0, mine=mine, number=number)
+
+
+def test_ours_on_its_way_comes_before_another_clients_until_it_is_seen_or_refused() -> None:
+    ledger, others = Ledger(), Snapshot(goal=running(4, mine=False))
+    assert ledger.running_goal(others) == others.goal
+    ledger.send(SHELF, {"shelf_number": 12}, others)
+    ledger.take(others._replace(goal=running(5, mine=False)))  # another one of somebody else's
+    ours = ledger.running_goal(others)
+    assert ours is not None
+    assert ours.name == "shelf 12"
+    seen = Snapshot(goal=running(6, mine=False), history=(running(7, mine=True),))
+    ledger.take(seen)
+    assert ledger.running_goal(seen) == seen.goal
+    ledger.send(SHELF, {"shelf_number": 12}, seen)
+    ledger.take(seen)
+    ledger.drop()
+    assert ledger.running_goal(seen) == seen.goal

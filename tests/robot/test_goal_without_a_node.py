@@ -1,0 +1,155 @@
+"""The end of a goal whose node has gone: one rule, wherever the goal came from."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+
+import pytest
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from archo_interfaces.action import MoveToShelf
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.task import Future
+from unique_identifier_msgs.msg import UUID
+
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Phase
+from tests.support.archo import go
+from tests.support.clock import seconds
+from tests.support.console import LONG
+from tests.support.plain import operated
+from tests.support.quiet import ended, until
+from tests.support.robot import robot
+from tests.support.shells import heard, served, typed
+
+LOST = "the robot may still be moving"
+
+
+class Server(Node):
+    """Takes every goal, and says nothing of it until it is told to."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("server", **options)
+        self.never: Future[bool] = Future()
+        impl: Any = MoveToShelf.Impl
+        group, prefix = ReentrantCallbackGroup(), "move_to_shelf/_action"
+        for kind, name, answer in (
+            (impl.SendGoalService, "send_goal", self.accept),
+            (impl.GetResultService, "get_result", self.result),
+            (impl.CancelGoalService, "cancel_goal", self.result),
+        ):
+            self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
+        self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
+        latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        self.status = self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
+
+    async def accept(self, _: Any, response: Any) -> Any:
+        response.accepted = True
+        return response
+
+    async def result(self, _: Any, response: Any) -> Any:
+        await self.never
+        return response
+
+    def drives(self, goal_id: bytes) -> None:
+        """Tell that it does."""
+        status = GoalStatus(status=GoalStatus.STATUS_EXECUTING)
+        status.goal_info.goal_id = UUID(uuid=list(goal_id))
+        self.status.publish(GoalStatusArray(status_list=[status]))
+
+
+async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_again() -> None:
+    made: list[Node] = []
+
+    def host(**options: Any) -> Node:
+        made.append(Node("somebody", **options))
+        return made[0]
+
+    async with robot(host) as it:
+        await until(lambda: made[0].executor is not None)
+        executor: Any = made[0].executor
+        server = Server(context=made[0].context)
+        executor.create_task(executor.add_node, server)
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it, 3))).ok
+        assert it._goals._ours is not None
+        goal_id = it._goals._ours.id
+
+        def leave(node: Node) -> None:
+            executor.remove_node(node)
+            node.destroy_node()
+
+        executor.create_task(leave, server)
+        began = seconds()
+        await until(lambda: it.snapshot.goal and not it.snapshot.goal.is_running)
+        assert seconds() - began < 3.0
+        goal: Any = it.snapshot.goal
+        assert (goal.phase, goal.word, goal.message) == (Phase.GONE, "LOST", LOST)
+        assert goal.outcome == Outcome(Code.TIMEOUT, f"goal lost: {LOST}")
+        back = Server(context=made[0].context)
+        executor.create_task(executor.add_node, back)
+        executor.create_task(back.drives, goal_id)
+        await until(lambda: it.snapshot.running_goal)
+        goal = it.snapshot.running_goal
+        assert (goal.name, goal.mine) == ("shelf 3", True)
+        again = "shelf 3 was not lost: its node is heard again"
+        await until(lambda: any(event.text == again for event in it.snapshot.events))
+        said = [event.text for event in it.snapshot.events if event.level == "GOAL"]
+        assert said == [f"shelf 3 lost: {LOST}", again]
+        executor.create_task(leave, back)
+        await until(lambda: it.snapshot.running_goal is None)
+
+
+async def test_of_a_halted_node_it_is_lost_at_once_and_the_rest_is_held() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("go 12 7\n")
+        await person.until("m left of")
+        began = seconds()
+        person.type("halt motor_controller --yes\n")
+        await person.until(f"goal LOST, shelf 12, {LOST}")
+        assert seconds() - began < 0.5
+        assert await person.end() == 1
+        assert "queue held: 7 (lost)" in person.said
+        assert "not driven: 7 (lost)" in person.said
+
+
+async def test_of_one_that_crashes_too(here: Path) -> None:
+    motor = here / "motor.py"
+    motor.write_text(
+        "from archo_bringup.motor_controller import MotorController\n\n\n"
+        "class Motor(MotorController):\n"
+        "    def control(self):\n"
+        "        super().control()\n"
+        "        if self.drive.remaining < 999:\n"
+        "            raise RuntimeError('a wheel came off')\n"
+    )
+    async with operated(node_files=[motor], ros_args=LONG) as person:
+        assert await person.end("go 12\n") == 1
+        assert "a wheel came off" in person.said
+        assert f"goal LOST, shelf 12, {LOST}" in person.said
+
+
+async def test_a_copy_that_is_halted_takes_no_goal_of_the_other_one_along() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("go 12\n")
+        await person.until("m left of")
+        person.type("copy motor_controller --yes\nhalt motor_controller_2 --yes\nnodes\n")
+        await person.until("motor_controller_2 stopped")
+        goal = person._plain._robot.snapshot.goal
+        assert goal is not None
+        assert goal.is_running
+
+
+@pytest.mark.real_time
+async def test_a_shell_that_waits_ends_with_1_or_when_its_time_is_over() -> None:
+    async with served(ros_args=LONG) as person:
+        said = await typed("go", "12", "--wait", "--timeout", "0.2")
+        assert (said.code, said.err) == (4, "accepted\narcho-tui: go: the robot still drives\n")
+        waiting = asyncio.ensure_future(typed("wait", "arrived"))
+        await heard(person, "m left of")
+        person.type("halt motor_controller --yes\n")
+        said = await waiting
+        assert (said.code, said.err) == (1, f"archo-tui: wait: goal lost: {LOST}\n")

@@ -1,0 +1,76 @@
+"""The robot is waited for at the start only; what is missing later is said at once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+
+from tests.robot.test_cancel_on_its_way import Hesitant
+from tests.support.clock import seconds
+from tests.support.plain import operated
+from tests.support.quiet import until
+
+
+class Alone(Node):
+    """Offers nothing."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("alone", **options)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("reset", "failed: reset: reset_encoder is not offered by any node"),
+        ("go 12", "failed: go: move_to_shelf is not offered by any node"),
+        ("release --yes", "failed: release: release_emergency_stop is not offered by any node"),
+        ("call blink", "failed: call: no service is on the graph"),
+        ("send_goal reach", "failed: send_goal: no action is on the graph"),
+        ("cancel", "failed: cancel: no goal is running"),
+        ("continue", "failed: continue: no queue is held"),
+    ],
+)
+async def test_what_is_missing_is_said_at_once_and_keeps_no_line_behind_it(
+    line: str, said: str
+) -> None:
+    async with operated(Alone) as person:
+        began = seconds()
+        person.type(f"{line}\n")
+        await person.until(said)
+        assert seconds() - began <= 5.1  # at the start it may only not be found yet
+        await until(lambda: seconds() > began + 6.0)
+        began = seconds()
+        person.type(f"{line}\nnodes\n")
+        await person.until("alone up")
+        assert person.said.count(said) == 2
+        assert seconds() - began < 0.5
+
+
+async def test_a_stop_that_nobody_serves_speaks_within_its_deadline() -> None:
+    async with operated(Alone) as person:
+        later = seconds() + 6.0
+        await until(lambda: seconds() > later)
+        began = seconds()
+        person.type("stop\n")
+        await person.until("failed: stop: /emergency_stop is not offered by any node")
+        assert seconds() - began < 2.5
+
+
+async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> None:
+    made: list[Hesitant] = []
+
+    def make(**options: Any) -> Node:
+        made.append(Hesitant("reach", **options))
+        return made[0]
+
+    async with operated(make) as person:
+        person.type("send_goal reach shelf_number=3\n")
+        await until(lambda: made and made[0].seen)
+        made[0].answer()
+        await person.until("YOU console: reach 3: accepted")
+        began = seconds()
+        person.type("cancel\n")
+        await person.until("goal CANCELLED")
+        assert seconds() - began < 0.5
