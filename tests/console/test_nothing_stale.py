@@ -97,7 +97,7 @@ async def test_nothing_stays_of_where_the_focus_was(
                 send(app, "escape")
                 await quiet.settle()
             assert terminal.shows(app), what
-    assert terminal.parts > 40
+    assert terminal.parts > 30  # a key and what it changes are drawn at once
 
 
 async def test_the_panel_with_the_focus_can_be_told_and_what_in_it() -> None:
