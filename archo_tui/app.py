@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -27,8 +28,6 @@ from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.verbs.goals import GOALS
 from archo_tui.widgets.bars import FooterKey
-from archo_tui.widgets.field import Field
-from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.shown import Shown
 
 TICK = 1.0  # s between two looks at ages and the time of day
@@ -68,6 +67,7 @@ class ArchoApp(KeyedApp):
         self.has_sent = True  # a goal, as far as is known
         self._sent: dict[str, _Sent] = {}  # each command that is not answered yet
         self.view = self._view()
+        self.main.goal.send = self._send_goals
 
     def get_default_screen(self) -> Screen[None]:
         return self.main
@@ -180,7 +180,7 @@ class ArchoApp(KeyedApp):
         for screen in self.screen_stack:
             if isinstance(screen, Leaving) and screen.closes_at_stop:
                 screen.dismiss()
-                self.closed_by_stop()  # what is typed for it acts nowhere else
+                self.closed_by_stop("STOP closed the dialog")
 
     def _waits(self, name: str) -> bool:
         """True, and said, when the robot has not answered a command yet, and no STOP voided it."""
@@ -226,13 +226,22 @@ class ArchoApp(KeyedApp):
         """Show a dialog; not one that a STOP would have closed."""
         closes = isinstance(dialog, Leaving) and dialog.closes_at_stop
         if not (closes and self._is_void(str(dialog.title or "a dialog"))):
-            self.push_screen(dialog)
+            self.show_dialog(dialog)
+
+    @contextmanager
+    def opening(self) -> Iterator[None]:
+        """Hold the keys meanwhile: they are for what is about to be opened."""
+        self._opening += 1
+        try:
+            yield
+        finally:
+            self._opening -= 1  # and the end of the worker hands them on
 
     def _is_void(self, title: str) -> bool:
         """True, and said, when a STOP was read after what is being done."""
         shut = self.stops.gate().is_shut
         if shut:
-            self.void_answers()  # to what is not asked; else they act below it
+            self.closed_by_stop("STOP kept the dialog from opening")
             self.station.robot.note("YOU", "console", f"{title.lower()}: {NOT_SENT}")
             self.tell(Outcome(Code.CANCELLED, NOT_SENT))
         return shut
@@ -248,15 +257,14 @@ class ArchoApp(KeyedApp):
             return
         typed = self.stops.carried  # the answer's, too: a STOP between the two closes the question
 
-        def answered(answer: str | None) -> None:
-            act = answers.get(answer or safe)
+        def answered(answer: str) -> None:
+            act = answers.get(answer)
             with self.stops.at(typed):
                 work = None if act is None else act()
                 if work is not None:
                     self.run_worker(work, group=COMMANDS)
 
-        with self._context():  # not of a dialog that has left: Textual would not tell it the answer
-            self.push_screen(Confirm(title, question, safe, *answers), answered)
+        self.show_dialog(Confirm(title, question, (safe, *answers), answered))
 
     def tell(self, outcome: Outcome) -> None:
         """Say it when a command failed; what it did is seen on the screen."""
@@ -309,13 +317,9 @@ class ArchoApp(KeyedApp):
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
         self.station.robot.note("ERROR", "console", message.said)
 
-    def on_field_refused(self, message: Field.Refused) -> None:
-        self.say(message.reason)
-
-    def on_goal_panel_send(self, message: GoalPanel.Send) -> None:
-        self._keep(message.typed)
-        go = self.verbs["go"]
-        answer = go.run(self.station, {GOALS: message.goals})  # at once: in the order of the keys
+    def _send_goals(self, goals: Sequence[Mapping[str, Any]], typed: list[str]) -> None:
+        self._keep(typed)
+        answer = self.verbs["go"].run(self.station, {GOALS: goals})
         begin(self, partial(self._told, answer), COMMANDS)
         self._show()
 

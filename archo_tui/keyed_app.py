@@ -5,10 +5,12 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Mapping
-from typing import cast
+from typing import Any, cast
 
 from textual import events
 from textual.binding import Binding
+from textual.screen import Screen
+from textual.widget import Widget
 from textual.widgets import Input
 
 from archo_tui.commands import registry
@@ -19,7 +21,7 @@ from archo_tui.screens.leaving import Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
-from archo_tui.terminal.typed import Read, mark, mark_read, typed_after, with_its_marks
+from archo_tui.terminal.typed import Read, mark, mark_read, read_of, typed_after, with_its_marks
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Verb
 from archo_tui.widgets.board import Board
@@ -29,19 +31,13 @@ from archo_tui.widgets.rows import Rows
 HELD = 0.7  # s within which the same key again means that it is held: X11 waits 0.66 s at first
 
 
-_MOVES = tuple(dict.fromkeys((*Rows.KEYS, *Board.KEYS)))
-
-
 class KeyedApp(TerminalApp):
     """Base of the app: hands keys and clicks to the commands, and to what has the focus."""
 
     BINDINGS = [
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
-        Binding("enter", "next_field", "The next field of the form", show=False, priority=True),
-        Binding("enter", "take", "Take the number into the field", show=False, priority=True),
         Binding("tab", "beside(1)", "To the board, and on", show=False, priority=True),
         Binding("shift+tab", "beside(-1)", "Back from the board", show=False, priority=True),
-        *(Binding(key, f"move('{key}')", show=False, priority=True) for key in _MOVES),
     ]
 
     def __init__(self, station: Station, keys: Mapping[str, str], theme: str) -> None:
@@ -55,18 +51,23 @@ class KeyedApp(TerminalApp):
         self._shown_keys = shown_keys(self._keys)
         self.stop_key = self._keys["stop"]
         self._bind_commands()
-        self._early: list[tuple[events.Event, bool]] = []  # typed before the screen could take it
+        self._early: list[tuple[events.Event, bool]] = []  # typed before what it is for was there
+        self._opening = 0  # dialogs that are being read for
+        self._acting: Widget | None = None  # it was clicked, and has not heard of it
+        self._is_drawn = False  # as the last key or click left it: a click is for what is seen
+        self._is_typed = False  # the key that is being done goes into what has the focus
         self._last_key, self._last_typed = "", 0.0
         self._last_stops: int | None = None  # read before it
-        self._entered: tuple[object, ...] = ()  # where the last enter acted
+        self._acted: tuple[object, ...] = ()  # where the last key did
         self._pressed_stop = False
         self._shut_since: float | None = None  # when a STOP closed the dialog that keys were for
-        self._shut_said = False  # that what came at once was dropped
+        self._shut_said = False  # that keys behind it were dropped
         self._shut_by = ""  # what did
         self._answers_void = 0  # keys with a lower count were for a question that is not put
         self._swallows = False  # enter is held, and what that does was said
         self.repeated = False
         self._read = Read(-math.inf, math.inf)  # the last key or click, however late it is taken
+        self.input: Read | None = None  # the one that is being done
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
         """All that there are."""
@@ -89,23 +90,19 @@ class KeyedApp(TerminalApp):
             binding = Binding(key, action, command.help, id=command.id, priority=True)
             # another list: the class's own bindings are shared by all apps
             known = self._bindings.key_to_bindings.get(key, [])
-            ours = [b for b in known if b.action.startswith(("command(", "next_field", "take"))]
+            ours = [b for b in known if b.action.startswith("command(")]
             self._bindings.key_to_bindings[key] = [*ours, binding]
 
     def action_command(self, name: str, counted: bool = False) -> None:
         """Run a command of the registry; a STOP is `counted` when it was read from its key."""
         raise NotImplementedError
 
-    def void_answers(self) -> None:
-        """What was typed before the last STOP is for no question any more."""
-        self._answers_void = self.stops.count
-        self._early = [one for one in self._early if self._is_free(one[0])]
-
     async def on_event(self, event: events.Event) -> None:
         if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
             return  # only the left button acts
-        typed = isinstance(event, (events.Key, events.Paste)) and not event.is_forwarded
-        if typed and isinstance(event, events.Key) and self.is_stop(event):
+        if isinstance(event, events.Key) and event.is_forwarded:
+            return  # nobody took it; what is bound was looked up in its turn
+        if isinstance(event, events.Key) and self.is_stop(event):
             mark(event, self.stops.read())  # from another driver than the terminal's
             self.stop_now(event)
             return
@@ -115,40 +112,59 @@ class KeyedApp(TerminalApp):
             if self.mouse_captured is None and not self.screen.region.contains(event.x, event.y):
                 return  # of a terminal that was larger: beside everything it takes the focus away
             await asyncio.sleep(0)  # in a flood, too, others get their turn: STOP first of all
-        stops = typed_after(event)
-        if typed and stops is not None and stops < self._answers_void and not self._is_free(event):
+        kinds = events.Key, events.Paste, events.MouseDown, events.MouseUp
+        if event.is_forwarded or not isinstance(event, kinds):
+            await super().on_event(event)
             return
-        if typed and self._was_for_a_dialog(event):
-            return
-        clicked = isinstance(event, events.MouseDown) and not event.is_forwarded
-        repeated = (typed or clicked) and self._repeats(event)
+        if typed_after(event) is None:  # from another driver than the terminal's
+            mark(event, self.stops.count)
         if isinstance(event, events.MouseUp):  # what was pressed acts as it is let go
             mark_read(event, self._read)
-        if typed and (self._early or not self._takes_keys):
+        repeated = not isinstance(event, events.MouseUp) and self._repeats(event)
+        if self._early or not self._takes(event):
             self._early.append((event, repeated))
-            self.call_later(self._release_keys)
-            return
+            self.call_later(self._release)
+        else:
+            await self._hand_on(event, repeated)
+
+    async def _hand_on(self, event: events.Event, repeated: bool) -> None:
+        """Do what a key or a click is for, unless it was for a dialog that is not there."""
+        stops, typed = typed_after(event), isinstance(event, (events.Key, events.Paste))
+        if typed and not self._is_free(event):
+            is_void = stops is not None and stops < self._answers_void
+            if is_void or self._was_for_a_dialog(event):
+                return
         await self._handle(event, repeated)
 
-    def closed_by_stop(self) -> None:
-        """A dialog went, whoever pressed STOP: what comes at once may still be for it."""
-        self.void_answers()
-        self.dialog_gone("STOP closed the dialog")
+    def closed_by_stop(self, why: str) -> None:
+        """Drop the keys that may still be for a dialog that a STOP closed, or kept from opening."""
+        self._answers_void = self.stops.count
+        self.dialog_gone(why)
 
     def dialog_gone(self, why: str) -> None:
-        """It went by itself: what comes at once acts nowhere else."""
+        """Drop the keys that come at once: they were for a dialog that went by itself."""
         self._shut_by, self._shut_said = why, False
         self._shut_since = self.station.clock.monotonic()
 
+    def show_dialog(self, dialog: Screen[Any]) -> None:
+        """Show a dialog: the keys from now on are for it."""
+        self._shut_since = None
+        self.push_screen(dialog)
+
     def _was_for_a_dialog(self, event: events.Event) -> bool:
-        """True, and said, for what would act below a dialog that has just been closed."""
-        if self._shut_since is None or self._is_free(event) or self.screen is not self.main:
+        """Return whether a key would act below a dialog that has just been closed, and say so.
+
+        Those that follow each other within HELD are one text, which was typed for the dialog.
+        """
+        if self._shut_since is None:
             return False
         if isinstance(event, events.Key) and event.key == "escape":  # it only leads out
             return False
-        if self.station.clock.monotonic() - self._shut_since >= HELD:
+        now = self.station.clock.monotonic()
+        if now - self._shut_since >= HELD:
             self._shut_since = None
             return False
+        self._shut_since = now
         if not self._shut_said:
             self._shut_said = True
             said = f"{self._shut_by}: press the key again."
@@ -199,30 +215,59 @@ class KeyedApp(TerminalApp):
         return repeated
 
     async def _handle(self, event: events.Event, repeated: bool) -> None:
-        self.repeated = repeated
-        if isinstance(event, events.Key) and event.key == "enter" and not event.is_forwarded:
-            if repeated and not self._may_repeat():
+        self.repeated, self.input, self._is_drawn = repeated, read_of(event), False
+        if isinstance(event, events.Key):
+            if repeated and not self._may_repeat(event):
                 return
-            self._entered = self._place
-        # it may have waited behind others; a click is a message of its own
+            self._acted = self._place
+        self._acting = self._hears_later(event)
         with self.stops.at(typed_after(event)), with_its_marks(event, self):
             await super().on_event(event)
+        heard = self._acting is not None and self._acting.call_later(self._heard)
+        self._acting = self._acting if heard else None
+
+    def _hears_later(self, event: events.Event) -> Widget | None:
+        """Return the widget that gets it by a message: what is clicked, a text of several lines."""
+        focused = self.focused
+        if isinstance(event, events.MouseEvent):
+            return self.screen.get_widget_and_offset_at(event.x, event.y)[0]
+        if isinstance(event, events.Key):
+            consumes = focused is not None and focused.check_consume_key(event.key, event.character)
+            self._is_typed = event.is_printable if isinstance(focused, Field) else consumes
+            if not self._is_typed:
+                return None
+        return None if isinstance(focused, Field) else focused
+
+    def _heard(self) -> None:
+        self._acting = None
+        self.call_later(self._release)
+
+    async def _check_bindings(self, key: str, priority: bool = False) -> bool:
+        """Run what is bound to a key, in its turn: a widget would look it up from its queue."""
+        if await super()._check_bindings(key, priority):
+            return True
+        return priority and not self._is_typed and await super()._check_bindings(key)
 
     @property
     def _place(self) -> tuple[object, ...]:
-        """Where enter acts: the screen, what has the focus, and the row of a list."""
+        """Where a key acts: the screen, what has the focus, and the row of a list."""
         focused = self.focused
         return self.screen, focused, focused.item_key if isinstance(focused, Rows) else None
 
-    def _may_repeat(self) -> bool:
-        """False, and said, for an enter that is held down where it would answer or send.
+    def _may_repeat(self, event: events.Key) -> bool:
+        """Return whether a key that is held down acts where it has led.
 
-        It runs from field to field, and acts on another row of the screen where the one before
-        acted. What was opened by it wants to be answered by another one.
+        It acts on no other screen, unless it is text there, leads out, or works everywhere. Enter
+        neither answers nor sends, which is said: it runs from field to field, and acts on another
+        row of the screen where the one before acted. What it opened is answered by another one.
         """
-        if self.check_action("next_field", ()):
+        here, before = self._place, self._acted
+        if event.key != "enter":
+            is_text = isinstance(self.focused, Field) and event.is_printable
+            leads_out = event.key == "escape" or self._is_free(event)
+            return here[0] is before[0] or is_text or leads_out
+        if isinstance(self.focused, Field) and self.focused.next_field is not None:
             return True
-        here, before = self._place, self._entered
         if isinstance(self.focused, Rows) and here[0] is before[0] and here != before:
             return True
         empty = isinstance(self.focused, Input) and not self.focused.value
@@ -232,19 +277,44 @@ class KeyedApp(TerminalApp):
         return False
 
     @property
-    def _takes_keys(self) -> bool:
-        """False while the screen in front is being built, or opens what they are for."""
+    def _is_changing(self) -> bool:
+        """True while the screen in front is being built, or is about to go."""
         if not self.screen_stack or not self.screen.is_mounted:
-            return False
-        return not (isinstance(self.screen, Leaving) and self.screen.is_opening)
+            return True
+        return isinstance(self.screen, Leaving) and self.screen.has_left
 
-    async def _release_keys(self) -> None:
-        """Hand on what was typed meanwhile, in its order; what it opens is waited for as well."""
-        while self._early and self._takes_keys:
-            await self._handle(*self._early.pop(0))
-        if self._early:
+    def _takes(self, event: events.Event) -> bool:
+        """Return whether all before it is done, and what it is for is there.
+
+        While an answer is waited for, escape leaves the dialog, and a cancel or the end is given.
+        """
+        if self._is_changing or (self._acting is not None and self._acting.is_running):
+            return False
+        if isinstance(event, events.MouseDown) and not self._is_drawn:
+            return False
+        if isinstance(self.screen, Leaving) and self.screen.is_asking:
+            return self._is_free(event) or getattr(event, "key", "") == "escape"
+        return not self._opening or self._is_free(event)
+
+    async def _release(self) -> None:
+        """Hand on one of the keys and clicks that wait; the others when that one is done."""
+        if self._early and self._takes(self._early[0][0]):
+            await self._hand_on(*self._early.pop(0))
+        if not self._early:
+            return
+        if self._is_changing or self._takes(self._early[0][0]):
             await asyncio.sleep(0)
-            self.call_later(self._release_keys)
+            self.call_later(self._release)
+        elif isinstance(self._early[0][0], events.MouseDown) and not self._is_drawn:
+            self.call_after_refresh(self._drawn)
+
+    def _drawn(self) -> None:
+        self._is_drawn = True
+        self.call_later(self._release)
+
+    def on_worker_state_changed(self) -> None:
+        """Hand on the keys that waited for an answer."""
+        self.call_later(self._release)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """False leaves the key to the field or dialog that has the focus."""
@@ -252,18 +322,11 @@ class KeyedApp(TerminalApp):
         if action == "leave_field":
             is_inside = field is not None or isinstance(self.focused, Board)
             return self.screen is self.main and (is_inside or self.main.is_full)
-        if action == "next_field":
-            return isinstance(field, Field) and field.next_field is not None
-        if action == "take":
-            return isinstance(self.focused, Board)
         if action == "beside":
             step = cast("int", parameters[0])
             return (
                 self.screen is self.main and self.main.goal.beside(self.focused, step) is not None
             )
-        if action == "move":
-            kind = type(self.focused)
-            return issubclass(kind, (Rows, Board)) and parameters[0] in kind.KEYS
         if action != "command":
             return super().check_action(action, parameters)
         command = self._command(str(parameters[0]))
@@ -281,16 +344,6 @@ class KeyedApp(TerminalApp):
     def _command(self, name: str) -> Command:
         return next(c for c in self.registry if c.id == name)
 
-    def action_move(self, key: str) -> None:
-        """Move the cursor of the list or the board that has the focus."""
-        if isinstance(self.focused, (Rows, Board)):
-            self.focused.press(key)
-
-    def action_take(self) -> None:
-        """At once, as all of these: the keys behind it are for the field."""
-        if isinstance(self.focused, Board):
-            self.focused.take()
-
     def action_beside(self, step: int) -> None:
         """From the field to the board and on, or back."""
         beside = self.main.goal.beside(self.focused, step)
@@ -298,11 +351,6 @@ class KeyedApp(TerminalApp):
             self.main.goal.type_on()
         elif beside is not None:
             self.main.set_focus(beside, scroll_visible=False)
-
-    def action_next_field(self) -> None:
-        """At once: the keys behind enter are for the next field, however fast they come."""
-        if isinstance(self.focused, Field):
-            self.screen.set_focus(self.focused.next_field)
 
     def action_leave_field(self) -> None:
         """Out of a field, to where the focus was; out of the full screen."""

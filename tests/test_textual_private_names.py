@@ -28,11 +28,12 @@ MODULES = sorted(
 )
 # what is found, by file: a new use belongs here, and what is no longer found has changed its name
 KNOWN = {
-    "app.py": "_context _handle_exception",
+    "app.py": "_handle_exception",
     "commands/keymap.py": "_ansi_sequences _character_to_key",
-    "keyed_app.py": "_bindings",
+    "keyed_app.py": "_bindings _check_bindings",
     "screens/base.py": "_on_resize",
-    "screens/main.py": "_compositor _compositor_refresh _screen_resized",
+    "screens/confirm.py": "_bindings",
+    "screens/main.py": "_compositor _compositor_refresh _nodes _screen_resized",
     "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
     "_return_code",
     "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "
@@ -43,7 +44,8 @@ KNOWN = {
     "terminal/sequences.py": "_ansi_sequences",
     "terminal/styles_cache.py": "_styles_cache",
     "terminal/typed.py": "_prevent",
-    "widgets/field.py": "_bindings _on_key _on_paste",
+    "widgets/button.py": "_start_active_affect",
+    "widgets/field.py": "_forward_event _watch_value",
     "widgets/rows.py": "_refresh_scrollbars",
 }
 

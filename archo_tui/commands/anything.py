@@ -44,8 +44,8 @@ class _AnyOf(Speak):
         except ValueError as error:
             console.say(str(error))
             return
-        # reads files: not on this thread
-        leaves = await in_daemon(console.station.robot.form, kind)
+        with console.opening():  # reads files: not on this thread
+            leaves = await in_daemon(console.station.robot.form, kind)
         if leaves is None:
             console.say(missing(name, kind))
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os.path
 from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -17,6 +18,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
+from archo_tui.terminal.typed import Read
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.widgets.shown import Shown
 
@@ -42,6 +44,7 @@ class Console(Protocol):
     main: MainScreen
     theme: str  # its name
     repeated: bool  # the key of the command is being held down
+    input: Read | None  # when the key or click that is being done was read
     typed: dict[str, dict[str, str]]  # what was last typed into each form, by path
     used: RobotFile  # the robot's file, with what was sent and called without it
 
@@ -65,6 +68,9 @@ class Console(Protocol):
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog."""
+
+    def opening(self) -> AbstractContextManager[None]:
+        """Hold the keys meanwhile: they are for what is about to be opened."""
 
     def speak(self, verb: Verb, values: Values) -> Work | None:
         """Ask what the verb asks, then do it."""

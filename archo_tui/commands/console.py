@@ -44,8 +44,8 @@ class ShowAlarms(Command):
         station, waiting = console.station, console.station.requests.waiting
         if waiting and not is_grave(console.view.alarms):  # which are looked at first
             told = partial(_answer, console), console.dialog_gone
-            unseen = lambda: console.is_stuck  # noqa: E731
-            console.open(AnswerRequest(waiting[0], console.view, unseen, *told))
+            seen = (lambda: console.is_stuck), (lambda: console.input)
+            console.open(AnswerRequest(waiting[0], console.view, *seen, *told))
             return
         console.open(AlarmList(console.view, station.acknowledge, station.shelve, console.look))
 

@@ -24,7 +24,8 @@ class ShowRecordings(Command):
     async def _show(self, console: Console) -> None:
         from archo_tui.screens.recordings import RecordingList
 
-        found = await _found(console)
+        with console.opening():
+            found = await _found(console)
         if found is None:
             return
 

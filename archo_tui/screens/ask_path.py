@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import Static
 
@@ -16,8 +16,6 @@ from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Form
 from archo_tui.station import recall
 from archo_tui.terminal.app import COMMANDS, begin
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import Field
 
 _KIND = "a file"  # under which they are kept
 _SHOWN = 5  # recent files
@@ -29,14 +27,13 @@ class AskPath(Form):
     The arrows lead through the files that were used before.
     """
 
-    submits = "go-on"
+    does = "OK"
 
     def __init__(
         self, title: str, text: str, default: str, work: Callable[[Path], Awaitable[str]]
     ) -> None:
-        super().__init__()
+        super().__init__("path", default)
         self._title, self._text, self._default, self._work = title, text, default, work
-        self._working = False
         self._recent: list[str] = []  # the newest first
         self._place = -1  # of them in the field; -1: none
 
@@ -45,15 +42,11 @@ class AskPath(Form):
             box.border_title = self._title
             box.border_subtitle = "enter OK   ↑ ↓ recent files   esc cancel"
             yield Static(Content(f"{self._text}; a relative path starts at {Path.cwd()}:"))
-            yield Field(self._default, id="path")
+            yield self.field
             yield Static(classes="recent")
-            yield Static("", classes="error")
-            with Horizontal(classes="answers"):
-                yield Button("Cancel", id="leave", compact=True)
-                yield Button("OK", id="go-on", compact=True)
+            yield from self.below_field()
 
     def on_mount(self) -> None:
-        self.set_focus(self.query_one("#path"))
         begin(self, self._recall, "recall")
 
     async def _recall(self) -> None:
@@ -62,12 +55,10 @@ class AskPath(Form):
         shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
         self.write(".recent", Content.styled(shown, "$quiet"))
 
-    def on_field_recall(self, event: Field.Recall) -> None:
+    def step(self, step: int) -> None:
         """Up to the file before, down to the one after it, at last what stood there at first."""
-        self._place = min(max(self._place - event.step, -1), len(self._recent) - 1)
-        field = self.query_one("#path", Field)
-        field.value = self._default if self._place < 0 else self._recent[self._place]
-        field.cursor_position = len(field.value)
+        self._place = min(max(self._place - step, -1), len(self._recent) - 1)
+        self.field.fill(self._default if self._place < 0 else self._recent[self._place])
 
     def submit(self, typed: str) -> None:
         typed = typed.strip()
@@ -79,14 +70,14 @@ class AskPath(Form):
         except RuntimeError:
             self.say(f"no home folder is known for {typed.partition('/')[0]}")
             return
-        if not self._working:
-            self._working = True
+        if not self.is_asking:
+            self.is_asking = True
             begin(self.app, partial(self._try, path), COMMANDS)
 
     async def _try(self, path: Path) -> None:
         said = await self._work(path)
-        self._working = False
         if said:
+            self.is_asking = False
             self.say(said)
             return
         await in_daemon(recall.add, _KIND, [str(path.absolute())])

@@ -7,6 +7,8 @@ from textual.geometry import Offset
 from textual.screen import Screen, ScreenResultType
 from textual.widget import Widget
 
+from archo_tui.widgets.field import Field
+
 
 class Base(Screen[ScreenResultType]):
     """A screen that is laid out for the terminal as it is, and clicked where something is."""
@@ -21,6 +23,19 @@ class Base(Screen[ScreenResultType]):
         event.prevent_default()  # Textual would call its own as well
         size = self.app.size
         await super()._on_resize(event if event.size == size else Resize(size, size))
+
+    def set_focus(
+        self, widget: Widget | None, scroll_visible: bool = True, from_app_focus: bool = False
+    ) -> None:
+        """Focus a widget, and select the text of a field: what is typed replaces it.
+
+        Textual selects when the field hears of its focus, which is behind keys that came at once.
+        With `from_app_focus` what is typed goes on where it was.
+        """
+        comes = widget is not self.focused and not from_app_focus
+        super().set_focus(widget, scroll_visible, from_app_focus)
+        if comes and isinstance(widget, Field):
+            widget.action_select_all()
 
     def get_widget_and_offset_at(self, x: int, y: int) -> tuple[Widget | None, Offset | None]:
         """The widget there, and the place in its text; None and None where there is none.

@@ -10,7 +10,6 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 from textual.content import Content
-from textual.message import Message
 
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Dialog
@@ -56,30 +55,17 @@ class Found(Rows[Choice]):
 
     can_focus = False
     without_focus = True
-
-    class Taken(Message):
-        """A row was clicked."""
+    taken: Callable[[], object]  # called when a row was clicked
 
     async def on_click(self, event: events.Click) -> None:
         row = self.scroll_offset.y + event.y
         if 0 <= row < len(self.items):
             self.to(row)
-            self.post_message(self.Taken())
+            self.taken()
 
     def to(self, number: int) -> None:
         """The cursor is there."""
         self._move(number - self.cursor)
-
-
-class Narrow(Field):
-    """What is typed behind its enter is for what that opens."""
-
-    chooses = False  # an enter is on its way
-
-    def post_message(self, message: Message) -> bool:
-        if isinstance(message, events.Key) and message.key == "enter":
-            self.chooses = True
-        return super().post_message(message)
 
 
 class Choose(Dialog[None]):
@@ -95,10 +81,17 @@ class Choose(Dialog[None]):
     def __init__(self, title: str, choices: Sequence[Choice]) -> None:
         super().__init__()
         self.title, self._all = title, [one._replace(title=harmless(one.title)) for one in choices]
-        self._narrow = Narrow(id="narrow", placeholder="type a part of its name")
+        self._narrow = Field(
+            id="narrow",
+            placeholder="type a part of its name",
+            changed=self._fill,
+            submitted=self._take,
+            stepped=self._step,
+        )
         self._rows = Found(
             _lines, lambda one: one, id="choices", empty="nothing is called so", columns=_columns
         )
+        self._rows.taken = self._take
         self._count = Line(classes="count")
 
     def body(self) -> ComposeResult:
@@ -114,26 +107,11 @@ class Choose(Dialog[None]):
         self.set_focus(self._narrow)
         self._fill()
 
-    @property
-    def is_opening(self) -> bool:
-        """True while an enter is on its way: what it opens takes the keys behind it."""
-        return self._narrow.chooses and not self.has_left
-
     def _fill(self) -> None:
         shown = found(self._narrow.value, self._all, lambda one: (one.title, one.words))
         self._rows.show(shown)
         self._rows.to(0)
         self._count.show(Content.styled(f"{len(shown)} of {len(self._all)}", "$quiet"))
-
-    def on_input_changed(self) -> None:
-        self._fill()
-
-    def on_input_submitted(self, event: Field.Submitted) -> None:
-        self._take()
-        self._narrow.chooses = False
-
-    def on_found_taken(self) -> None:
-        self._take()
 
     def on_click(self, event: events.Click) -> None:
         if event.widget is self:  # beside the dialog
@@ -148,10 +126,9 @@ class Choose(Dialog[None]):
         if work is not None:
             self.app.run_worker(work, group=COMMANDS)
 
-    def on_field_recall(self, event: Field.Recall) -> None:
-        """The arrows move the cursor."""
-        self._rows.to(self._rows.cursor + event.step)
+    def _step(self, step: int) -> None:
+        self._rows.to(self._rows.cursor + step)
 
     def action_turn(self, key: str) -> None:
         """By what is seen."""
-        self._rows.press(key)
+        self._rows.action_press(key)

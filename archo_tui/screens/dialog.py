@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from textual.app import ComposeResult
+from textual.containers import Horizontal
 from textual.content import Content
 from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Static
@@ -44,7 +45,7 @@ class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
         """Back to where the focus was, with nothing changed."""
         self.dismiss()
 
-    def say(self, text: str) -> None:
+    def say(self, text: str = "") -> None:
         """What is wrong, or going on."""
         self.write(".error", Content(text))
 
@@ -68,20 +69,36 @@ class Form(Dialog[None]):
 
     BINDINGS = [("escape", "close", "Close")]
 
-    submits: ClassVar[str]  # the id of the button that does what enter does
+    does: ClassVar[str]  # the word of the button that does what enter does
     standing = ""  # what the line says while nothing is wrong with what was typed
 
-    def on_input_changed(self) -> None:
-        self.say(self.standing)
+    def __init__(self, id: str, value: str = "", *, disabled: bool = False) -> None:
+        """`id` is the field's, `value` stands in it; when it is `disabled`, it can only be read."""
+        super().__init__()
+        self.field = Field(
+            value,
+            id=id,
+            changed=lambda: self.say(self.standing),
+            submitted=self._submit,
+            stepped=self.step,
+        )
+        self.field.disabled = disabled
 
-    def on_input_submitted(self, event: Field.Submitted) -> None:
-        self.submit(event.value)  # as it was: the keys behind enter may have changed it since
+    def below_field(self) -> ComposeResult:
+        """Yield the line that says what is wrong, and the buttons."""
+        yield Static(Content(self.standing), classes="error")
+        with Horizontal(classes="answers"):
+            yield Button("Cancel", self.action_close, id="leave")
+            yield Button(self.does, self._submit, id="submit", disabled=self.field.disabled)
 
-    def on_button_pressed(self, event: Button.Pressed) -> None:
-        if event.button.id == self.submits:
-            self.submit(self.query_one(Field).value)
-        else:
-            self.action_close()
+    def on_mount(self) -> None:
+        self.set_focus(self.query_one("#leave") if self.field.disabled else self.field)
+
+    def step(self, step: int) -> None:
+        """Do what the arrows up (-1) and down (1) do."""
+
+    def _submit(self) -> None:
+        self.submit(self.field.value)
 
     def submit(self, typed: str) -> None:
         """Check what was typed, and do it."""

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.containers import Vertical
 from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Static
@@ -20,25 +20,22 @@ from archo_tui.robot.values import same, text_of
 from archo_tui.screens.dialog import Form
 from archo_tui.station.station import View
 from archo_tui.terminal.app import COMMANDS, begin
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import Field
 
 
 class EditParameter(Form):
     """Stays open, with the reason shown, until the node has taken the value or esc is pressed."""
 
-    submits = "set"
+    does = "Set"
 
     def __init__(
         self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]], offered: Any
     ) -> None:
         """`offered` is the value that stands in the field."""
-        super().__init__()
-        self._offered = offered
         self._text = safe(typed_text(offered))  # in full: what is sent must not be a part of it
+        super().__init__("value", self._text, disabled=parameter.read_only)
+        self._offered = offered
         self._parameter, self._send = parameter, send
         self._shown = parameter.value  # as it is now
-        self._sending = False
         if parameter.read_only:
             self.standing = f"{parameter.name} is read-only: it can only be set at startup"
 
@@ -54,13 +51,8 @@ class EditParameter(Form):
             yield Static(Content(f"type   {kind}"))
             yield Static(_now(parameter.value), id="now")
             yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
-            field = Field(self._text, id="value")
-            field.disabled = parameter.read_only
-            yield field
-            yield Static(Content(self.standing), classes="error")
-            with Horizontal(classes="answers"):
-                yield Button("Cancel", id="leave", compact=True)
-                yield Button("Set", id="set", compact=True, disabled=parameter.read_only)
+            yield self.field
+            yield from self.below_field()
 
     def follow(self, view: View) -> None:
         """Somebody else may change it meanwhile."""
@@ -71,18 +63,15 @@ class EditParameter(Form):
             self._shown = value
             self.write("#now", _now(value))
 
-    def on_mount(self) -> None:
-        self.set_focus(self.query_one("#leave" if self._parameter.read_only else "#value"))
-
     def submit(self, typed: str) -> None:
-        if self._sending:
+        if self.is_asking:
             return
         try:
             value = self._value(typed)
         except ValueError as error:
             self.say(str(error))
             return
-        self._sending = True
+        self.is_asking = True
         self.say("asking the node ...")
         begin(self.app, partial(self._ask, value), COMMANDS)
 
@@ -97,7 +86,7 @@ class EditParameter(Form):
 
     async def _ask(self, value: Any) -> None:
         outcome = await self._send(value)
-        self._sending = False
+        self.is_asking = False
         self.end(outcome)
 
 

@@ -44,8 +44,13 @@ class Help(Dialog[None]):
     def __init__(self, entries: Sequence[Entry]) -> None:
         super().__init__()
         self._entries = entries
-        self._part = Field(id="narrow", placeholder="type a part of a key's or a command's name")
         self._scroll = VerticalScroll(can_focus=False)
+        self._part = Field(
+            id="narrow",
+            placeholder="type a part of a key's or a command's name",
+            changed=self._draw,
+            stepped=lambda step: self._scroll.scroll_relative(y=step, animate=False),
+        )
         self._key = max((cell_len(entry.key) for entry in entries), default=0)  # cells
         self._columns = Static(classes="column"), Static(classes="column")
 
@@ -64,13 +69,6 @@ class Help(Dialog[None]):
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._draw)
-
-    def on_input_changed(self) -> None:
-        self._draw()
-
-    def on_field_recall(self, event: Field.Recall) -> None:
-        """The arrows scroll."""
-        self._scroll.scroll_relative(y=event.step, animate=False)
 
     def action_scroll(self, pages: int) -> None:
         """By what is seen."""

@@ -19,6 +19,7 @@ class Leaving(Base[ScreenResultType]):
     """
 
     closes_at_stop: ClassVar[bool] = False  # its question was about the robot before the STOP
+    is_asking = False  # a worker waits for an answer that may close it: the keys behind wait, too
     _left: tuple[ScreenResultType | None] | None = None  # with what, once that is known
 
     @property
@@ -38,11 +39,6 @@ class Leaving(Base[ScreenResultType]):
     def on_screen_resume(self) -> None:
         if self._left is not None:
             self.dismiss()
-
-    @property
-    def is_opening(self) -> bool:
-        """True while what it opens is to take the keys."""
-        return False
 
     def follow(self, view: View) -> None:
         """There is a new view: those that show what there is now bring it up to date."""

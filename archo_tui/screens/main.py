@@ -144,7 +144,9 @@ class MainScreen(Base[None]):
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """In the order of the panels' numbers, at every size; the buttons of each come last."""
+        """In the order of the panels' numbers, at every size; buttons and searches come last."""
+        for panel in self._panels.values():  # what a class shows or hides, Textual notices later
+            panel._nodes.updated()
         return sorted(super().focus_chain, key=_place_in_chain)
 
     @property
@@ -329,7 +331,7 @@ class MainScreen(Base[None]):
 
 
 def _place_in_chain(widget: Widget) -> tuple[int, bool]:
-    return _panel_number(widget), isinstance(widget, Button)
+    return _panel_number(widget), isinstance(widget, (Button, Search))  # the rest by their places
 
 
 def _panel_number(widget: Widget) -> int:

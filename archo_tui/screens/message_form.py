@@ -49,7 +49,6 @@ class MessageForm(Dialog[None]):
         self.title, self._leaves, self._send = title, leaves, send
         self._typed, self._form = typed, form or {}
         self._fields: list[Field] = []
-        self._sending = False
 
     @property
     def _is_yaml(self) -> bool:
@@ -68,13 +67,19 @@ class MessageForm(Dialog[None]):
                     yield from self._rows()
             yield Static("", classes="error")
             with Horizontal(classes="answers"):
-                yield Button("Cancel", id="leave", compact=True)
-                yield Button("Send", id="send", compact=True)
+                yield Button("Cancel", self.action_close, id="leave")
+                yield Button("Send", self.action_send, id="send")
 
     def _rows(self) -> ComposeResult:
         width = max((len(self._label(leaf)) for leaf in self._leaves), default=0) + 1
         for number, leaf in enumerate(self._leaves):
-            field = Field(self._typed.get(leaf.path, default_text(leaf)), id=f"field-{number}")
+            field = Field(
+                self._typed.get(leaf.path, default_text(leaf)),
+                id=f"field-{number}",
+                changed=self.say,
+                submitted=self.action_send,
+                stepped=self._step,
+            )
             if self._fields:
                 self._fields[-1].next_field = field
             self._fields.append(field)
@@ -94,45 +99,29 @@ class MessageForm(Dialog[None]):
         first = "#yaml" if self._is_yaml else "#field-0" if self._leaves else "#send"
         self.set_focus(self.query_one(first))
 
-    def on_input_submitted(self, event: Field.Submitted) -> None:
-        last = len(self._fields) - 1
-        self._submit({last: event.value})  # the keys behind enter may have changed it since
+    def _step(self, step: int) -> None:
+        """Lead from field to field by the arrows."""
+        number = next((n for n, field in enumerate(self._fields) if field is self.focused), 0)
+        self.set_focus(self._fields[(number + step) % len(self._fields)])
 
-    def on_field_recall(self, event: Field.Recall) -> None:
-        """The arrows lead from field to field."""
-        number = next((n for n, field in enumerate(self._fields) if field.has_focus), 0)
-        self.set_focus(self._fields[(number + event.step) % len(self._fields)])
-
-    def on_button_pressed(self, event: Button.Pressed) -> None:
-        if event.button.id == "send":
-            self._submit({})
-        else:
-            self.action_close()
+    def on_text_area_changed(self, event: widgets.TextArea.Changed) -> None:
+        if event.text_area.text != self._typed.get(""):  # else it was sent before this message came
+            self.say()
 
     def action_send(self) -> None:
         """Send it from any field."""
-        self._submit({})
-
-    def on_input_changed(self) -> None:
-        self.say("")
-
-    def on_text_area_changed(self) -> None:
-        self.say("")
-
-    def _submit(self, submitted: Mapping[int, str]) -> None:
-        if self._sending:
+        if self.is_asking:
             return
-        values = self._values_of_yaml() if self._is_yaml else self._values(submitted)
+        values = self._values_of_yaml() if self._is_yaml else self._values()
         if values is not None:
-            self._sending = True
+            self.is_asking = True
             self.say("asking the robot ...")
             begin(self.app, partial(self._ask, values), COMMANDS)
 
-    def _values(self, submitted: Mapping[int, str]) -> dict[str, Any] | None:
+    def _values(self) -> dict[str, Any] | None:
         values = {}
         for number, leaf in enumerate(self._leaves):
-            text = submitted.get(number, self._fields[number].value)
-            self._typed[leaf.path] = text
+            text = self._typed[leaf.path] = self._fields[number].value
             try:
                 values[leaf.path] = parse(leaf, self._form.get(leaf.path, FormField()), text)
             except ValueError as error:
@@ -156,7 +145,7 @@ class MessageForm(Dialog[None]):
 
     async def _ask(self, values: Mapping[str, Any]) -> None:
         outcome = await self._send(values)
-        self._sending = False
+        self.is_asking = False
         self.end(outcome)
 
 

@@ -45,7 +45,6 @@ class NodeDialog(Dialog[None]):
         super().__init__()
         self._node, self._tell, self._view, self._refused = name, tell, view, refused
         self._describe, self._set_level = describe, set_level
-        self._sending = False
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog reading node") as box:
@@ -58,7 +57,7 @@ class NodeDialog(Dialog[None]):
             with Horizontal(classes="answers", id="levels") as levels:
                 levels.display = False
                 for level in LEVELS:
-                    yield Button(level.capitalize(), id=level.lower(), compact=True)
+                    yield Button(level.capitalize(), partial(self._choose, level), id=level.lower())
             yield Static("", classes="error")
 
     def on_mount(self) -> None:
@@ -92,15 +91,15 @@ class NodeDialog(Dialog[None]):
             button.set_class(level is not None and button.id == level.own.lower(), "-chosen")
             button.set_class(bool(self._refused), "-blocked")
 
-    def on_button_pressed(self, event: Button.Pressed) -> None:
-        if not self._sending and event.button.id is not None:
-            self._sending = True
+    def _choose(self, level: str) -> None:
+        if not self.is_asking:
+            self.is_asking = True
             self.say("asking the node ...")
-            begin(self.app, partial(self._set, event.button.id.upper()), COMMANDS)
+            begin(self.app, partial(self._set, level), COMMANDS)
 
     async def _set(self, level: str) -> None:
         outcome = await self._set_level(level)
-        self._sending = False
+        self.is_asking = False
         if not outcome.ok:
             self.say(outcome.text)
             return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -16,7 +17,7 @@ from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.requests import READ, Request, written
 from archo_tui.station.station import View
-from archo_tui.terminal.typed import now, read_of
+from archo_tui.terminal.typed import Read, now
 from archo_tui.widgets.button import Button
 from archo_tui.words import spoken
 
@@ -42,18 +43,21 @@ class AnswerRequest(Dialog[None]):
         request: Request,
         view: View,
         unseen: Callable[[], bool],
+        read: Callable[[], Read | None],
         answer: Callable[[int, bool], None],
         gone: Callable[[str], None],
     ) -> None:
         """`unseen()` is true while the terminal does not show what was drawn.
 
+        `read()` tells when the key or click that is being done was read.
         `gone(why)` is called when the request is over before anybody has answered.
         """
         super().__init__()
         self._request, self._view = request, view
-        self._unseen, self._answer, self._gone = unseen, answer, gone
+        self._unseen, self._read, self._answer, self._gone = unseen, read, answer, gone
         self._drawn = math.inf  # when it was, in s as messages have their time
         self._text = Static(classes="asked")
+        self._allow = Button("Allow once", partial(self._give, True), id="allow")
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
@@ -62,8 +66,8 @@ class AnswerRequest(Dialog[None]):
             with VerticalScroll(classes="question", can_focus=False):
                 yield self._text
             with Horizontal(classes="answers"):
-                yield Button("Deny", id="deny", compact=True)
-                yield Button("Allow once", id="allow", compact=True)
+                yield Button("Deny", partial(self._give, False), id="deny")
+                yield self._allow
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#deny"))
@@ -119,14 +123,13 @@ class AnswerRequest(Dialog[None]):
         ]
         self._text.update(Content("\n".join(map(harmless, lines))))
 
-    def on_button_pressed(self, event: Button.Pressed) -> None:
-        read = read_of(event)
+    def _give(self, is_allowed: bool) -> None:
+        read = self._read()
         soon = read is None or read.at - self._drawn < READ or read.pause < APART
         if soon or self._unseen():
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return
-        is_allowed = event.button.id == "allow"
-        if is_allowed and not (self._is_in_view(self._text) and self._is_in_view(event.button)):
+        if is_allowed and not (self._is_in_view(self._text) and self._is_in_view(self._allow)):
             said = "Not all of it is seen: scroll by ↓, or make the terminal larger."
             self.notify(said, severity="warning", markup=False)
             return

@@ -5,23 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from textual.app import ComposeResult
-from textual.containers import Horizontal, Vertical
+from textual.containers import Vertical
 from textual.content import Content
 from textual.widgets import Static
 
 from archo_tui.screens.dialog import Form
 from archo_tui.station.alarms import SHELF_TIME, Alarm
-from archo_tui.widgets.button import Button
-from archo_tui.widgets.field import Field
 
 
 class ShelveReason(Form):
     """`shelve(reason)` is called with what was typed; escape leaves the alarm as it is."""
 
-    submits = "shelve"
+    does = "Shelve"
 
     def __init__(self, alarm: Alarm, shelve: Callable[[str], None]) -> None:
-        super().__init__()
+        super().__init__("reason")
         self._alarm, self._shelve = alarm, shelve
 
     def body(self) -> ComposeResult:
@@ -30,14 +28,8 @@ class ShelveReason(Form):
             box.border_subtitle = "enter shelve   esc cancel"
             minutes = f"{SHELF_TIME / 60:.0f} min"
             yield Static(Content(f"{self._alarm.text}\n\nWhy is it silenced for {minutes}?"))
-            yield Field(id="reason")
-            yield Static("", classes="error")
-            with Horizontal(classes="answers"):
-                yield Button("Cancel", id="leave", compact=True)
-                yield Button("Shelve", id="shelve", compact=True)
-
-    def on_mount(self) -> None:
-        self.set_focus(self.query_one("#reason"))
+            yield self.field
+            yield from self.below_field()
 
     def submit(self, typed: str) -> None:
         if typed.strip():

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from rich.segment import Segment
 from rich.style import Style
 from textual import events
+from textual.binding import Binding
 from textual.geometry import Region
 from textual.strip import Strip
 
@@ -24,8 +25,11 @@ class Board(ByLines, can_focus=True):
 
     DEFAULT_CSS = "Board { width: 1fr; height: auto; display: none; }"
 
-    # bound by the app with priority, as those of lists are (see rows.py)
     KEYS = ("left", "right", "up", "down", "pageup", "pagedown", "home", "end")
+    BINDINGS = [
+        Binding("enter", "take", show=False),
+        *(Binding(key, f"press('{key}')", show=False) for key in KEYS),
+    ]
 
     def __init__(self, take: Callable[[int], None], moved: Callable[[], None]) -> None:
         """`take(number)` is called with what was chosen, `moved()` when the focus came or went."""
@@ -56,7 +60,7 @@ class Board(ByLines, can_focus=True):
             changed = [n for n in numbers if before.get(n) != marks.get(n)]
             self._draw(*(grid.numbers.index(n) for n in changed if n in grid.numbers))
 
-    def press(self, key: str) -> None:
+    def action_press(self, key: str) -> None:
         """Move the cursor by one of KEYS; beyond an end it stays."""
         grid, last = self._grid, len(self._grid.numbers) - 1
         by = {"left": -1, "right": 1, "up": -grid.columns, "down": grid.columns}
@@ -65,7 +69,7 @@ class Board(ByLines, can_focus=True):
         if key not in ("up", "down") or 0 <= wanted <= last:  # else its column has no more
             self._move(min(max(wanted, 0), last))
 
-    def take(self) -> None:
+    def action_take(self) -> None:
         """Choose the number under the cursor."""
         self._take(self._grid.numbers[self._place])
 
@@ -73,13 +77,13 @@ class Board(ByLines, can_focus=True):
         place = self._grid.at(self._first, event.x // self._grid.cell, event.y)
         if place is not None and event.chain == 1:  # the second of a double click is the same wish
             self._move(place)
-            self.take()
+            self.action_take()
 
     def on_mouse_scroll_down(self) -> None:
-        self.press("pagedown")
+        self.action_press("pagedown")
 
     def on_mouse_scroll_up(self) -> None:
-        self.press("pageup")
+        self.action_press("pageup")
 
     def watch_has_focus(self, focused: bool) -> None:
         """Show or hide the cursor; no style is for `:focus`, and Textual would look for some."""

@@ -95,7 +95,7 @@ class EventsPanel(Panel):
             action="app.command('whole_event')",
             columns=event_columns,
         )
-        self.search = Search(self._rows)
+        self.search = Search(self._rows, self._fill)
 
     def compose(self) -> ComposeResult:
         yield self._rows
@@ -120,9 +120,6 @@ class EventsPanel(Panel):
         if view.snapshot.events is not self._seen:
             self._seen = view.snapshot.events
             self._fill()
-
-    def on_input_changed(self) -> None:
-        self._fill()
 
     def next_level(self) -> None:
         """More, all, then only the worst."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from textual.app import ComposeResult
 from textual.containers import Horizontal
-from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
@@ -39,13 +38,9 @@ class GoalPanel(Panel):
     _watching = False
     _about: object = None  # what the robot's answer that is shown was about
 
-    class Send(Message):
-        """The operator wants the robot to do that, one after the other."""
-
-        def __init__(self, goals: Sequence[Mapping[str, Any]], typed: Sequence[str]) -> None:
-            """`goals` are the values of each, by dotted path."""
-            super().__init__()
-            self.goals, self.typed = goals, list(typed)
+    # called with the values of each goal by dotted path, to be sent in their order, and with what
+    # was typed for them
+    send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
 
     def __init__(self, snapshot: Snapshot) -> None:
         """`snapshot` knows the robot's file, and what the fields of its forms take."""
@@ -57,15 +52,22 @@ class GoalPanel(Panel):
         form = {} if self._kind is None else self._kind.form
         self._leaves = () if self._kind is None else snapshot.forms.get(self._kind.id, ())
         self.fields = [
-            Field(id=f"goal-{number}", takes=_takes(leaf))
+            Field(
+                id=f"goal-{number}",
+                takes=_takes(leaf),
+                changed=self.hint,
+                submitted=self.submit,
+                stepped=self._recall,
+                refused=self.hint,
+            )
             for number, leaf in enumerate(self._leaves)
         ]
         for field, following in zip(self.fields, self.fields[1:], strict=False):
             field.next_field = following
         units = [(given.label or path, given.unit) for path, given in form.items()]
         self._labels = [f"{label} ({unit}) " if unit else f"{label} " for label, unit in units]
-        self._go = Button("Go", id="go", compact=True)
-        self._cancel = Button("Cancel", id="cancel", compact=True, action="app.command('cancel')")
+        self._go = Button("Go", self.submit, id="go")
+        self._cancel = Button("Cancel", "cancel", id="cancel")
         self.typed: list[list[str]] = []  # what was sent
         self._place, self._draft = 0, [""] * len(self.fields)
         self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
@@ -188,41 +190,22 @@ class GoalPanel(Panel):
         """The first field; the button where there is none."""
         return self.fields[0] if self.fields else self._go
 
-    def on_input_changed(self) -> None:
-        self.hint("")
-
-    def on_input_submitted(self, event: Field.Submitted) -> None:
-        assert isinstance(event.input, Field)
-        # the last one as it was: the keys behind enter may have changed it since
-        behind = event.input.value.removeprefix(event.value)
-        self.submit([*(field.value for field in self.fields[:-1]), event.value], behind)
-        event.input.answered()
-
-    def on_button_pressed(self, event: Button.Pressed) -> None:
-        if event.button.id == "go":
-            self.submit([field.value for field in self.fields])
-
-    def on_field_recall(self, event: Field.Recall) -> None:
-        """Show what was sent before, or after that; behind the last one what stood there."""
+    def _recall(self, step: int) -> None:
+        """Show what was sent before (-1), or after that (1); at last what stood there."""
         if self._place == len(self.typed):
             self._draft = [field.value for field in self.fields]
-        self._place = min(max(self._place + event.step, 0), len(self.typed))
+        self._place = min(max(self._place + step, 0), len(self.typed))
         behind = self._place == len(self.typed)
         for field, text in zip(
             self.fields, self._draft if behind else self.typed[self._place], strict=False
         ):
-            field.value = text
-            field.cursor_position = len(text)
+            field.fill(text)
 
     def recalls(self, typed: list[list[str]]) -> None:
         """What was sent, the oldest first."""
         self.typed, self._place = typed, len(typed)
 
-    def on_field_refused(self, event: Field.Refused) -> None:
-        event.stop()
-        self.hint(event.reason)
-
-    def hint(self, text: str) -> None:
+    def hint(self, text: str = "") -> None:
         """Say why what was typed cannot be sent."""
         self._about = None
         if self._is_wide:
@@ -234,11 +217,9 @@ class GoalPanel(Panel):
         self.hint(text)
         self._about = _situation(snapshot)
 
-    def submit(self, typed: Sequence[str], behind: str = "") -> None:
-        """Ask for what was typed, or say what is wrong with it; nothing asks for nothing.
-
-        `behind` was typed since, and is for the next time.
-        """
+    def submit(self) -> None:
+        """Ask for what was typed, or say what is wrong with it; nothing asks for nothing."""
+        typed = [field.value for field in self.fields]
         if self._kind is None:
             self.hint(f"{self.app.title}: the robot file names no goal")
             return
@@ -264,10 +245,8 @@ class GoalPanel(Panel):
         for field in self.fields:
             field.clear()
         if self.fields:
-            self.fields[0].value = behind
-            self.fields[0].cursor_position = len(behind)
             self.screen.set_focus(self.fields[0])
-        self.post_message(self.Send(goals, typed))
+        self.send(goals, typed)
 
 
 def _takes(leaf: Leaf) -> str:

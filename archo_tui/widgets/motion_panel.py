@@ -30,11 +30,9 @@ class MotionPanel(Panel, can_focus=True):
         self._line, self._word = Line(id="motion-line"), Line(id="motion-word")
         self._gauges = [Line(classes="gauge") for _ in robot.gauges]
         stop = "" if robot.stop is None else robot.stop.service
-        self._services = [(stop, Button("STOP", id="stop", compact=True))]
-        self._services[0][1].action = "app.command('stop')"
+        self._services = [(stop, Button("STOP", "stop", id="stop"))]
         for command in ours[:1]:
-            act = f"app.command('{command.id}')"
-            button = Button(command.title, id=command.id, compact=True, action=act)
+            button = Button(command.title, command.id, id=command.id)
             self._services.insert(0, (command.service, button))
 
     def compose(self) -> ComposeResult:

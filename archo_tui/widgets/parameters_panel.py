@@ -51,7 +51,7 @@ class ParametersPanel(Panel):
             action="app.command('edit')",
             columns=lambda *measured: parameter_columns(*measured, both=self._only_changed),
         )
-        self.search = Search(self._rows)
+        self.search = Search(self._rows, self._fill)
 
         self._waiting = _WAITING  # what is said while there are none
         self._titles = Line(id="parameter-titles")
@@ -117,9 +117,6 @@ class ParametersPanel(Panel):
         if (parameter.node, parameter.name) not in self._flashing:
             return lines
         return [(text, f"{style} reverse".lstrip()) for text, style in lines]
-
-    def on_input_changed(self) -> None:
-        self._fill()
 
     def toggle_changed(self) -> None:
         """Only what differs from the start, or all."""

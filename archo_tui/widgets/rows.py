@@ -11,6 +11,7 @@ from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
 from rich.style import Style
 from textual import events
+from textual.binding import Binding
 from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
@@ -52,9 +53,8 @@ def column(texts: Iterable[str], least: int, most: int) -> int:
 class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
     """Items by the thousand cost what the seen ones cost; the cursor stays with its item."""
 
-    # the app binds these with priority, so that `down` is done before the `s` behind it acts: a key
-    # that is left to a widget waits in the widget's queue
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
+    BINDINGS = [Binding(key, f"press('{key}')", show=False) for key in KEYS]
 
     without_focus = False  # the cursor is shown without it, too
 
@@ -232,7 +232,7 @@ class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
 
     # the cursor
 
-    def press(self, key: str) -> None:
+    def action_press(self, key: str) -> None:
         """Move the cursor by one of KEYS; the first `down` shows it where it is."""
         page, all_of_them = max(self.size.height - 1, 1), len(self._items)
         by = {"up": -1, "down": int(self.shows_cursor), "pageup": -page, "pagedown": page}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from textual.app import ComposeResult
 from textual.containers import Horizontal
 from textual.content import Content
@@ -15,7 +17,6 @@ class SearchLine(Horizontal):
 
     DEFAULT_CSS = """
         SearchLine { display: none; height: 1; dock: bottom; }
-        SearchLine.-open { display: block; }
         SearchLine Field { width: 1fr; margin: 0 15 0 2; }
     """
 
@@ -43,8 +44,8 @@ class SearchLine(Horizontal):
 class Search(Field):
     """`/` opens it, enter leaves it and keeps the filter, escape takes both away."""
 
-    def __init__(self, target: Widget) -> None:
-        super().__init__(placeholder="type to search")
+    def __init__(self, target: Widget, changed: Callable[[], object]) -> None:
+        super().__init__(placeholder="type to search", changed=changed, submitted=self._leave)
         self._target = target
         self.line = SearchLine(self)
 
@@ -58,15 +59,12 @@ class Search(Field):
         self.clear()
         self._leave()
 
-    def on_input_submitted(self) -> None:
-        self._leave()
-
     def _leave(self) -> None:
         self._show(bool(self.value))
         self.screen.set_focus(self._target)
 
     def _show(self, is_open: bool) -> None:
-        self.line.set_class(is_open, "-open")
+        self.line.display = is_open
         for panel in self.line.ancestors:
             if panel.has_class("panel"):  # a low one gets more rows, else nothing found is seen
                 self.screen.set_class(is_open, f"-search-{panel.id}")

@@ -100,7 +100,7 @@ async def test_nothing_stays_of_where_the_focus_was(
                 send(app, "escape")
                 await quiet.settle()
             assert terminal.shows(app), what
-    assert terminal.parts > steps // 2
+    assert terminal.parts > steps // 3  # a key and what it changes are drawn at once
 
 
 async def test_the_panel_with_the_focus_can_be_told_and_what_in_it() -> None:

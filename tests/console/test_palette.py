@@ -6,8 +6,9 @@ from archo_tui.commands.choices import choices
 from archo_tui.keyed_app import HELD
 from archo_tui.screens.choose import Found
 from archo_tui.screens.find import Fit, fit
+from archo_tui.terminal.typed import hand_on
 from tests.support.clock import seconds
-from tests.support.console import FAST, LONG, Console, click, console
+from tests.support.console import FAST, LONG, Console, click, console, key_event
 
 # what a person types for each entry, and finds it among the first three
 TYPED = {
@@ -157,7 +158,8 @@ async def test_the_speed_is_changed_from_anywhere_in_eight_keys_at_once() -> Non
 
 async def test_a_stop_behind_what_the_palette_opens_voids_it() -> None:
     async with console(*FAST) as op:
-        op.send("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter", "ctrl+x")
+        keys = ("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter", "ctrl+x")
+        hand_on(map(key_event, keys), op.app, op.app.stop_typed, op.app.post_message)
         await op.until(lambda: op.app.view.snapshot.motion.stopped)
         await op.settle()
         assert op.app.screen is op.app.main

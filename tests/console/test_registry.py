@@ -16,9 +16,7 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command
 from archo_tui.commands.keymap import readable
 from archo_tui.keyed_app import HELD
-from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import INTEGER
-from archo_tui.widgets.rows import Rows
 from tests.console.states import STATES
 from tests.support.archo import ARCHO
 from tests.support.console import send
@@ -58,9 +56,7 @@ KEYS = {
     },
     "in Graph": {"enter": "resource"},
     "KeyedApp": {
-        "escape": "leave_field", "enter": "next_field, take",
-        "tab": "beside(1)", "shift+tab": "beside(-1)",
-        **{key: f"move('{key}')" for key in (*Rows.KEYS, *Board.KEYS)},
+        "escape": "leave_field", "tab": "beside(1)", "shift+tab": "beside(-1)",
     },
     "AlarmList": {
         "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "escape": "close", "q": "close",
@@ -72,7 +68,7 @@ KEYS = {
     },
     "Choose": {"escape": "close", "pageup": "turn('pageup')", "pagedown": "turn('pagedown')"},
     "Confirm": {
-        "escape": "safe", "n": "safe", "y": "yes",
+        "escape": "answer(0)", "n": "answer(0)", "y": "yes",
         "left": "app.focus_previous", "right": "app.focus_next",
     },
     "Help": {"escape": "close", "pageup": "scroll(-1)", "pagedown": "scroll(1)"},
