@@ -4,7 +4,7 @@ As it comes (Textual 8.2.8) LinuxDriver hands 30 writes to its output thread and
 event loop (textual/drivers/_writer_thread.py, a Queue with a bound); a terminal that is gone kills
 that thread, and the loop waits for ever; a SIGCONT without a stop starts everything a second time;
 an input at its end is read in a loop. See Textualize/textual#4104 for what it does about SIGTTOU.
-Tested against the pinned version in tests/test_terminal.py.
+Tested against the pinned version in tests/terminal/test_terminal.py.
 """
 
 from __future__ import annotations

@@ -10,9 +10,9 @@ from rclpy.parameter import Parameter
 from textual.app import App
 
 from archo_tui.widgets.bars import header
-from tests.console.states import NORMAL, STATES
 from tests.support.console import BRISK, FAST, Console, click, console, screen_text, send
 from tests.support.quiet import Quiet
+from tests.support.states import NORMAL, STATES
 from tests.support.stub import stub_app
 
 KEYS = " g go to shelf   ? keys   c charge the battery"

@@ -10,9 +10,9 @@ import pytest
 
 from archo_tui.app import ArchoApp
 from archo_tui.robot.outcome import Code, Outcome
-from tests.console.states import STATES
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
+from tests.support.states import STATES
 from tests.support.stub import stub_app
 
 

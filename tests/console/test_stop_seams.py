@@ -14,12 +14,12 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.session import _robots_nodes
 from archo_tui.terminal.keyboard import Keyboard
 from archo_tui.terminal.typed import hand_on
-from tests.console.states import STATES
 from tests.robot.test_stop_and_releases import Busy
 from tests.support.clock import LOOK, seconds
 from tests.support.console import FAST, console
 from tests.support.peer import Peer
 from tests.support.quiet import Quiet, ended
+from tests.support.states import STATES
 from tests.support.stub import stub_app
 
 

@@ -20,7 +20,7 @@ from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.console import LONG, Console, console
 from tests.support.walks import Counting, length
-from tests.test_stop_is_final import ROBOTS
+from tests.terminal.test_stop_is_final import ROBOTS
 
 STOP = b"\x18"
 _KEYS = [

@@ -12,8 +12,8 @@ from archo_tui.embedded.parameter_files import read
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.state import Parameter
-from tests.console.states import PARAMETERS
 from tests.parameters import hostile
+from tests.support.states import PARAMETERS
 
 
 def one(kind: str, value: Any, **options: Any) -> Parameter:

@@ -16,7 +16,7 @@ from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.shells import Said, raw, said, typed
 from tests.support.terminal import Terminal
-from tests.test_terminal import FAIL_ONCE, SLOW
+from tests.terminal.test_terminal import FAIL_ONCE, SLOW
 
 pytestmark = pytest.mark.real_time
 

@@ -11,7 +11,7 @@ from archo_tui.remote.waits import RanOut, wait_for
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.verbs import verbs
-from tests.console.states import NORMAL, STATES
+from tests.support.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
 

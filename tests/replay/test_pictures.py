@@ -15,11 +15,11 @@ from archo_tui.recording.data import to_data
 from archo_tui.recording.ring import Heard
 from archo_tui.recording.state import state
 from archo_tui.recording.witness import JOURNAL, STATE
-from tests.console.states import STATES
 from tests.replay.recorded import replay
 from tests.support.clock import TIME
 from tests.support.night import corners
 from tests.support.pictures import differs, steady
+from tests.support.states import STATES
 from tests.support.stub import StandingClock, stub_app
 
 SIZES = {"80x24": (80, 24), "120x36": (120, 36), "160x48": (160, 48)}

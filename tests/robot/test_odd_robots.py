@@ -27,13 +27,13 @@ from archo_tui.robot.followed import Followed
 from archo_tui.robot.others import CLIENT, CONSOLE, Others
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion, Phase
-from tests.console.states import goal
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.clock import NOW
 from tests.support.console import console, screen_text
 from tests.support.quiet import Quiet, ended, until
 from tests.support.robot import robot
+from tests.support.states import goal
 from tests.support.stub import StandingClock, stub_app
 
 

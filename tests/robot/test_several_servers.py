@@ -18,12 +18,12 @@ from std_msgs.msg import Float32
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import OpenStop, Phase, StopAnswer
 from archo_tui.station.alarms import OUTLIVED, STOPS, UNCONFIRMED, conditions
-from tests.console.states import STATES
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.clock import NOW
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
+from tests.support.states import STATES
 
 
 class Brake(Node):

@@ -8,10 +8,10 @@ import pytest
 
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Phase, Snapshot
-from tests.console.states import STATES, goal
 from tests.support import clock
 from tests.support.plain import Typed, operated, typing
 from tests.support.script import Script
+from tests.support.states import STATES, goal
 from tests.support.stub import StubRobot, stub_station
 
 pytestmark = pytest.mark.posix

@@ -12,8 +12,8 @@ from archo_tui.robot_file.model import FormField, GoalKind
 from archo_tui.verbs import verbs
 from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.parse import named, parse, schema
-from tests.console.states import NORMAL, board
 from tests.support.archo import ARCHO, FORMS, SHELF
+from tests.support.states import NORMAL, board
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
 VERBS = verbs(ARCHO, FORMS)

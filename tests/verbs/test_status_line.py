@@ -8,7 +8,7 @@ import pytest
 
 from archo_tui.robot.state import Hosted, Life, Snapshot
 from archo_tui.verbs.as_data import in_line
-from tests.console.states import NORMAL, STATES
+from tests.support.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
 

@@ -13,13 +13,13 @@ from archo_interfaces.srv import EmergencyStop
 from rclpy.node import Node
 
 from archo_tui.robot.state import WATCHING, OpenStop
-from tests.console.states import NORMAL, STATES
 from tests.robots.rover import Counting
 from tests.support import clock
 from tests.support.clock import NOW
 from tests.support.console import LONG
 from tests.support.plain import Typed, operated, plain, typing
 from tests.support.quiet import until
+from tests.support.states import NORMAL, STATES
 from tests.support.stub import StandingClock, StubRobot, stub_station
 
 SPEED = "motor_controller max_speed"

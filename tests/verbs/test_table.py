@@ -15,11 +15,11 @@ from archo_tui.plain.plain import help_text
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import WATCHING, Hosted, OpenStop, Phase, Snapshot
 from archo_tui.verbs import verbs
-from tests.console.states import NORMAL, STATES, goal
 from tests.support import clock
 from tests.support.archo import ARCHO, FORMS
 from tests.support.clock import NOW
 from tests.support.plain import typing
+from tests.support.states import NORMAL, STATES, goal
 from tests.support.stub import StubRobot, stub_app, stub_station
 
 VERBS = verbs(ARCHO, FORMS)

@@ -1,0 +1,1 @@
+"""`archo-tui check`: what the textbook asks of a learner's nodes."""

@@ -1,0 +1,204 @@
+"""`archo-tui check`: what learners write, right and wrong, and what each of them is told.
+
+A file in `share/learners/` begins with what is expected of it: `# ok: 1 2` are the checks that
+pass, `# not ok 3: WORDS` is one that fails and words of its hint, `# skip 1: WORDS` names what is
+there instead, `# exit 2: WORDS` is all that is said of a file that cannot be hosted, `# nothing`
+that nothing was checked. HERE is the file and the line that ends in `# here`. What is not named is
+skipped, but for the last check, which passes.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import archo_bringup
+import pytest
+
+import tests.contract.textbook as textbook
+from archo_tui.cli import main
+from tests.support import chosen, clock
+
+LISTINGS = Path(textbook.__file__).parent
+OURS = Path(archo_bringup.__file__).parent
+FOLDER = Path(__file__).parent.parent / "share" / "learners"
+FILES = sorted(path.stem for path in FOLDER.glob("*.py"))
+LAST = 11  # no node crashes
+_SHORT = 0.05  # s; what sleeps in a constructor, before there is anybody to move the clock
+
+
+@pytest.fixture(autouse=True)
+def _moved(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The clock of the test is the checker's, the nodes', and that of what sleeps in them."""
+    monkeypatch.setattr("archo_tui.hosting.host.END_TIMEOUT", 0.3)
+    monkeypatch.setenv("ROS_PYTHON_CHECK_FIELDS", "1")
+    for loaded in list(sys.modules.values()):
+        if "ros_python_check_fields" in vars(loaded):
+            vars(loaded)["ros_python_check_fields"] = "1"
+    if clock.current is None:
+        yield
+        return
+    from rclpy.executors import Executor, MultiThreadedExecutor
+
+    virtual, over, real = clock.current, threading.Event(), time.sleep
+    sleeping: set[threading.Condition] = set()
+
+    def sleep(seconds: float) -> None:
+        if seconds < _SHORT or not threading.current_thread().name.startswith("/"):
+            real(seconds)
+            return
+        until = virtual.monotonic_ns() + int(seconds * 1e9)
+        condition = threading.Condition()
+        sleeping.add(condition)
+        with condition:
+            while virtual.monotonic_ns() < until and not over.is_set():
+                virtual.wait(condition, lambda: True, until)
+        sleeping.discard(condition)
+
+    monkeypatch.setattr(time, "sleep", sleep)
+    # the clock sees a hosted node's threads by their names
+    monkeypatch.setattr(MultiThreadedExecutor, "_is_idle", Executor._is_idle)
+    monkeypatch.setattr("archo_tui.session.Clock", lambda: virtual)
+    yield
+    over.set()
+    for condition in list(sleeping):
+        with condition:
+            condition.notify_all()
+
+
+class Expected:
+    """What a file says of itself."""
+
+    def __init__(self, name: str) -> None:
+        lines = (FOLDER / f"{name}.py").read_text().splitlines()
+        places = {
+            mark.upper(): f"{name}.py:{number}"
+            for mark in ("here", "there")
+            for number, line in enumerate(lines, 1)
+            if line.endswith(f"  # {mark}")
+        }
+        self.passes: set[int] = set()
+        self.failures: dict[int, list[str]] = {}
+        self.skips: dict[int, str] = {}
+        self.refused = ""
+        self.nothing = "# nothing" in lines
+        for line in lines:
+            found = re.fullmatch(r"# (ok|not ok|skip|exit) ?(\d*): (.+)", line)
+            if found is None:
+                continue
+            what, number, said = found.groups()
+            words = re.sub(r"\b(T?HERE)\b", lambda place: places[place[0]], said)
+            if what == "ok":
+                self.passes |= {int(word) for word in words.split()}
+            elif what == "not ok":
+                self.failures.setdefault(int(number), []).append(words)
+            elif what == "skip":
+                self.skips[int(number)] = words
+            else:
+                self.refused = words
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_learner_is_told(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    expected = Expected(name)
+    if "did not return" in expected.refused:
+        limit = 0.5 if chosen.ENGINE == "embedded" else 5.0
+        monkeypatch.setattr("archo_tui.hosting.node_files.CONSTRUCTION_TIME", limit)
+    monkeypatch.chdir(FOLDER)
+    monkeypatch.setattr(threading, "excepthook", threading.__excepthook__)  # and not pytest's
+    code = main(["check", "--engine", chosen.ENGINE, f"{name}.py"])
+    said = capsys.readouterr()
+    if expected.refused:
+        assert code == 2
+        assert said.out == ""
+        assert expected.refused in said.err
+        assert len(said.err.splitlines()) == 1
+        return
+    assert said.err == ""
+    first, *lines, plan = said.out.splitlines()
+    assert (first, plan) == ("TAP version 13", f"1..{LAST}")
+    passes, skips, failures = set(), dict[int, str](), dict[int, str]()
+    number = 0
+    for line in lines:
+        found = re.match(r"(ok|not ok) (\d+) - [^#]+(# SKIP .+)?$", line)
+        if found is None:
+            assert line.startswith("# "), line
+            if number in failures:
+                failures[number] += f"{line}\n"
+            continue
+        number = int(found[2])
+        if found[1] == "not ok":
+            failures[number] = ""
+        elif found[3]:
+            skips[number] = found[3]
+        else:
+            passes.add(number)
+    assert passes - {LAST} == expected.passes, said.out
+    assert failures.keys() == expected.failures.keys(), said.out
+    for number, hints in expected.failures.items():
+        for words in hints:
+            assert words in failures[number], said.out
+    for number, words in expected.skips.items():
+        assert words in skips[number]
+    assert ("nothing was checked" in said.out) == expected.nothing
+    assert code == (1 if failures or expected.nothing else 0)
+
+
+def check(capsys: pytest.CaptureFixture[str], *files: Path) -> tuple[int, list[str]]:
+    """The exit code, and the lines that are not skipped."""
+    code = main(["check", "--engine", chosen.ENGINE, *map(str, files)])
+    first, *lines, plan = capsys.readouterr().out.splitlines()
+    assert (first, plan) == ("TAP version 13", "1..11")
+    return code, [line for line in lines if "# SKIP" not in line]
+
+
+def test_the_robots_own_nodes_pass(capsys: pytest.CaptureFixture[str]) -> None:
+    names = ("battery_monitor", "dashboard", "motor_controller")
+    code, lines = check(capsys, *(OURS / f"{name}.py" for name in names))
+    assert code == 0, lines
+    assert [line[:6].rstrip(" -") for line in lines] == [f"ok {n}" for n in range(1, 12)]
+
+
+@pytest.mark.real_time
+def test_a_listing_is_asked_for_what_it_offers_only(capsys: pytest.CaptureFixture[str]) -> None:
+    code, lines = check(capsys, LISTINGS / "reset_service.py")
+    assert code == 0
+    assert [line[:6] for line in lines] == ["ok 9 -", "ok 11 "]
+
+
+def test_a_crash_leaves_the_other_checks_and_a_node_of_the_same_name(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listing = (LISTINGS / "reset_service.py").read_text().replace("        return response\n", "")
+    stop = 'self.create_service(ResetEncoder, "emergency_stop", ResetStop())'
+    listing = listing.replace("self.encoder_ticks = 15420", stop)
+    stops = "\n\nclass ResetStop:\n    def __call__(self, request, response):\n"
+    stops += "        response.success = True\n        return response\n"
+    (tmp_path / "reset.py").write_text(listing + stops)
+    files = [LISTINGS / "motor_parameters.py", tmp_path / "reset.py"]
+    code, lines = check(capsys, *files, LISTINGS / "battery_subscriber.py")
+    assert code == 1
+    passed = [int(line.split()[1]) for line in lines if line.startswith("ok ")]
+    assert passed == [4, 5, 6, 10]
+    hint = f"# {tmp_path}/reset.py:12: TypeError: reset_callback returns nothing: end it with"
+    assert sum(line.startswith(hint) for line in lines) == 2, lines
+
+
+def test_an_interrupt_is_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("archo_tui.chapter.asker.Asker.wait_for_crashes", interrupt)
+    code = main(["check", "--engine", chosen.ENGINE, str(LISTINGS / "motor_parameters.py")])
+    said = capsys.readouterr()
+    assert code == 1
+    assert said.out.splitlines()[-1] == "Bail out! interrupted"
+    assert said.err == "archo-tui: interrupted: not all was checked\n"

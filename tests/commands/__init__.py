@@ -1,0 +1,1 @@
+"""Keys, the palette, and a user's own keymap."""

@@ -1,0 +1,176 @@
+"""Keys of the operator's own choice, and what is said of a file that cannot be meant."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from archo_tui.cli import main
+from archo_tui.commands import keymap, registry
+from archo_tui.commands.base import Command
+from archo_tui.errors import ArchoError
+from archo_tui.paths import config_file
+from tests.support.archo import ARCHO
+from tests.support.states import NORMAL
+from tests.support.stub import stub_app
+
+COMMANDS = registry(ARCHO)
+
+
+def load(tmp_path: Path, text: str) -> dict[str, str]:
+    file = tmp_path / "keymap.yaml"
+    file.write_text(text)
+    return keymap.load(file, COMMANDS)[0]
+
+
+def test_without_a_file_the_registry_decides(tmp_path: Path) -> None:
+    keys, _ = keymap.load(tmp_path / "none.yaml", COMMANDS)
+    assert keys == {command.id: command.key for command in COMMANDS}
+
+
+def test_keys_are_chosen_by_name_or_character(tmp_path: Path) -> None:
+    keys = load(tmp_path, "# mine\nstop: F5\nreset: '*'\nfilter: f\nsearch: f\ngo: x\n")
+    shown = keymap.shown_keys(keys)
+    assert keys["stop"] == "f5"
+    assert (shown["reset"], shown["filter"], shown["search"], shown["go"]) == ("*", "f", "f", "x")
+
+
+def test_two_commands_may_swap_their_keys(tmp_path: Path) -> None:
+    keys = load(tmp_path, "reset: g\ngo: r\n")
+    assert (keys["reset"], keys["go"]) == ("g", "r")
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "said"),
+    [
+        ("\nstop: s\n", 2, "stop must work while typing too: s would be text"),
+        ("stop: space\n", 1, "would be text"),
+        ("stop: ctrl+i\n", 1, "a terminal sends ctrl+i as tab: choose another"),
+        ("reset: ctrl+m\n", 1, "a terminal sends ctrl+m as enter: choose another"),
+        ("reset: ctrl+h\n", 1, "a terminal sends ctrl+h as backspace: choose another"),
+        ("stop: ctrl+[\n", 1, "a terminal sends ctrl+[ as escape: choose another"),
+        ("stop: backspace\n", 1, "is needed in fields and dialogs"),
+        ("reset: hyper+ultra\n", 1, "no key 'hyper+ultra'"),
+        (f"reset: {'9' * 5000}\n", 1, f"no key '{'9' * 20}': like"),
+        ("reset: tab\n", 1, "is needed in fields and dialogs"),
+        ("reset: g\n", 1, "g is already the key of go"),
+        ("level: a\n", 1, "a is already the key of ack"),
+        ("filter: u\n", 1, "u is already the key of undo"),
+        ("- a\n- b\n", 1, "expected lines like 'stop: ctrl+x'"),
+        ("stop: [a]\n", 1, "expected 'command: key'"),
+        ("a: b\nb: [\n", 3, "not YAML"),
+    ],
+)
+def test_a_mistake_names_its_line(tmp_path: Path, text: str, line: int, said: str) -> None:
+    with pytest.raises(ArchoError) as caught:
+        load(tmp_path, text)
+    assert str(caught.value).startswith(f"{tmp_path / 'keymap.yaml'}:{line}: ")
+    assert said in str(caught.value)
+
+
+def test_ids_that_this_robot_lacks_are_left_out_and_said(tmp_path: Path) -> None:
+    file = tmp_path / "keymap.yaml"
+    file.write_text("stop: f5\nundock: f6\nstpo: f7\n")
+    keys, others = keymap.load(file, COMMANDS)
+    assert keys["stop"] == "f5"
+    assert others == (
+        f"{file}: this robot has no command undock (line 2, nearest: undo), "
+        "stpo (line 3, nearest: stop): left out"
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("ctrl+x", "ctrl+x is the key of stop: choose another"),
+        ("q", "q is the key of quit: choose another"),
+        ("c", "c is the key of charge: choose another"),
+        ("tab", "tab is needed in fields and dialogs: choose another"),
+        ("warp", "no key 'warp': like x, ctrl+x, f5, question_mark"),
+    ],
+)
+def test_the_consoles_own_keys_are_not_a_robot_files_to_take(
+    tmp_path: Path, key: str, said: str
+) -> None:
+    charge = ARCHO.commands[0]
+    beep = replace(charge, id="beep", where="mine.yaml:7", key=key)
+    robot = replace(ARCHO, commands=(charge, beep))
+    with pytest.raises(ArchoError) as caught:
+        keymap.load(tmp_path / "none.yaml", registry(robot))
+    assert str(caught.value) == f"mine.yaml:7: {said}"
+
+
+class Replay(Command):
+    id, key, help = "replay", "v", "Replay a recording"
+    yields = True
+
+
+@pytest.mark.parametrize(
+    ("robots", "text", "key"),
+    [
+        ("", "", "v"),
+        ("", "reset: f5\n", "v"),
+        ("", "reset: v\n", ""),
+        ("v", "", ""),
+        ("v", "reset: v\nbeep: f6\n", ""),
+        ("v", "beep: f6\n", "v"),
+        ("v", "replay: f6\n", "f6"),
+    ],
+)
+def test_a_new_key_yields_to_a_robot_files_and_a_keymaps(
+    robots: str,
+    text: str,
+    key: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    reset = ARCHO.commands[1]
+    beep = replace(reset, id="beep", where="mine.yaml:7", key=robots)
+    commands = (Replay(), *registry(replace(ARCHO, commands=(reset, beep))))
+    file = config_file("keymap.yaml")
+    file.parent.mkdir(parents=True)
+    file.write_text(text)
+    assert keymap.load(file, commands)[0]["replay"] == key
+    monkeypatch.setattr("archo_tui.commands.registry", lambda _: commands)
+    assert main(["keys"]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if "replay:" in line)
+    if key:
+        assert line.split("#")[0].strip() == f"replay: {key}"
+    else:
+        taker = "reset" if "reset" in text else "beep"
+        said = f"# in the palette only, v is the key of {taker}: Replay a recording"
+        assert line == f"# replay:                {said}"
+
+
+def test_a_new_key_that_a_keymap_names_is_kept_or_refused(tmp_path: Path) -> None:
+    file = tmp_path / "keymap.yaml"
+    file.write_text("reset: v\nreplay: v\n")
+    with pytest.raises(ArchoError, match=":1: v is already the key of replay"):
+        keymap.load(file, (*COMMANDS, Replay()))
+
+
+async def test_a_command_that_yielded_is_in_the_helps_palette_only_part(tmp_path: Path) -> None:
+    app = stub_app(NORMAL, keys=load(tmp_path, "") | {"history": ""})
+    async with app.run_test(size=(160, 48)) as pilot:
+        await pilot.press("question_mark", *"history")
+        await pilot.pause()
+        lines = [strip.text for strip in app.screen._compositor.render_strips()]
+        titles = [line for line in lines if "In the palette only" in line]
+        assert len(titles) == 1
+        below = lines[lines.index(titles[0]) + 1]
+        assert "Show the history on the full screen" in below
+
+
+async def test_the_screen_says_and_takes_the_chosen_keys(tmp_path: Path) -> None:
+    keys = load(tmp_path, "go: x\nhelp: f2\n")
+    app = stub_app(NORMAL, keys=keys)
+    async with app.run_test(size=(120, 36)) as pilot:
+        await pilot.press("x", "7", "escape", "f2")
+        await pilot.pause()
+        assert app.main.goal.query_one("#goal-0").value == "7"  # type: ignore[attr-defined]
+        assert app.screen is not app.main
+        lines = [strip.text for strip in app.main._compositor.render_strips()]
+        assert " x Go  ^c Cancel  ^x STOP  r Reset  1-8 Panels  f2 Help" in lines[-1]
+        assert any("Press x, type the shelf" in line for line in lines)

@@ -1,0 +1,230 @@
+"""Every command's key, in every place that the table says and in no other."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+
+import pytest
+from textual.binding import Binding
+from textual.widgets import Button, Input
+
+from archo_tui import screens
+from archo_tui.app import ArchoApp
+from archo_tui.commands import registry
+from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command
+from archo_tui.commands.keymap import readable
+from archo_tui.keyed_app import HELD
+from archo_tui.widgets.field import INTEGER
+from tests.support.archo import ARCHO
+from tests.support.console import send
+from tests.support.quiet import Quiet
+from tests.support.states import STATES
+from tests.support.stub import StandingClock, StubRobot, stub_app
+
+COMMANDS = registry(ARCHO)
+PLACES = [f"panel {number}" for number in range(1, 7)] + [
+    "shelf field", "begun shelf field", "filter field", "search field", "full screen",
+    "edit dialog", "question", "help", "file dialog", "palette",
+]  # fmt: skip
+
+
+# every key, by place: one that is new has to find its room here
+KEYS = {
+    EVERYWHERE: {
+        "ctrl+c": "cancel", "ctrl+x": "stop", "ctrl+p": "palette", "ctrl+z": "suspend",
+        "ctrl+q": "quit_everywhere", "f1": "help_everywhere",
+    },
+    NOT_TYPING: {
+        **{str(number): f"panel_{number}" for number in range(1, 9)},
+        "a": "ack", "c": "charge", "g": "go", "h": "history", "k": "skip",
+        "n": "continue", "q": "quit", "r": "reset",
+        "A": "alarms", "C": "call", "G": "send_goal", "R": "release",
+        "left_square_bracket": "shorter", "right_square_bracket": "longer",
+        "question_mark": "help",
+    },
+    "in Parameters": {
+        "d": "only_changed", "full_stop": "ros_own", "u": "undo", "enter": "edit",
+        "backspace": "restore",
+        "space": "switch", "slash": "filter", "ctrl+s": "save", "ctrl+o": "load",
+    },
+    "in Nodes": {"s": "start_stop", "plus": "copy", "enter": "details"},
+    "in Events": {
+        "e": "full_screen", "l": "level", "y": "copy_command", "enter": "whole_event",
+        "slash": "search", "ctrl+s": "save_events",
+    },
+    "in Graph": {"enter": "resource"},
+    "KeyedApp": {
+        "escape": "leave_field", "tab": "beside(1)", "shift+tab": "beside(-1)",
+    },
+    "AlarmList": {
+        "a": "acknowledge", "A": "acknowledge_all", "s": "shelve", "escape": "close", "q": "close",
+    },
+    "AnswerRequest": {
+        "escape": "close", "q": "close", "up": "scroll(-1)", "down": "scroll(1)",
+        "pageup": "scroll(-1)", "pagedown": "scroll(1)",
+        "left": "app.focus_previous", "right": "app.focus_next",
+    },
+    "Choose": {"escape": "close", "pageup": "turn('pageup')", "pagedown": "turn('pagedown')"},
+    "Confirm": {
+        "escape": "answer(0)", "n": "answer(0)", "y": "yes",
+        "left": "app.focus_previous", "right": "app.focus_next",
+    },
+    "Help": {"escape": "close", "pageup": "scroll(-1)", "pagedown": "scroll(1)"},
+    "Form": {"escape": "close"},
+    "MessageForm": {"escape": "close", "ctrl+s": "send"},
+    "NodeDialog": {
+        "escape": "close", "enter": "close", "q": "close",
+        "left": "app.focus_previous", "right": "app.focus_next",
+    },
+    "RecordingList": {
+        "enter": "copy", "y": "copy", "d": "delete", "delete": "delete", "escape": "close",
+        "q": "close",
+    },
+    "ShowText": {"escape": "close", "enter": "close", "q": "close"},
+}  # fmt: skip
+
+
+def test_every_key_stands_in_the_table_once() -> None:
+    found: dict[str, dict[str, str]] = {}
+    for command in COMMANDS:
+        there = found.setdefault(command.place, {})
+        assert command.key not in there
+        if command.key:
+            there[command.key] = command.id
+    for name in ("keyed_app", *(f"screens.{one.name}" for one in iter_modules(screens.__path__))):
+        module = import_module(f"archo_tui.{name}")
+        for thing in vars(module).values():
+            if isinstance(thing, type) and thing.__module__ == module.__name__:
+                made = [*Binding.make_bindings(vars(thing).get("BINDINGS", ()))]
+                bound = found.setdefault(thing.__name__, {}) if made else {}
+                for key, action in ((one.key, one.action) for one in made):
+                    bound[key] = f"{bound[key]}, {action}" if key in bound else action
+    assert found == KEYS
+
+
+def test_no_key_of_a_panel_is_one_of_every_panel() -> None:
+    everywhere = [*KEYS[EVERYWHERE], *KEYS[NOT_TYPING]]
+    assert len(set(everywhere)) == len(everywhere)
+    for place in ("in Parameters", "in Nodes", "in Events", "in Graph"):
+        assert not KEYS[place].keys() & set(everywhere)
+
+
+async def go_to(app: ArchoApp, quiet: Quiet, place: str) -> int:
+    """Bring the app to a place by keys; returns the number of the focused panel, 0 for none."""
+    keys = {
+        "shelf field": ["g"],
+        "begun shelf field": ["g"],
+        "filter field": ["4", "slash"],
+        "search field": ["6", "slash"],
+        "full screen": ["6", "e"],
+        "edit dialog": ["4", "enter"],
+        "question": ["r"],
+        "help": ["question_mark"],
+        "file dialog": ["4", "ctrl+s"],
+        "palette": ["ctrl+p"],
+    }.get(place, [place[-1]])
+    if place == "panel 3":
+        keys = ["3", "tab"]
+    for key in keys:
+        send(app, key)
+        await quiet.settle()
+    return app.main.focused_panel if app.screen is app.main else 0
+
+
+def works(command: Command, place: str, panel: int) -> bool:
+    """What the table says."""
+    if command.where == EVERYWHERE:
+        return True
+    if place == "shelf field":  # a number: letters are commands while it is empty
+        is_text = len(readable(command.key)) > 1 or readable(command.key) in INTEGER
+        return command.where == NOT_TYPING and not is_text
+    main = place.startswith("panel") or place == "full screen"
+    return main and (command.where == NOT_TYPING or command.panel == panel)
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The file dialog saves what is typed into it."""
+    monkeypatch.chdir(tmp_path)
+
+
+async def test_every_key_works_where_the_table_says_and_nowhere_else() -> None:
+    ran: list[str] = []
+    clock = StandingClock()
+    app = stub_app(STATES["battery low and moving"], clock)
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        run = app.action_command
+
+        def record(name: str, **_: object) -> None:
+            ran.append(name)
+
+        for place in PLACES:
+            there: object = None
+            panel = 0
+            for command in filter(lambda command: command.key, COMMANDS):
+                if there is None or (app.screen, app.focused) != there:  # the last key led away
+                    app.action_command = run  # type: ignore[method-assign]
+                    while app.screen is not app.main:
+                        app.pop_screen()
+                    app.main.remove_class("-full")
+                    while isinstance(app.focused, Input):
+                        send(app, "escape")
+                        await quiet.settle()
+                    clock.passed += HELD
+                    panel = await go_to(app, quiet, place)
+                    there = (app.screen, app.focused)
+                    app.action_command = record  # type: ignore[assignment,method-assign]
+                ran.clear()
+                clock.passed += HELD  # another press of the same key
+                if isinstance(app.focused, Input) and "shelf" in place:
+                    app.focused.value = "5" if "begun" in place else ""
+                    await quiet.settle()
+                send(app, command.key)
+                await quiet.settle()
+                assert (command.id in ran) == works(command, place, panel), (place, command, ran)
+
+
+async def test_stop_works_while_the_palette_is_open_too() -> None:
+    app = stub_app(STATES["motor moving"])
+    asked: list[str] = []
+    app.station.robot.emergency_stop = lambda: asked.append("stop") or _done()  # type: ignore
+    async with app.run_test(size=(120, 36)) as pilot:
+        await pilot.press("ctrl+p")
+        await pilot.press("ctrl+x")
+        await pilot.pause()
+        assert asked == ["stop"]
+
+
+async def _done() -> object:
+    from archo_tui.robot.outcome import Code, Outcome
+
+    return Outcome(Code.DONE, "stopped")
+
+
+def test_ids_are_unique_and_every_command_explains_itself() -> None:
+    assert len({command.id for command in COMMANDS}) == len(COMMANDS)
+    for command in COMMANDS:
+        assert len(command.help) > 5
+        assert (command.panel > 0) == (command.where == IN_PANEL)
+
+
+async def test_what_can_be_clicked_on_names_a_command_in_every_state() -> None:
+    app = stub_app(STATES["normal"], StandingClock(), size=(120, 36))
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    known = {f"app.command('{command.id}')" for command in app.registry}
+    async with app.run_test(size=(120, 36)):
+        for state in STATES:
+            robot.put(STATES[state])
+            await Quiet(app).settle()
+            actions = {
+                segment.style.meta["@click"]
+                for strip in app.screen._compositor.render_strips()
+                for segment in strip
+                if segment.style is not None and "@click" in segment.style.meta
+            }
+            actions |= {button.action for button in app.query(Button) if button.action}
+            assert "app.command('help')" in actions  # of the footer
+            assert actions <= known, state

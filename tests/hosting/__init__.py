@@ -1,0 +1,1 @@
+"""Nodes that run in this process: started, stopped, reloaded."""

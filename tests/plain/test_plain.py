@@ -1,0 +1,309 @@
+"""`--plain`: commands on standard input, an event a line, an exit code for scripts."""
+
+from __future__ import annotations
+
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from archo_tui.cli import parser
+from tests.support import clock
+from tests.support.console import FAST as QUICK
+from tests.support.console import LONG
+from tests.support.plain import operated, plain
+from tests.support.quiet import Quiet
+from tests.support.script import FAST, SLOW, Script, shell
+
+ROOT = Path(__file__).parent.parent.parent
+
+
+def test_a_goal_that_arrives_is_exit_code_0() -> None:
+    script = Script(*FAST)
+    assert script.end("go 12\n") == 0, script.said
+    assert "YOU console: go to shelf 12: accepted" in script.said
+    assert re.search(r"goal MOVING to 12, \d+\.\d m left of 18\.0 m", script.said)
+    assert "goal ARRIVED, Arrived at shelf 12, 18.0 m in" in script.said
+
+
+async def test_a_goal_whose_node_was_halted_is_not_waited_for_for_ever() -> None:
+    code, said = await plain("go 12\nhalt motor_controller --yes\n", ros_args=LONG)
+    assert code == 1
+    assert "goal LOST, shelf 12, the robot may still be moving" in said
+
+
+@pytest.mark.parametrize("last", ["go 12\nquit\n", "go 12"])
+async def test_the_end_waits_for_the_goal_however_it_is_asked_for(last: str) -> None:
+    code, said = await plain(last, ros_args=QUICK)
+    assert code == 0, said
+    assert "goal ARRIVED, Arrived at shelf 12, 18.0 m in" in said
+
+
+def test_a_goal_that_is_cancelled_is_exit_code_1() -> None:
+    script = Script(*SLOW)
+    script.type("go 12\n")
+    script.until("m left of 18.0 m")
+    assert script.end("cancel\n") == 1
+    assert "goal CANCELLED, Cancelled mid-route" in script.said
+
+
+def test_stop_ends_the_goal_and_is_released() -> None:
+    script = Script(*SLOW)
+    script.type("go 12\n")
+    script.until("m left of 18.0 m")
+    script.type("stop\n")
+    script.until("ABORTED, Emergency stop,")
+    script.until("alarm unacknowledged: STOPPED: look for the cause")
+    assert script.end("go 3\nrelease --yes\ngo 7\ncancel\n") == 1
+    assert "failed: go: emergency stop: release it first" in script.said
+    assert "go to shelf 7: accepted" in script.said
+
+
+@pytest.mark.parametrize("failing", ["go 99", "jump", "cancel", "set motor_controller max_speed 9"])
+async def test_what_succeeds_behind_a_line_that_failed_leaves_exit_code_1(failing: str) -> None:
+    code, said = await plain(f"{failing}\ngo 7\n", ros_args=QUICK)
+    assert code == 1, said
+    assert f"failed: {failing.split()[0]}: " in said
+    assert "Arrived at shelf 7" in said
+
+
+async def test_one_goal_that_did_not_arrive_is_exit_code_1_whatever_arrives_behind_it() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("go 12\n")
+        await person.until("m left of")
+        person.type("cancel\n")
+        await person.until("goal CANCELLED")
+        person.type("set motor_controller route_length 1\n")
+        await person.until("route_length is 1.0")
+        assert await person.end("go 7\n") == 1
+        assert "Arrived at shelf 7" in person.said
+        assert "failed" not in person.said
+
+
+async def test_a_goal_that_was_left_out_did_not_arrive() -> None:
+    async with operated(ros_args=LONG) as person:
+        person.type("go 12 7\n")
+        await person.until("m left of")
+        person.type("skip\n")
+        await person.until("left out of the queue: 7")
+        person.type("set motor_controller time_scale 100\n")
+        assert await person.end() == 1
+        assert "Arrived at shelf 12" in person.said
+
+
+def test_page_and_help_agree_on_the_exit_code() -> None:
+    said = "exit code is 0 only when every goal arrived and every line succeeded"
+    for text in ((ROOT / "docs" / "plain.md").read_text(encoding="utf-8"), parser().format_help()):
+        assert said in " ".join(text.split())
+
+
+async def test_what_cannot_be_done_is_one_line_and_exit_code_1() -> None:
+    wrong = {
+        "go 99": "failed: go: Shelf: at most 40, not 99",
+        "go there": "failed: go: Shelf: not a whole number: there",
+        "go 1_2": "failed: go: Shelf: not a whole number: 1_2",
+        "set motor_controller max_speed 1_0.5": "set: motor_controller max_speed: not a number",
+        "set max_speed 1": "failed: set: needs NODE NAME VALUE",
+        "set": "failed: set: needs NODE NAME VALUE",
+        "set nosuch max_speed 1": "failed: set: /nosuch has no parameter max_speed",
+        "set battery_monitor drain_min 50": "failed: set: drain_min 50",
+        "set motor_controller 'max_speed 1": "failed: set: a quote is not closed",
+        "undo": "failed: undo: nothing to undo",
+        "go": "failed: go: Shelf: type a value",
+        "jump": "failed: jump: no command 'jump' (help lists them)",
+        "set motor_controller max_speed 9": "max_speed: allowed 0.05 .. 2, not 9",
+        "set motor_controller max_speed nan": "max_speed: not a finite number: nan",
+        "set motor_controller ticks_per_revolution 5": "ticks_per_revolution is read-only",
+        "cancel": "failed: cancel: no goal is running",
+    }
+    code, output = await plain("\n".join(wrong), ros_args=QUICK)
+    assert code == 1
+    for said in wrong.values():
+        assert said in output
+    assert "Traceback" not in output
+
+
+@pytest.mark.parametrize("typed", ["go 99", "jump", "cancel"])
+async def test_one_of_them_alone_is_exit_code_1(typed: str) -> None:
+    assert (await plain(f"{typed}\n", ros_args=QUICK))[0] == 1
+
+
+async def test_what_is_asked_is_told() -> None:
+    typed = "set motor_controller max_speed 0.5\nreset\ncharge\nparams\nstatus\nhelp\n"
+    code, said = await plain(typed, ros_args=QUICK)
+    assert code == 0, said
+    assert "YOU console: set motor_controller max_speed 0.5: max_speed is 0.5" in said
+    assert (
+        "motor_controller max_speed is 0.5, was 0.8 at the start, double, allowed 0.05 .. 2" in said
+    )
+    assert "YOU console: reset encoder: Encoder reset to zero" in said
+    assert "YOU console: charge: Charging" in said
+    assert "goal No goal yet. Type go and the shelf number.\n" in said
+    assert "\nbattery " in said
+    assert "go N " in said
+
+
+class Noted(Node):
+    """Has a text that is set; when it is, an error twice at once, and two that differ."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__("noted", **given)
+        self.declare_parameter("text", "as it was")
+        self.declare_parameter("list", ["a"])
+        self.add_on_set_parameters_callback(self._set)
+
+    def _set(self, parameters: Any) -> SetParametersResult:
+        for _ in range(2):
+            self.get_logger().error("twice at once")
+        for joint in (1, 2):
+            self.get_logger().error(f"Joint {joint} overheated")
+        return SetParametersResult(successful=True)
+
+
+async def test_a_line_is_split_as_a_shell_does() -> None:
+    lines = {
+        "set noted text 'a  b'": "text is a  b,",
+        "set noted text ''": "text is , was a  b",
+        'set noted text "it\'s"': "text is it's,",
+        "set noted text a\\ \\\\b": "text is a \\b,",
+        "set noted text plain words": "text is plain words,",
+        "set noted list [x, 'y z']": "list is [x, y z],",
+    }
+    code, said = await plain("\n".join(lines), Noted)
+    assert code == 0, said
+    for told in lines.values():
+        assert told in said
+
+
+async def test_the_node_that_a_set_lacks_is_named() -> None:
+    async with operated(ros_args=QUICK) as person:
+        person.type("params\n")
+        await person.until("ticks_per_revolution")
+        person.type("set max_speed '1 0'\n")
+        await person.until("needs NODE NAME VALUE: set motor_controller max_speed '1 0'")
+
+
+async def test_an_error_that_comes_twice_before_it_is_seen_is_printed_once() -> None:
+    code, said = await plain("set noted text new\n", Noted)
+    assert code == 0, said
+    assert len(re.findall(r"ERROR noted: twice at once( \(x 2\))?\n", said)) == 1
+
+
+async def test_errors_that_differ_in_a_whole_number_are_all_told() -> None:
+    _, said = await plain("set noted text new\n", Noted)
+    assert said.count("ERROR noted: Joint 1 overheated\n") == 1
+    assert said.count("ERROR noted: Joint 2 overheated\n") == 1
+
+
+async def test_what_was_set_is_undone_and_not_what_somebody_else_set_since() -> None:
+    made: list[Noted] = []
+
+    def make(**given: Any) -> Noted:
+        made.append(Noted(**given))
+        return made[-1]
+
+    async with operated(make) as person:
+        person.type("set noted text one\nset noted text two\nundo\n")
+        await person.until("text is one, was two")
+        made[0].set_parameters([Parameter("text", value="three")])
+        seen = clock.seconds() + 0.5
+        await Quiet().until(lambda: clock.seconds() >= seen, lambda: "a little later")
+        person.type("undo\n")
+        await person.until(
+            "failed: undo: text has since changed to three. Restore as it was? (add --yes"
+        )
+        person.type("set noted text one\nundo\n")
+        await person.until("text is three, was one")
+        assert await person.end() == 1
+
+
+async def test_help_is_there_at_once_and_status_waits_for_what_the_robot_has() -> None:
+    async with operated(Noted, robot=ROOT / "tests/robots/cart.yaml") as person:
+        begun = clock.seconds()
+        person.type("help\n")
+        await person.until("Show the state of the robot")
+        assert clock.seconds() - begun < 3.0  # s; not 5
+        person.type("status\n")  # its file names a battery, and no node has one
+        await person.until("\nbattery NO DATA")
+        assert clock.seconds() - begun < 4.5
+        begun = clock.seconds()
+        person.type("status\nparams\n")
+        await person.until("noted text is as it was")
+        assert clock.seconds() - begun < 3.0  # s; not 5
+
+
+def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:
+    script = Script(*SLOW)
+    script.type("go 12\n")
+    script.until("m left of 18.0 m")
+    script.signal(signal.SIGTERM)
+    script.until("goal CANCELLED, Cancelled mid-route")
+    assert script.end() == 128 + signal.SIGTERM
+
+
+@pytest.mark.parametrize(
+    ("command", "code", "said"),
+    [
+        ("archo --plain <&-", 0, ""),
+        ("archo --plain >&- </dev/null", 2, "--plain needs a standard output, and it is closed"),
+        ("echo status | archo --plain >/dev/full", 1, ""),
+        ("archo keys >/dev/full", 1, "cannot write to standard output: No space left"),
+        ("archo keys >&-", 1, "cannot write to standard output: Bad file descriptor"),
+        ("archo recordings >&-", 1, "cannot write to standard output: Bad file descriptor"),
+        ("archo status >&-", 3, "no console runs here"),
+        ("archo keys | true", 0, ""),
+        ("archo --help >&-", 0, ""),
+        ("echo nonsense | archo --plain 2>&-", 1, ""),
+        (
+            "(printf 'go \\355\\240\\200\\n'; yes x | tr -d '\\n' | head -c 10000000) | "
+            "archo --plain",
+            1,
+            "",
+        ),
+    ],
+)
+def test_no_input_or_output_whatever_is_a_traceback(command: str, code: int, said: str) -> None:
+    done = shell(command)
+    assert b"Traceback" not in done.stderr + done.stdout
+    assert b"Exception" not in done.stderr
+    assert b"Broken pipe" not in done.stderr  # who reads no further knows it
+    assert (done.returncode, said in done.stderr.decode()) == (code, True), done
+
+
+def test_what_a_node_file_prints_is_nothing_that_a_terminal_acts_on(tmp_path: Path) -> None:
+    (tmp_path / "loud.py").write_text(
+        "import sys\nfrom rclpy.node import Node\n"
+        r'print("\x1b[2Jout"); print("\x1b[2Jerr", file=sys.stderr)'
+        "\n\n\nclass Loud(Node):\n"
+        "    def __init__(self):\n        super().__init__('loud')\n"
+        r"        print('\x1b[2Jmade', file=sys.stderr)"
+    )
+    done = shell(f"archo --plain --only --node {tmp_path}/loud.py </dev/null")
+    assert (done.returncode, done.stdout) == (0, b""), done
+    assert done.stderr.decode().splitlines() == ["\ufffd[2Jerr", "\ufffd[2Jmade"]
+
+
+def test_an_ascii_output_gets_ascii() -> None:
+    done = shell("echo status | archo --plain", LC_ALL="C", PYTHONIOENCODING="ascii")
+    assert done.returncode == 0, done
+    assert done.stdout.isascii()
+    assert b"battery GOOD" in done.stdout
+
+
+@pytest.mark.parametrize("word", ["--help", "keys", "journal"])
+def test_a_user_without_a_home_is_no_traceback(word: str) -> None:
+    code = (
+        "import os, sys; os.environ.pop('HOME', None); os.environ.pop('XDG_STATE_HOME', None); "
+        "os.environ.pop('XDG_CONFIG_HOME', None); import pwd; "
+        "pwd.getpwuid = lambda uid: (_ for _ in ()).throw(KeyError(uid)); "
+        f"from archo_tui.cli import main; sys.exit(main([{word!r}]))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")

@@ -1,0 +1,145 @@
+"""`--plain` for ears: a change is one line, in words, and nothing is said twice."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+
+from archo_tui.robot.state import Phase, Snapshot
+from archo_tui.words import spoken
+from archo_tui.words.state import motion_word
+from tests.support.clock import NOW
+from tests.support.console import FAST, LONG
+from tests.support.plain import Typed, operated, plain, typing
+from tests.support.quiet import until
+from tests.support.states import BATTERY, NORMAL, STATES, goal
+from tests.support.stub import StandingClock, StubRobot, stub_station
+
+
+def lines(said: str) -> list[str]:
+    """What is said, without the times of day."""
+    return [re.sub(r"^\d\d:\d\d:\d\d ", "", line) for line in said.splitlines()]
+
+
+def check_is_for_ears(said: str) -> None:
+    """No glyph, no column, no row of a table, and no line twice."""
+    found = lines(said)
+    plain = [re.sub("'[^']*'", "", line) for line in found]  # in quotes anything is typed
+    assert [line for line in plain if re.search(r"[●○✗✓▲▶↯█─|]|->|  |\t|--(?!yes|all)", line)] == []
+    assert sorted(set(found)) == sorted(found), said
+
+
+async def test_a_drive_is_told_once_at_its_start_each_quarter_and_its_end() -> None:
+    code, said = await plain("go 12\n", ros_args=["-p", "feedback_period:=0.02"])
+    assert code == 0
+    check_is_for_ears(said)
+    begun, *quarters, ended = lines(said)
+    assert begun == "YOU console: go to shelf 12: accepted"
+    assert ended.startswith("goal ARRIVED, Arrived at shelf 12, 18.0 m in")
+    left = [float(re.match(r"goal MOVING to 12, (\d+\.\d) m left", line)[1]) for line in quarters]  # type: ignore[index]
+    assert [int(4 - metres / 4.5001) for metres in left] == [0, 1, 2, 3]
+
+
+async def test_a_drive_with_queue_stop_and_low_battery_repeats_nothing() -> None:
+    soon_low = ("-p", "battery_monitor:low_battery_threshold:=80.0")
+    async with operated(ros_args=(*LONG, *soon_low), use_sim=True) as person:
+        await typed(person, "go 12 7\n", "m left of")
+        await typed(person, "reset\n", "(add --yes to do it)")
+        await typed(person, "", "alarm unacknowledged: LOW BATTERY")
+        await typed(person, "ack\n", "acknowledged: low battery")
+        await typed(person, "stop\n", "alarm unacknowledged: STOPPED")
+        await typed(person, "status\n", "queue held: 7 (STOP)")
+        await typed(person, "go 3\n", "failed: go: emergency stop: release it first")
+        await typed(person, "release --yes\n", "alarm over, unacknowledged: stopped\n")
+        await typed(person, "status\n", "alarm over, unacknowledged: STOPPED: look for")
+        assert await person.end("skip\n") == 1
+    # what happens has its time; what is asked for may be told again
+    told = "\n".join(re.findall(r"^\d\d:\d\d:\d\d .*", person.said, re.MULTILINE))
+    check_is_for_ears(told)
+    assert [line for line in lines(told) if "shelf 3" in line] == []
+    assert len([line for line in lines(told) if "release it first" in line]) == 1
+
+
+async def test_a_battery_that_falls_empty_is_never_called_normal() -> None:
+    low = NORMAL._replace(battery=BATTERY._replace(percentage=12.0, health="warning"))
+    empty = NORMAL._replace(battery=BATTERY._replace(percentage=0.0, health="warning"))
+    robot, standing = StubRobot(low), StandingClock()
+    async with typing(stub_station(robot, standing)) as person:
+        await until(lambda: robot.listening)
+        for standing.passed, snapshot in ((2.1, low), (2.2, empty), (4.3, empty)):
+            now = snapshot.battery._replace(received=standing.monotonic())
+            robot.put(snapshot._replace(battery=now))
+        await person.until("alarm unacknowledged: BATTERY EMPTY")
+        await person.until("alarm replaced by a graver one: low battery")
+    assert "alarm normal" not in person.said
+
+
+async def typed(person: Typed, line: str, said: str) -> None:
+    """Type that, and wait for what is said."""
+    person.type(line)
+    await person.until(said)
+
+
+@pytest.mark.parametrize("verb", ["status", "nodes", "params", "history", "help"])
+async def test_what_is_listed_is_a_fact_a_line_in_words(verb: str) -> None:
+    code, said = await plain(f"go 12\nset motor_controller max_speed 0.5\n{verb}\n", ros_args=FAST)
+    assert code == 0
+    check_is_for_ears(said)
+
+
+async def test_the_state_is_read_out_without_a_table() -> None:
+    _, said = await plain("status\n")
+    assert lines(said) == [
+        "battery GOOD, 87.5 %, 24.1 V",
+        "motor IDLE, 15420 ticks, 0.00 m/s",
+        "goal No goal yet. Type go and the shelf number.",
+    ]
+
+
+@pytest.mark.parametrize("name", STATES)
+def test_every_state_has_words_of_its_own(name: str) -> None:
+    snapshot: Snapshot = STATES[name]
+    for said in (spoken.battery(snapshot, NOW), spoken.motion(snapshot, NOW)):
+        assert re.match(r"\w", said)
+        assert "--" not in said
+
+
+@pytest.mark.parametrize(
+    ("phase", "changes", "said"),
+    [
+        (Phase.LOST, {}, "LOST, shelf 12, nothing heard for 0.0 s; the robot may still be moving"),
+        (Phase.ABORTED, {"message": "broken"}, "ABORTED, shelf 12, broken"),
+        (Phase.ABORTED, {"message": "broken at shelf 1"}, "ABORTED, shelf 12, broken at shelf 1"),
+        (Phase.ABORTED, {"message": ""}, "ABORTED, shelf 12"),
+        (Phase.CANCELLED, {"message": "off", "remaining": None}, "CANCELLED, shelf 12, off"),
+        (Phase.CANCELLED, {"message": "off"}, "CANCELLED, off, 9.0 m before shelf 12"),
+        (
+            Phase.ARRIVED,
+            {"message": "Arrived at shelf 12", "ended": NOW},
+            "ARRIVED, Arrived at shelf 12, 18.0 m in 1.5 s",
+        ),
+        (
+            Phase.ARRIVED,
+            {"message": "there", "ended": NOW, "mine": False},
+            "ARRIVED, another client's goal, there, 18.0 m in 1.5 s",
+        ),
+    ],
+)
+def test_the_end_of_a_goal_says_once_which_one_it_was(
+    phase: Phase, changes: Any, said: str
+) -> None:
+    assert spoken.goal(goal(phase, **changes), NOW, "") == said
+
+
+def test_old_readings_are_not_read_out_as_if_they_were_of_now() -> None:
+    later = NOW + 60.0
+    assert spoken.battery(NORMAL, later) == "GOOD, 87.5 %, old, 60 s"
+    assert spoken.motion(NORMAL, later) == spoken.in_words(motion_word(NORMAL, later, 80))
+
+
+def test_a_queue_says_what_waits_and_why_it_is_held() -> None:
+    assert spoken.queue(["7", "3"], "") == "7, 3"
+    assert spoken.queue(["7", "3"], "cancelled") == "held: 7, 3 (cancelled)"
+    assert spoken.queue([], "") == ""

@@ -1,0 +1,313 @@
+"""`--plain` and STOP: it overtakes, and voids what was typed before it and has not left yet."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+
+from archo_tui.clock import Clock
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.session import _robots_nodes
+from tests.robot.test_several_servers import Brake, making
+from tests.robots.cart import Cart
+from tests.support import clock
+from tests.support.peer import Peer
+from tests.support.plain import operated, typing
+from tests.support.quiet import Quiet, until
+from tests.support.script import Script, shell
+from tests.support.states import NORMAL
+from tests.support.stub import StubRobot, stub_station
+from tests.support.waiting import DEADLINE
+
+CART = Path(__file__).parent.parent / "robots" / "cart.yaml"
+VOID = "not sent: STOP came after it"
+
+
+def test_a_release_typed_before_a_stop_is_not_sent() -> None:
+    script = Script()
+    script.type("stop\n")
+    script.until("STOP: confirmed")
+    assert script.end("release --yes\nstop\nstatus\n") == 1
+    assert f"failed: release: {VOID}" in script.said
+    assert "console: release stop" not in script.said
+    assert "motor STOPPED" in script.said.split("failed:")[1], script.said
+
+
+def test_a_release_typed_behind_a_stop_is_sent() -> None:
+    script = Script()
+    assert script.end("stop\nrelease --yes\nstatus\n") == 0
+    assert "motor IDLE" in script.said.split("YOU console: release stop: ")[1]
+
+
+async def test_what_waits_when_a_stop_comes_is_not_sent_afterwards() -> None:
+    async with operated() as person:
+        person.type("stop\n")
+        await person.until("STOP: confirmed")
+        person.type("status\ncall /nosuch\nrelease --yes\n")
+        await person.until("\ngoal No goal yet")
+        began = clock.seconds()
+        await until(lambda: clock.seconds() > began + 2.0)
+        person.type("stop\n")
+        await person.until(f"failed: call: {VOID}")
+        assert clock.seconds() < began + 4.0  # it would have waited for 5 s
+        assert await person.end("status\n") == 1
+    assert f"failed: release: {VOID}" in person.said
+    assert "console: release stop" not in person.said
+    assert "motor STOPPED" in person.said.split(f"failed: release: {VOID}")[1]
+
+
+async def test_a_goal_typed_before_a_stop_that_does_not_latch_is_not_driven() -> None:
+    async with operated(Cart, robot=CART) as person:
+        person.type("go 12\n")
+        await person.until("drives to 12")
+        assert await person.end("cancel\ngo 7\ngo 3 4\nstop\n") == 1
+    assert person.said.count(f"failed: go: {VOID}") == 2
+    assert "STOP: confirmed" in person.said
+    assert person.said.count("drives to") == 1
+    assert "not driven" not in person.said
+
+
+async def test_a_goal_typed_behind_a_stop_that_does_not_latch_is_driven() -> None:
+    async with operated(Cart, robot=CART) as person:
+        person.type("go 7\nstop\ngo 3\n")
+        await person.until("drives to 3")
+        person.type("cancel\n")
+        await person.end()
+    assert "drives to 7" not in person.said
+
+
+async def test_a_void_goal_is_a_failure_even_when_a_later_one_arrives() -> None:
+    async with operated() as person:
+        assert await person.end("go 12\nstop\nrelease --yes\ngo 7\n") == 1
+    assert f"failed: go: {VOID}" in person.said
+    assert "ARRIVED, Arrived at shelf 7" in person.said
+
+
+async def test_a_stop_holds_the_queue_until_it_is_continued() -> None:
+    async with operated() as person:
+        person.type("go 12 7\n")
+        await person.until("MOVING to 12")
+        person.type("stop\n")
+        await person.until("ABORTED, Emergency stop")
+        await person.until("queue held: 7 (")
+        person.type("release --yes\n")
+        await person.until("console: release stop: ")
+        assert "shelf 7: accepted" not in person.said
+        assert await person.end("continue\n") == 1  # 12 did not arrive
+    assert "ARRIVED, Arrived at shelf 7" in person.said
+
+
+async def test_a_continue_typed_before_a_stop_continues_nothing() -> None:
+    async with operated(Cart, robot=CART) as person:
+        person.type("go 12 7\n")
+        await person.until("drives to 12")
+        person.type("stop\n")
+        await person.until("queue held: 7")
+        assert await person.end("continue\nstop\n") == 1
+    assert f"failed: continue: {VOID}" in person.said
+    assert "not driven: 7" in person.said
+    assert "drives to 7" not in person.said
+
+
+class Slow(StubRobot):
+    """Answers when the test says so, and keeps what it was told."""
+
+    def __init__(self) -> None:
+        super().__init__(NORMAL)
+        self.told: list[str] = []
+        self.answers: list[asyncio.Future[Outcome]] = []
+
+    async def emergency_stop(self) -> Outcome:
+        self.told.append("stop")
+        self.answers.append(asyncio.get_running_loop().create_future())
+        return await self.answers[-1]
+
+    async def cancel(self, **_: bool) -> Outcome:
+        self.told.append("cancel")
+        return Outcome(Code.DONE, "cancelling")
+
+
+async def test_a_cancel_typed_before_a_stop_still_goes() -> None:
+    robot: Any = Slow()
+    async with typing(stub_station(robot)) as person:
+        person.type("call /nosuch\ncancel\nstop\n")
+        await until(lambda: robot.told == ["stop", "cancel"])
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
+        assert await person.end() == 1
+    assert "failed: cancel" not in person.said
+
+
+async def test_stops_that_come_before_the_answer_are_covered_by_one_more() -> None:
+    robot: Any = Slow()
+    async with typing(stub_station(robot)) as person:
+        person.type("stop\n")
+        await until(lambda: robot.told == ["stop"])
+        person.type("stop\nSTOP!\nstop now\nstop\n")
+        await until(lambda: robot.stops.count == 5)
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
+        await until(lambda: len(robot.answers) == 2)
+        robot.answers[1].set_result(Outcome(Code.DONE, "Stopped"))
+        assert await person.end() == 0
+    assert robot.told == ["stop", "stop"]
+
+
+class Quick(Slow):
+    """Answers at once."""
+
+    async def emergency_stop(self) -> Outcome:
+        self.told.append("stop")
+        self._say(stopped=True)
+        return Outcome(Code.DONE, "Stopped")
+
+    async def release_emergency_stop(self) -> Outcome:
+        self.told.append("release")
+        self._say(stopped=False)
+        return Outcome(Code.DONE, "Released")
+
+    def _say(self, *, stopped: bool) -> None:
+        self.stops.overtaken = not stopped
+        self.put(self.snapshot._replace(motion=replace(self.snapshot.motion, stopped=stopped)))
+
+
+async def in_no_time(holds: Callable[[int], object], number: int) -> None:
+    """Wait until it holds for the number, while a virtual clock stands still."""
+    end = time.monotonic() + DEADLINE
+    while not holds(number):
+        assert time.monotonic() < end
+        await asyncio.sleep(clock.LOOK)
+
+
+async def test_every_stop_behind_a_release_is_sent_at_once() -> None:
+    robot: Any = Quick()
+    async with typing(stub_station(robot, clock.current or Clock())) as person:
+        for count in range(1, 6):
+            person.type("stop\nrelease --yes\n")
+            await in_no_time(lambda n: robot.told == ["stop", "release"] * n, count)
+
+
+async def test_of_a_flood_of_stops_two_a_second_reach_the_robot() -> None:
+    robot: Any = Quick()
+    async with typing(stub_station(robot, clock.current or Clock())) as person:
+        began = clock.seconds()
+        for count in range(1, 101):
+            person.type("stop\n")
+            await in_no_time(lambda n: robot.stops.count == n, count)
+            await Quiet().settle()
+        assert len(robot.told) <= 2 + 2 * (clock.seconds() - began)
+        before = len(robot.told)
+        assert await person.end() == 0
+    assert len(robot.told) == before + 1
+
+
+async def test_more_than_a_thousand_goals_never_wait() -> None:
+    async with operated(Cart, robot=CART) as person:
+        person.type("go" + " 1" * 999 + "\n")
+        await person.until("drives to 1")
+        person.type("go 2\ngo 3\ngo 4\n")
+        await person.until("failed: go: more than 1000 goals would wait")
+        assert await person.end("cancel\n") == 1
+    assert person.said.count("failed: go: more than 1000") == 1
+
+
+async def test_a_line_behind_a_stop_waits_for_its_answer() -> None:
+    robot: Any = Slow()
+    async with typing(stub_station(robot)) as person:
+        person.type("stop\ncancel\n")
+        await until(lambda: robot.told)
+        await Quiet().settle()
+        assert robot.told == ["stop"]
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
+        await until(lambda: robot.told == ["stop", "cancel"])
+        await person.end()
+
+
+@pytest.mark.parametrize("typed", ["stop", "quit\nstop\n", "quit\nstop"])
+async def test_the_end_waits_for_the_answer_to_a_stop(typed: str) -> None:
+    robot: Any = Slow()
+    async with typing(stub_station(robot)) as person:
+        person.type_last(typed)
+        await until(lambda: robot.told)
+        for _ in range(20):
+            await Quiet().settle()
+        assert not person.is_over
+        robot.answers[0].set_result(Outcome(Code.TIMEOUT, "no answer in 2 s"))
+        assert await person.end() == 1
+    assert "failed: stop: no answer in 2 s" in person.said
+
+
+def test_a_stop_behind_a_megabyte_of_lines_is_obeyed_at_once() -> None:
+    script = Script()
+    script.type("call /nosuch\n" + "cancel\n" * 150_000 + "stop\n")
+    script.until("STOP: confirmed")
+    script.until(f"failed: call: {VOID}")  # and not after its 5 s
+    script.close()
+
+
+async def test_lines_that_are_refused_are_said_once_and_are_a_failure() -> None:
+    robot: Any = Slow()
+    line = "status" + " " * 60_000
+    async with typing(stub_station(robot)) as person:
+        await until(lambda: robot.listening)  # and reads: more is typed than a pipe holds
+        person.type("stop\n" + f"{line}\n" * 50)
+        await person.until("failed: more than 1 MB of lines wait: further ones are refused")
+        await until(lambda: robot.answers)
+        robot.answers[0].set_result(Outcome(Code.DONE, "Stopped"))
+        assert await person.end() == 1
+    assert person.said.count("failed:") == 1
+    assert person.said.count("battery ") == 1024 * 1024 // len(line)
+
+
+@pytest.mark.parametrize("typed", ["go 12\\nstop", "quit\\nstop\\n", "\\357\\273\\277Stop!\\r"])
+def test_a_stop_that_comes_last_is_sent_before_the_end(typed: str) -> None:
+    done = shell(f"printf '{typed}' | archo --plain")
+    assert b"STOP: confirmed" in done.stdout, done
+
+
+async def test_a_stop_that_is_refused_late_is_said() -> None:
+    async with operated(making([], Brake, "brake", "no", 2.5)) as person:
+        station = person._plain._station
+        await until(lambda: "emergency_stop" in station.robot.snapshot.offered)
+        person.type("stop\n")
+        await person.until("failed: stop: ")
+        await person.until("STOP, answered late: REFUSED")
+
+
+async def test_a_stop_does_not_wait_for_the_answer_to_the_one_before_it() -> None:
+    brakes: list[Brake] = []
+    async with operated(making(brakes, Brake, "brake", "nothing")) as person:
+        person.type("stop\n")
+        await until(lambda: brakes and brakes[0].asked)
+        before = brakes[0].asked
+        person.type("stop\n")
+        await in_no_time(lambda n: brakes[0].asked == n, before + 1)  # else in 2 s
+        assert await person.end() == 1
+
+
+async def test_a_release_that_was_asked_before_another_consoles_stop_is_void() -> None:
+    made: list[Peer] = []
+    nodes = [*_robots_nodes(False).values(), making(made, Peer)]
+    async with operated(*nodes, at_terminal=True) as person:
+        person.type("stop\n")
+        await person.until("alarm unacknowledged: STOPPED")
+        person.type("release\n")
+        await person.until("[y/N]")
+        made[0].tell("stop")
+        await person.until(f"failed: release: {VOID}")
+        assert await person.end() == 1
+    assert "release stop" not in person.said
+
+
+async def test_a_stop_that_no_node_serves_is_never_called_sent() -> None:
+    async with operated(lambda **options: Node("none", **options)) as person:
+        person.type("stop\n")
+        said = "STOP NOT CONFIRMED (emergency_stop is not offered by any node): use the hardware"
+        await person.until(f"alarm unacknowledged: {said}")
+        await person.until("failed: stop: /emergency_stop is not offered by any node")
+    assert "STOP SENT" not in person.said

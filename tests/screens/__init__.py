@@ -1,0 +1,1 @@
+"""Each screen as a picture, and how it is drawn."""

@@ -1,0 +1,98 @@
+"""Everything that is written on the screen can be read, in every theme that we promise it for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import pytest
+from rich.style import Style
+from textual.color import Color
+from textual.strip import Strip
+
+from archo_tui.app import ArchoApp
+from archo_tui.robot.state import Phase
+from archo_tui.terminal.themes import contrast
+from tests.support.console import send
+from tests.support.quiet import Quiet
+from tests.support.states import STATES, board, ended
+from tests.support.stub import StandingClock, stub_app
+
+TEXT, OFF = 4.5, 3.0  # as WCAG asks for text, and for what cannot be used
+THEMES = ("textual-dark", "textual-light", "high-contrast")
+
+
+def colours(style: Style) -> tuple[Color, Color]:
+    """What a style writes with, and on."""
+    assert style.color is not None
+    assert style.bgcolor is not None
+    front, back = Color.from_rich_color(style.color), Color.from_rich_color(style.bgcolor)
+    if style.dim:
+        front = back.blend(front, 0.5)
+    return (back, front) if style.reverse else (front, back)
+
+
+def unreadable(app: ArchoApp, strips: Iterable[Strip]) -> list[tuple[str, float]]:
+    """The texts of too little contrast, and how much they have."""
+    off, found = Color.parse(app.theme_variables["off"]), []
+    for segment in (segment for strip in strips for segment in strip):
+        if segment.style is not None and any(letter.isalnum() for letter in segment.text):
+            front, back = colours(segment.style)
+            ratio = contrast(front, back)
+            if ratio < (OFF if front == off else TEXT):
+                found.append((segment.text, ratio))
+    return found
+
+
+@pytest.mark.parametrize("theme", THEMES)
+async def test_every_text_can_be_read(theme: str) -> None:
+    app = stub_app(STATES["normal"], StandingClock())
+    async with app.run_test(size=(120, 36)):
+        app.theme, quiet = theme, Quiet(app)
+        for name, snapshot in STATES.items():
+            app._take(snapshot)
+            app.tick()
+            await quiet.settle()
+            assert unreadable(app, app.screen._compositor.render_strips()) == [], name
+
+
+@pytest.mark.parametrize(
+    ("state", "key"),
+    [
+        ("normal", "question_mark"),
+        ("normal", "enter"),
+        ("battery low and moving", "A"),
+        ("motor moving", "r"),
+    ],
+)
+async def test_every_text_of_a_dialog_can_be_read_in_every_theme(state: str, key: str) -> None:
+    app = stub_app(STATES[state], StandingClock())
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        await quiet.settle()
+        send(app, key)
+        for theme in THEMES:
+            app.theme = theme
+            await quiet.settle()
+            assert app.screen is not app.main
+            dialog = app.screen.children[0]
+            across = slice(dialog.region.x, dialog.region.right)
+            drawn = app.screen._compositor.render_strips()[dialog.region.y : dialog.region.bottom]
+            inside = [strip.crop(across.start, across.stop) for strip in drawn]
+            assert unreadable(app, inside) == [], theme
+
+
+async def test_every_text_of_the_board_can_be_read_in_every_theme() -> None:
+    ends = ended(20, Phase.REFUSED, "no"), ended(9, Phase.ARRIVED, "there")
+    moves = board(40, STATES["motor moving"])._replace(history=ends)
+    app = stub_app(moves, StandingClock(), size=(120, 44))
+    async with app.run_test(size=(120, 44)):
+        quiet = Quiet(app)
+        app.tick()
+        for key in ("g", "tab", "down", "right"):
+            send(app, key)
+        for theme in THEMES:
+            app.theme = theme
+            await quiet.settle()
+            drawn = [app.main.goal.board.render_line(y) for y in range(4)]
+            assert "▶12" in drawn[1].text
+            assert unreadable(app, app.screen._compositor.render_strips()) == [], theme

@@ -1,0 +1,102 @@
+"""Numbers are whole at every width, or said to be cut."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+
+from archo_tui.robot.state import NodeState, Parameter, Snapshot
+from archo_tui.widgets.styled import aligned
+from archo_tui.words.state import PLAIN, gauge, on_bar, plain
+from tests.support.clock import NOW, TIME
+from tests.support.night import corners
+from tests.support.quiet import Quiet
+from tests.support.states import MOVING, NORMAL
+from tests.support.stub import StandingClock, stub_app
+
+# each number begins with a nine: a part of one is then no other number of the screen
+WHOLE = NORMAL._replace(
+    battery=NORMAL.battery._replace(percentage=98.7, voltage=96.5),
+    charge=tuple((NOW - 60 + second, 98.7) for second in range(61)),
+    motion=NORMAL.motion.__class__(9_876_543, 9.87, True, False, NOW - 0.1),
+    goal=MOVING._replace(
+        fields={"shelf_number": 9753},
+        length=987.6,
+        remaining=97.5,
+        sent=NOW - 95.1,
+        started=NOW - 94.2,
+    ),
+    nodes=tuple(NodeState(f"/node_with_a_long_name_{name}", NOW - 0.9, 97.3) for name in "abc"),
+    events=tuple(
+        event.__class__(
+            TIME - 40, "WARN", "motor_controller", "max_speed 9765 refused: allowed 90.05"
+        )
+        for event in NORMAL.events
+    ),
+    resources=(),
+)
+
+
+def parameters(count: int) -> tuple[Parameter, ...]:
+    """Some with long values and ranges."""
+    return tuple(
+        Parameter(
+            f"/node_{'x' * n}", f"gain_{'y' * n}", "double", 987654.25, 9.5, "", 91.125, 98765.5
+        )
+        for n in range(count)
+    )
+
+
+def numbers(snapshot: Snapshot) -> set[str]:
+    """Every number that the screen may show."""
+    known = "98.7 96.5 9.87 9753 987.6 97.5 890.1 90 95.1 94.2 10.3 0.9 97.3 9765 90.05"
+    ranges = "987654.25 91.125 98765.5 9.5"
+    fixed = "20 1 2 3 4 5 6 7 8 10 0 100 99 1000 0.5 5"  # panels, scales, the low mark
+    return {*known.split(), *ranges.split(), *fixed.split(), "9 876 543"}
+
+
+def tokens(line: str) -> Iterator[str]:
+    """The numbers of a line that are not said to be cut; times of day are left out."""
+    line = re.sub(r"\d\d:\d\d(:\d\d)?", "", line)
+    for found in re.finditer(r"\d{1,3}(?: \d{3})+|\d+(?:\.\d+)?\.?", line):
+        if line[found.end() : found.end() + 1] != "…":
+            yield found[0]
+
+
+@pytest.mark.parametrize("count", corners([60], [3]))
+async def test_no_number_is_cut_without_saying_so_at_any_width(
+    count: int, request: pytest.FixtureRequest
+) -> None:
+    step = 1 if request.config.getoption("--night") else 22
+    snapshot = WHOLE._replace(parameters=parameters(count))
+    app = stub_app(snapshot, StandingClock(), size=(300, 40))
+    async with app.run_test(size=(300, 40)) as pilot:
+        quiet = Quiet(app)
+        seen: set[str] = set()
+        for width in range(300, 39, -step):
+            await pilot.resize_terminal(width, 40)
+            await quiet.settle()
+            for strip in app.screen._compositor.render_strips():
+                for part in re.split(r"[│┃╭╮╰╯┏┓┗┛]", strip.text):
+                    found = set(tokens(part))
+                    seen |= found
+                    assert found <= numbers(snapshot), (width, part)
+        assert {"98.7", "96.5", "9 876 543", "987654.25", "97.3"} <= seen
+
+
+def test_numbers_end_at_the_right_with_the_word_at_the_left() -> None:
+    line = (("▲ LOW", PLAIN), (" 18.0 %", PLAIN), (" 21.3 V", PLAIN))
+    assert plain(aligned(line, 30)) == "▲ LOW           18.0 %  21.3 V"
+    assert plain(aligned(line, 21)) == "▲ LOW  18.0 %  21.3 V"
+    assert plain(aligned(line, 20)) == "▲ LOW  18.0 % 21.3 V"  # where it is tight
+    assert plain(aligned(line, 5)) == "▲ LOW 18.0 % 21.3 V"  # what is too long is cut by its line
+
+
+@pytest.mark.parametrize("percentage", [10.0, 20.0, 50.0, None])
+def test_the_low_mark_is_drawn_on_the_bar(percentage: float | None) -> None:
+    bar = gauge(percentage, 20.0, 40, "active")
+    assert len(plain(bar)) == 40
+    ((_, tone),) = [(text, tone) for text, tone in bar if "╎" in text]
+    assert tone == on_bar("active" if (percentage or 0) > 20 else "edge")

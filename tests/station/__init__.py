@@ -1,0 +1,1 @@
+"""Alarms, history, journal and the end: what is known beside the robot."""

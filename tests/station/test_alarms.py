@@ -1,0 +1,409 @@
+"""Alarms as a table: conditions, times and keys in, states and what stands in the banner out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from archo_tui.clock import time_of_day
+from archo_tui.robot.state import Hosted, Life, OpenStop, Parameter, Snapshot
+from archo_tui.screens.alarms import alarm_lines
+from archo_tui.station.alarms import (
+    CONTACT_LOST,
+    CRASHED,
+    EMPTY,
+    LOW,
+    NO_CLOCK,
+    NOBODY,
+    OUTLIVED,
+    SHELF_TIME,
+    SILENT,
+    STOPPED,
+    TRANSITIONS,
+    UNCONFIRMED,
+    WORD,
+    AlarmBoard,
+    Change,
+    Ringer,
+    State,
+    conditions,
+)
+from archo_tui.station.history import History
+from archo_tui.station.station import View
+from archo_tui.widgets.bars import banner, header
+from archo_tui.widgets.shown import Shown
+from tests.support.clock import NOW
+from tests.support.states import BATTERY, MOTOR, NORMAL, STATES
+
+
+@pytest.mark.parametrize(
+    ("state", "names"),
+    [
+        ("nothing heard yet", []),
+        ("normal", []),
+        ("battery low and moving", [LOW]),
+        ("battery empty", [EMPTY]),
+        ("battery charging", []),
+        ("battery without health", [LOW]),
+        ("battery to be replaced", [WORD]),
+        ("battery with an unknown word", [WORD]),
+        ("battery not a number", []),
+        ("battery old", []),
+        ("contact lost", [CONTACT_LOST]),
+        ("motor stopped", [STOPPED]),
+        ("motor stop not confirmed", [UNCONFIRMED]),
+    ],
+)
+def test_conditions_of_every_state(state: str, names: list[str]) -> None:
+    assert sorted(conditions(STATES[state], NOW)) == names
+
+
+def test_a_good_word_says_nothing_against_a_low_percentage() -> None:
+    empty = NORMAL._replace(battery=BATTERY._replace(percentage=3.0, health="good"))
+    assert conditions(empty, NOW) == {LOW: "LOW BATTERY 3.0 %: dock the robot"}
+
+
+def test_a_battery_to_be_replaced_is_an_alarm_and_low_by_its_percentage() -> None:
+    low = NORMAL._replace(battery=BATTERY._replace(percentage=12.0, health="replace"))
+    assert conditions(low, NOW) == {
+        LOW: "LOW BATTERY 12.0 %: dock the robot",
+        WORD: "BATTERY HEALTH replace: have the battery replaced",
+    }
+
+
+SIMULATED = Parameter("/motor_controller", "use_sim_time", "bool", True, False)
+
+
+def test_nobody_on_the_graph_is_an_alarm_that_says_where_was_looked() -> None:
+    nobody, where = Snapshot(file=NORMAL.file), "on domain 7: try this"
+    found = conditions(nobody, NOW, unseen=where)
+    assert found == {NOBODY: f"NO NODES {where}"}
+    for seen in (
+        nobody._replace(nodes=NORMAL.nodes),
+        nobody._replace(elsewhere=("/north",)),  # the header says where
+        nobody._replace(battery=BATTERY._replace(received=NOW)),
+    ):
+        assert NOBODY not in conditions(seen, NOW, unseen=where)
+    stopped = (Hosted("/a", Life.STOPPED),)
+    assert conditions(nobody, NOW, stopped, unseen=where) == {}  # the operator's own doing
+
+
+def test_simulated_time_without_a_clock_is_an_alarm_that_names_the_nodes() -> None:
+    other = SIMULATED._replace(node="/dashboard")
+    simulated = NORMAL._replace(parameters=(*NORMAL.parameters, other, SIMULATED))
+    found = conditions(simulated, NOW)
+    assert list(found) == [NO_CLOCK]
+    assert found[NO_CLOCK].startswith("NO CLOCK for /dashboard, /motor_controller: use_sim_time")
+    assert conditions(simulated._replace(has_clock=True), NOW) == {}
+    off = SIMULATED._replace(value=False)
+    assert conditions(NORMAL._replace(parameters=(off,)), NOW) == {}
+
+
+def test_a_crashed_node_is_an_alarm_of_its_own() -> None:
+    hosted = (Hosted("/a", Life.CRASHED, "boom"), Hosted("/b"), Hosted("/c", Life.STOPPED))
+    assert list(conditions(NORMAL, NOW, hosted)) == [f"{CRASHED} /a"]
+
+
+@pytest.mark.parametrize(
+    ("goals", "said"),
+    [
+        (("shelf 12",), "shelf 12 STILL RUNS: use the hardware stop"),
+        (("shelf 12", "another client's goal"), "STILL RUN: use the hardware stop   +1 more"),
+    ],
+)
+def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
+    goals: tuple[str, ...], said: str
+) -> None:
+    board = AlarmBoard()
+    found = conditions(NORMAL._replace(outlived=goals, open_stop=OpenStop(NOW - 3)), NOW)
+    board.update(found, 0, 100)
+    board.update(found, 3, 103)
+    assert [alarm.name for alarm in board.all()] == [OUTLIVED, UNCONFIRMED]
+    assert shown(board).startswith("✗ STOP WAS ANSWERED")
+    assert said in shown(board)
+
+
+def test_lost_contact_hides_what_was_last_heard() -> None:
+    snapshot = NORMAL._replace(
+        battery=BATTERY._replace(health="warning", received=NOW - 9),
+        motion=replace(MOTOR, stopped=True, received=NOW - 9),
+    )
+    assert list(conditions(snapshot, NOW)) == [CONTACT_LOST]
+
+
+# the whole state machine: state, what happens, state afterwards (all else changes nothing)
+N, U, A = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
+O, S, R = State.OVER, State.SHELVED, State.REPLACED  # noqa: E741
+TABLE = {
+    N: {Change.RAISED: U},
+    U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S, Change.REPLACED: R},
+    A: {Change.CLEARED: N, Change.SHELVE: S, Change.REPLACED: R},
+    O: {Change.RAISED: U, Change.ACKNOWLEDGE: N, Change.SHELVE: S},
+    S: {Change.UNSHELVE: N},
+    R: {},
+}
+
+
+@pytest.mark.parametrize("state", State)
+@pytest.mark.parametrize("change", Change)
+def test_the_state_machine(state: State, change: Change) -> None:
+    assert TRANSITIONS.get((state, change), state) == TABLE[state].get(change, state)
+
+
+def reach(state: State) -> AlarmBoard:
+    """A board whose one alarm is in that state, by the way an operator gets there."""
+    board = AlarmBoard()
+    if state == State.NORMAL:
+        return board
+    board.update({STOPPED: "stop: look"}, 0, 100)
+    if state == State.ACKNOWLEDGED:
+        board.acknowledge(board.all()[0], 100)
+    if state == State.SHELVED:
+        board.shelve(board.all()[0], 0, 100)
+    if state == State.OVER:
+        board.update({}, 1, 101)
+    return board
+
+
+@pytest.mark.parametrize("state", State)
+def test_the_board_keeps_to_the_machine(state: State) -> None:
+    def now(board: AlarmBoard) -> State:
+        return board.all()[0].state if board.all() else State.NORMAL
+
+    for change, after in TABLE[state].items():
+        if change == Change.REPLACED:
+            continue  # of a low battery only: see there
+        board = reach(state)
+        assert now(board) == state
+        if change == Change.RAISED:
+            changed = board.update({STOPPED: "stop: look"}, 2, 102)
+        elif change == Change.CLEARED:
+            changed = board.update({}, 2, 102)
+        elif change == Change.ACKNOWLEDGE:
+            changed = board.acknowledge(board.all()[0], 102)
+        else:
+            changed = board.shelve(board.all()[0], 2, 102)
+        assert now(board) == after, change
+        assert [alarm.state for alarm in changed] == [after]
+
+
+def shown(board: AlarmBoard) -> str:
+    view = Shown(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys={"ack": "a"})
+    return banner(view, 80).plain.strip()
+
+
+def test_the_banner_says_what_to_do_what_was_and_how_many_more() -> None:
+    board = AlarmBoard()
+    assert shown(board) == ""
+    board.update({STOPPED: "STOPPED: look"}, 0, 100)
+    assert shown(board) == "▲ STOPPED: look   (a acknowledge)"
+    board.update({STOPPED: "STOPPED: look", CONTACT_LOST: "CONTACT LOST: wait"}, 1, 101)
+    assert shown(board) == "✗ CONTACT LOST: wait   +1 more   (a acknowledge)"
+    board.acknowledge(board.all()[0], 102)
+    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
+    board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 3, 103)
+    assert shown(board) == "▲ STOPPED: look (last known)   +1 more   (a acknowledge)"
+    board.shelve(next(alarm for alarm in board.all() if alarm.name == STOPPED), 4, 104)
+    assert shown(board) == "✗ CONTACT LOST: wait   shelved: stopped"
+
+
+def test_a_banner_without_room_keeps_what_to_do_and_how_many_more() -> None:
+    board = AlarmBoard()
+    found = conditions(NORMAL._replace(open_stop=OpenStop(NOW - 12)), NOW)
+    for time in (0, 3):
+        board.update({**found, EMPTY: "BATTERY EMPTY"}, time, 100)
+    assert shown(board).startswith("✗ STOP SENT, no ")
+    assert shown(board).endswith(": use the hardware stop   +1 more   (a)")
+
+
+def test_an_alarm_that_is_over_says_from_when_to_when() -> None:
+    board = AlarmBoard()
+    board.update({STOPPED: "STOPPED: look"}, 0, 100)
+    board.update({}, 1, 101)
+    assert shown(board).startswith("▲ was: STOPPED, since ")
+
+
+def test_an_alarm_that_stands_comes_before_a_graver_one_that_is_over() -> None:
+    board = AlarmBoard()
+    board.update({CONTACT_LOST: "CONTACT LOST: wait"}, 0, 100)
+    board.update({STOPPED: "STOPPED: look"}, 1, 101)
+    assert [(alarm.name, alarm.is_over) for alarm in board.all()] == [
+        (STOPPED, False),
+        (CONTACT_LOST, True),
+    ]
+    assert shown(board) == "▲ STOPPED: look   +1 more   (a acknowledge)"
+
+
+def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
+    board = AlarmBoard()
+    board.update({STOPPED: "stop"}, 0, 100)
+    board.acknowledge(board.all()[0], 101)
+    board.update({CONTACT_LOST: "lost"}, 2, 102)
+    stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
+    assert (stopped.state, stopped.text) == (State.ACKNOWLEDGED, "stop (last known)")
+    assert board.update({STOPPED: "stop"}, 3, 103) == [
+        alarm for alarm in board.all() if alarm.name == CONTACT_LOST
+    ]
+    stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
+    assert (stopped.state, stopped.text, stopped.since) == (State.ACKNOWLEDGED, "stop", 100)
+
+
+def test_a_motor_that_falls_silent_in_a_move_is_an_alarm_of_its_own() -> None:
+    silent = STATES["motor moving"]._replace(motion=replace(MOTOR, received=NOW - 3))
+    found = conditions(silent, NOW)
+    assert list(found) == [SILENT]
+    assert found[SILENT] == (
+        "motor_status silent for 3 s while moving: the robot may still be driving"
+    )
+    resting = NORMAL._replace(motion=replace(MOTOR, received=NOW - 3))
+    assert list(conditions(resting, NOW)) == []
+
+
+def test_a_condition_must_hold_for_its_delay() -> None:
+    board = AlarmBoard()
+    board.update({LOW: "low"}, 0.0, 100)
+    board.update({LOW: "low"}, 1.9, 101.9)
+    assert board.all() == ()
+    board.update({}, 1.95, 101.95)
+    board.update({LOW: "low"}, 2.1, 102.1)  # counts anew
+    assert board.all() == ()
+    board.update({LOW: "low 2"}, 4.2, 104.2)
+    assert [alarm.text for alarm in board.all()] == ["low 2"]
+
+
+def test_the_text_follows_without_a_new_alarm() -> None:
+    board = AlarmBoard()
+    board.update({STOPPED: "a"}, 0, 100)
+    board.acknowledge(board.all()[0], 101)
+    assert board.update({STOPPED: "b"}, 6, 106) == []
+    (alarm,) = board.all()
+    assert (alarm.text, alarm.acknowledged, alarm.since) == ("b", True, 100)
+
+
+def test_a_shelved_alarm_comes_back_after_its_time_if_it_still_holds() -> None:
+    board = reach(State.SHELVED)
+    board.update({STOPPED: "stop"}, SHELF_TIME - 1, 100 + SHELF_TIME - 1)
+    assert [alarm.state for alarm in board.all()] == [State.SHELVED]
+    board.update({STOPPED: "stop"}, SHELF_TIME, 100 + SHELF_TIME)
+    assert [alarm.state for alarm in board.all()] == [State.UNACKNOWLEDGED]
+
+
+@pytest.mark.parametrize("by", [-90_000, 90_000])
+def test_a_clock_that_is_set_leaves_an_alarm_shelved_for_its_time(by: int) -> None:
+    board = reach(State.SHELVED)
+    board.update({STOPPED: "stop"}, SHELF_TIME - 60, 100 + by + SHELF_TIME - 60)
+    (shelved,) = board.all()
+    assert shelved.state == State.SHELVED
+    lines = [text for text, _ in alarm_lines(shelved, 80, ())]
+    assert f"until {time_of_day(100 + by + SHELF_TIME)}" in lines[0]
+    board.update({STOPPED: "stop"}, SHELF_TIME, 100 + by + SHELF_TIME)
+    assert [alarm.state for alarm in board.all()] == [State.UNACKNOWLEDGED]
+
+
+def test_a_shelved_alarm_that_is_over_goes_after_its_time() -> None:
+    board = reach(State.SHELVED)
+    board.update({}, 5, 105)
+    assert [alarm.state for alarm in board.all()] == [State.SHELVED]
+    board.update({STOPPED: "again"}, 6, 106)  # does not disturb
+    board.update({}, 7, 107)
+    board.update({}, SHELF_TIME, 100 + SHELF_TIME)
+    assert board.all() == ()
+
+
+def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
+    board = AlarmBoard()
+    board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 0, 100)
+    board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 3, 103)
+    keys = {"ack": "a", "charge": "c"}
+    view = Shown(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys=keys)
+    assert "dock the robot, or press c to charge" in banner(view, 120).plain
+    nobody_charges = replace(view, blocked=frozenset({"charge"}))
+    assert "press c" not in banner(nobody_charges, 120).plain
+
+
+def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
+    silent = NORMAL._replace(motion=replace(MOTOR, received=NOW - 4))
+    view = View(silent, NOW, NOW, 0.0, "embedded", "/", History())
+    assert "▲ motor_status silent, 4 s" in header(view, 80).plain
+    assert "online" not in header(view, 80).plain
+    assert "● online" in header(replace(view, snapshot=NORMAL), 80).plain
+
+
+def test_a_low_battery_stays_an_alarm_until_it_counts_as_empty() -> None:
+    board = AlarmBoard()
+    low, empty = {LOW: "LOW BATTERY 0.1 %: dock"}, {EMPTY: "BATTERY EMPTY: charge it"}
+    board.update(low, 0, 100)
+    board.update(low, 2, 102)
+    board.acknowledge(board.all()[0], 103)
+    for later in (3, 4):
+        board.update(empty, later, 100 + later)
+        assert [(alarm.name, alarm.is_over) for alarm in board.all()] == [(LOW, False)]
+    changed = board.update(empty, 5, 105)
+    assert [alarm.name for alarm in board.all()] == [EMPTY]
+    assert [(alarm.name, alarm.state) for alarm in changed] == [
+        (EMPTY, State.UNACKNOWLEDGED),
+        (LOW, State.REPLACED),
+    ]
+
+
+def test_a_low_battery_that_was_over_is_one_again_when_it_falls_empty() -> None:
+    board = AlarmBoard()
+    low, empty = {LOW: "LOW BATTERY 0.1 %: dock"}, {EMPTY: "BATTERY EMPTY: charge it"}
+    board.update(low, 0, 100)
+    board.update(low, 2, 102)
+    board.update({}, 3, 103)  # it is being charged
+    assert shown(board).startswith("▲ was: LOW BATTERY")
+    board.update(empty, 4, 104)
+    assert shown(board).startswith("▲ LOW BATTERY 0.1 %")
+    board.update(empty, 6, 106)
+    assert [alarm.name for alarm in board.all()] == [EMPTY]
+
+
+def test_silence_while_the_console_was_suspended_is_no_alarm() -> None:
+    board, lost = AlarmBoard(), {CONTACT_LOST: "CONTACT LOST for 6 s"}
+    board.update({STOPPED: "STOPPED: look"}, 0, 100)
+    board.update(lost, 6, 106)  # it was suspended in between
+    assert shown(board).startswith("▲ STOPPED: look (last known)")
+    board.update({STOPPED: "STOPPED: look"}, 7, 107)  # the robot is heard again
+    assert shown(board) == "▲ STOPPED: look   (a acknowledge)"
+    for later in (20, 21, 22, 22.5):
+        board.update(lost, later, 100 + later)
+    assert shown(board).startswith("✗ CONTACT LOST for 6 s")  # it is not
+
+
+def test_a_console_that_stands_still_again_and_again_raises_lost_contact() -> None:
+    board = AlarmBoard()
+    for later in (0, 5, 10):
+        board.update({CONTACT_LOST: "CONTACT LOST"} if later else {}, later, 100 + later)
+    assert shown(board).startswith("✗ CONTACT LOST")
+
+
+@pytest.mark.parametrize("acknowledged", [True, False])
+def test_a_grave_alarm_that_comes_again_rings_again(acknowledged: bool) -> None:
+    board, ringer = AlarmBoard(), Ringer()
+    board.update({CONTACT_LOST: "lost"}, 0, 100)
+    assert len(ringer.news(board.all())) == 1
+    if acknowledged:
+        board.acknowledge(board.all()[0], 101)
+    board.update({CONTACT_LOST: "lost for 2 s"}, 2, 102)
+    assert ringer.news(board.all()) == []
+    board.update({}, 3, 103)
+    board.update({CONTACT_LOST: "lost"}, 4, 104)  # before anybody looked
+    assert [alarm.name for alarm in ringer.news(board.all())] == [CONTACT_LOST]
+
+
+def test_a_grave_alarm_whose_shelf_ends_while_it_holds_rings_again() -> None:
+    board, ringer = AlarmBoard(), Ringer()
+    board.update({CONTACT_LOST: "lost"}, 0, 100)
+    assert len(ringer.news(board.all())) == 1
+    board.shelve(board.all()[0], 1, 101, "a test")
+    for later, rings in (
+        (2, 0),
+        (597, 0),
+        (SHELF_TIME, 0),
+        (SHELF_TIME + 1, 1),
+        (SHELF_TIME + 2, 0),
+    ):
+        board.update({CONTACT_LOST: "lost"}, later, 100 + later)
+        assert len(ringer.news(board.all())) == rings

@@ -1,0 +1,208 @@
+"""What becomes of a running goal when the console has to go."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+
+from archo_tui.clock import Clock
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import Phase, Snapshot
+from archo_tui.shutdown import CANCEL, LEAVE, WAIT, Shutdown, let_go
+from tests.support import clock
+from tests.support.archo import go
+from tests.support.console import console
+from tests.support.quiet import ended, until
+from tests.support.robot import robot as robot_of
+from tests.support.states import MOVING, NORMAL, STATES
+
+
+class Robot:
+    """Cancels at once, or never answers."""
+
+    def __init__(self, snapshot: Snapshot, *, answers: bool = True) -> None:
+        self.snapshot, self._answers = snapshot, answers
+        self.said: list[str] = []
+        self.cancelled = False
+
+    def note(self, level: str, source: str, text: str) -> None:
+        self.said.append(f"{level} {text}")
+
+    async def send_no_more(self) -> None:
+        pass
+
+    async def cancel(self) -> Outcome:
+        self.cancelled = True
+        if not self._answers:
+            await asyncio.Event().wait()
+        self.snapshot = STATES["goal cancelled"]
+        return Outcome(Code.DONE, "cancelling")
+
+
+def robot(**options: Any) -> Any:
+    return Robot(STATES["motor moving"], **options)
+
+
+async def test_a_running_goal_is_cancelled_and_its_end_waited_for() -> None:
+    it = robot()
+    await let_go(it, clock.current or Clock(), CANCEL, "ended by SIGHUP")
+    assert it.cancelled
+    assert it.said == ["WARN ended by SIGHUP: cancelling the goal to shelf 12"]
+
+
+async def test_the_goal_of_another_client_is_neither_cancelled_nor_spoken_of() -> None:
+    it: Any = Robot(STATES["motor moving"]._replace(goal=MOVING._replace(mine=False)))
+    await let_go(it, clock.current or Clock(), CANCEL, "ended by SIGHUP")
+    assert not it.cancelled
+    assert it.said == []
+
+
+async def test_a_robot_that_does_not_answer_is_not_waited_for_long() -> None:
+    it = robot(answers=False)
+    before = clock.seconds()
+    await ended(let_go(it, clock.current or Clock(), CANCEL, "ended"))
+    assert it.said[-1] == "ERROR no answer in 1 s: the goal may be running"
+    assert clock.seconds() == pytest.approx(before + WAIT, abs=0.5)
+
+
+async def test_a_goal_is_left_running_when_that_was_chosen() -> None:
+    it = robot()
+    await let_go(it, clock.current or Clock(), LEAVE, "ended by SIGHUP")
+    assert not it.cancelled
+    assert it.said == ["WARN ended by SIGHUP: the goal to shelf 12 is left running"]
+
+
+async def test_without_a_goal_nothing_is_said() -> None:
+    it: Any = Robot(NORMAL)
+    await let_go(it, clock.current or Clock(), CANCEL, "ended")
+    assert it.said == []
+
+
+async def test_a_second_signal_does_not_begin_again() -> None:
+    it, codes = robot(), list[int]()
+    shutdown_ = Shutdown(it, Clock(), CANCEL, codes.append)
+    shutdown_.begin(143)
+    shutdown_.begin(129)
+    while not codes:
+        await asyncio.sleep(0)
+    assert codes == [143]
+    assert len(it.said) == 1
+
+
+class Late(Node):
+    """Answers to a goal after a while, and drives until it is cancelled."""
+
+    answer, end = GoalResponse.ACCEPT, "canceled"
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("late", **options)
+        self.goals: list[int] = []
+        self.cancelled = 0
+        self.group = ReentrantCallbackGroup()  # time passes while it makes up its mind
+        ActionServer(
+            self,
+            MoveToShelf,
+            "move_to_shelf",
+            self.execute,
+            goal_callback=self.on_goal,
+            cancel_callback=self.on_cancel,
+            callback_group=self.group,
+        )
+        self.create_timer(0.02, lambda: None)  # an awaited future is noticed when something wakes
+
+    async def on_goal(self, request: Any) -> GoalResponse:
+        self.goals.append(request.shelf_number)
+        passed: Future[bool] = Future()
+        timer = self.create_timer(0.3, lambda: passed.set_result(True), self.group)
+        await passed
+        timer.cancel()
+        return self.answer
+
+    def on_cancel(self, request: Any) -> CancelResponse:
+        self.cancelled += 1
+        self.ending.set_result(True)
+        return CancelResponse.ACCEPT
+
+    async def execute(self, goal: Any) -> Any:
+        self.ending: Future[bool] = Future()
+        await self.ending
+        getattr(goal, self.end)()
+        return MoveToShelf.Result(success=self.end == "succeed")
+
+
+def maker(made: list[Late], **changes: Any) -> Any:
+    """Makes a node that is changed so."""
+
+    def make(**options: Any) -> Node:
+        made.append(Late(**options))
+        for name, value in changes.items():
+            setattr(made[-1], name, value)
+        return made[-1]
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("answer", "phase", "cancelled"),
+    [(GoalResponse.ACCEPT, Phase.CANCELLED, 1), (GoalResponse.REJECT, Phase.REFUSED, 0)],
+)
+async def test_a_goal_that_is_not_accepted_yet_is_waited_for_and_cancelled(
+    answer: GoalResponse, phase: Phase, cancelled: int
+) -> None:
+    made: list[Late] = []
+    async with robot_of(maker(made, answer=answer)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        going = asyncio.ensure_future(go(it, 12))
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.SENT)
+        await ended(let_go(it, clock.current or Clock(), CANCEL, "ended by SIGTERM"))
+        assert it.snapshot.goal is not None
+        assert (it.snapshot.goal.phase, made[0].cancelled) == (phase, cancelled)
+        await ended(going)
+
+
+async def test_a_goal_that_has_not_left_yet_when_the_console_ends_never_does() -> None:
+    made: list[Late] = []
+    async with robot_of(maker(made)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        going = asyncio.ensure_future(go(it, 12))
+        await ended(let_go(it, clock.current or Clock(), CANCEL, "ended by SIGTERM"))
+        await ended(going)
+        assert len(made[0].goals) == made[0].cancelled
+        assert await ended(go(it, 7)) == (Code.CANCELLED, "not sent: the console ends")
+        assert 7 not in made[0].goals
+
+
+@pytest.mark.parametrize("keys", [[], ["q", "tab", "enter"]])
+async def test_a_goal_that_arrives_as_the_console_ends_is_the_last_that_is_sent(
+    keys: list[str],
+) -> None:
+    made: list[Late] = []
+    async with console(node_makers=[maker(made, end="succeed")], wait=False) as op:
+        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+        await op.press("g", *"12 7", "enter")
+        await op.until("MOVING to 12")
+        if keys:
+            await op.press(*keys)
+        else:
+            op.app._ending.begin(143)
+        await op.until(lambda: not op.app.is_running)
+        assert made[0].goals == [12]
+        goal = op.session.robot.snapshot.goal
+        assert goal is not None
+        assert (goal.target, goal.phase) == ("12", Phase.ARRIVED)
+
+
+async def test_quitting_cancels_a_goal_that_is_accepted_after_the_question() -> None:
+    made: list[Late] = []
+    async with console(node_makers=[maker(made)], wait=False) as op:
+        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+        await op.press("g", *"12", "enter", "q", "tab", "enter")
+        await op.until(lambda: not op.app.is_running)
+        assert (made[0].goals, made[0].cancelled) == ([12], 1)

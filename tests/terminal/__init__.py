@@ -1,0 +1,1 @@
+"""What the terminal sends and shows: keys, pastes, signals, hang-ups."""

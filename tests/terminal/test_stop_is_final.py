@@ -1,0 +1,179 @@
+"""The last STOP is final: whatever was typed before it, in real bytes through a terminal."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from pathlib import Path
+
+import pytest
+
+from archo_tui.paths import journal_file
+from archo_tui.robot.stops import NOT_SENT
+from tests.support.night import corners
+from tests.support.terminal import Terminal
+from tests.support.waiting import wait_until
+
+ROBOTS = Path(__file__).parent.parent / "robots"
+CART = ("--only", "--node", str(ROBOTS / "cart.py"), "--robot", str(ROBOTS / "cart.yaml"))
+pytestmark = pytest.mark.real_time
+SLOW = ("--ros-args", "-p", "route_length:=1000.0", "-p", "time_scale:=1.0")
+
+
+def said() -> list[str]:
+    """What the journal has, the oldest first."""
+    if not journal_file().exists():
+        return []
+    lines = journal_file().read_text(encoding="utf-8").splitlines()
+    return [str(json.loads(line).get("text", "")) for line in lines]
+
+
+def until_said(*texts: str) -> None:
+    """Wait until each of them is in the journal."""
+    wait_until(lambda: all(any(text in line for line in said()) for text in texts), str(texts))
+
+
+def stopped_archo(terminals: list[Terminal]) -> Terminal:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("\x18")
+    terminal.until("R releases")
+    return terminal
+
+
+@pytest.mark.parametrize("typed", corners(["R\t\r\x18"], ["Ry\x18"]))
+def test_a_release_typed_before_a_stop_is_not_sent(typed: str, terminals: list[Terminal]) -> None:
+    terminal = stopped_archo(terminals)
+    terminal.write(typed)
+    until_said(NOT_SENT)
+    terminal.write("\x18")
+    terminal.write("\x11")  # a letter may still be for the question
+    assert terminal.exit_code() == 0
+    assert not [text for text in said() if "Released" in text]
+
+
+def test_a_release_typed_behind_a_stop_is_sent(terminals: list[Terminal]) -> None:
+    terminal = stopped_archo(terminals)
+    terminal.write("\x18Ry")
+    until_said("release stop: Released")
+    terminal.write("q")
+    assert terminal.exit_code() == 0
+
+
+@pytest.mark.parametrize("typed", corners(["g12\r\x18"], ["312 7\r\x18"]))
+def test_a_goal_typed_before_a_stop_does_not_drive(typed: str, terminals: list[Terminal]) -> None:
+    terminal = Terminal(*CART)
+    terminals.append(terminal)
+    terminal.until("80.0 %")
+    terminal.until("Cart")
+    terminal.until("online")
+    terminal.write(typed)
+    until_said("STOP: confirmed", f"go to shelf 12: {NOT_SENT}")
+    terminal.until(NOT_SENT)  # the journal has it sooner than the queue
+    terminal.write("g5\r")
+    until_said("drives to 5")
+    terminal.write("\x18")
+    # whichever the cart takes first: STOP, or the cancel of a goal that it accepts behind STOP
+    ended = re.compile("shelf 5 (aborted|cancelled)")
+    wait_until(lambda: any(map(ended.search, said())), ended.pattern)
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert [text for text in said() if "drives" in text] == ["drives to 5"]
+
+
+@pytest.mark.parametrize(
+    ("typed", "shelf"),
+    [
+        ("3\t\r12 7\r\x18", 1),  # taken from the board, and more
+        ("g12\r\t\x18", 12),  # STOP is pressed on the board
+        ("g12\r\t\x1b[B\r\x18", 12),
+        ("g\t\x1b[C\r\t\t\r\x18", 2),  # by Go
+    ],
+)
+def test_a_goal_typed_around_the_board_before_a_stop_does_not_drive(
+    typed: str, shelf: int, terminals: list[Terminal]
+) -> None:
+    terminal = Terminal(*SLOW)
+    terminals.append(terminal)
+    terminal.until(" board   ")  # its key is bold
+    terminal.write(typed)
+    until_said("STOP: confirmed", f"go to shelf {shelf}: {NOT_SENT}")
+    terminal.until("R releases")
+    terminal.write("\x1b")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert not [text for text in said() if "accepted" in text]
+
+
+def test_a_command_typed_before_a_stop_is_not_sent(terminals: list[Terminal]) -> None:
+    terminal = Terminal(*CART)
+    terminals.append(terminal)
+    terminal.until("80.0 %")
+    terminal.until("Blink")
+    terminal.write("b\x18")
+    until_said("STOP: confirmed", f"blink: {NOT_SENT}")
+    terminal.write("b")
+    until_said("blinked")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert said().count("blinked") == 1
+
+
+def test_a_stop_right_before_the_end_is_sent(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("\x18\x11")
+    assert terminal.exit_code() == 0
+    assert "STOP: confirmed" in said()
+    assert "never awaited" not in terminal.text
+
+
+def test_a_command_right_before_the_end_is_carried_out(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("c\x11")
+    assert terminal.exit_code() == 0
+    assert "charge: Charging" in said()
+
+
+def hold(terminal: Terminal, key: str, seconds: float) -> None:
+    """A key that is held: first alone, then again and again."""
+    terminal.write(key)
+    time.sleep(0.3)
+    end = time.monotonic() + seconds - 0.3
+    while time.monotonic() < end:
+        terminal.write(key)
+        terminal.read(0.03)
+
+
+def test_enter_held_in_parameters_sets_nothing(terminals: list[Terminal]) -> None:
+    terminal = Terminal()
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("4/max_s")
+    terminal.until("max_s")
+    hold(terminal, "\r", 3.0)
+    terminal.until("press it again")
+    terminal.write("\x1b")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert not [text for text in said() if text.startswith("set ")]
+
+
+def test_enter_held_in_shelf_sends_one_goal(terminals: list[Terminal]) -> None:
+    terminal = Terminal(*SLOW)
+    terminals.append(terminal)
+    terminal.until("wheel_radius")
+    terminal.write("g12")
+    hold(terminal, "\r", 3.0)
+    until_said("go to shelf 12: accepted")
+    terminal.write("\x18")
+    until_said("shelf 12 aborted")
+    terminal.until("ABORTED")
+    terminal.write("\x11")
+    assert terminal.exit_code() == 0
+    assert len([text for text in said() if text.startswith("go to")]) == 1

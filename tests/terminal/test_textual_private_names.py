@@ -1,0 +1,146 @@
+"""The names that Textual does not promise and that the console needs: each is still there.
+
+Textual is pinned to its minor version because of them. They are found in the console's source: a
+private name that it takes from Textual's modules or of Textual's objects, or defines or uses in a
+class that inherits from one of Textual's with the same name, on purpose or by accident.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import textual
+from textual import _ansi_sequences, _keyboard_protocol
+from textual.keys import Keys
+
+ROOT = Path(__file__).parent.parent.parent
+TEXTUAL = Path(textual.__file__).parent
+MODULES = sorted(
+    str(path.relative_to(ROOT))
+    for path in (ROOT / "archo_tui").rglob("*.py")
+    if "embedded" not in path.parts
+)
+# what is found, by file: a new use belongs here, and what is no longer found has changed its name
+KNOWN = {
+    "app.py": "_handle_exception",
+    "commands/keymap.py": "_ansi_sequences _character_to_key",
+    "keyed_app.py": "_bindings _check_bindings",
+    "screens/base.py": "_on_resize",
+    "screens/confirm.py": "_bindings",
+    "screens/main.py": "_compositor _compositor_refresh _nodes _screen_resized",
+    "terminal/app.py": "_close_messages_no_wait _context _driver _exit _handle_exception "
+    "_return_code",
+    "terminal/compositor.py": "_compositor _cuts _dirty_regions _full_map_invalidated "
+    "_get_renders _regions_to_spans",
+    "terminal/driver.py": "_app _auto_restart _debug _loop _sigcont_application _writer_thread",
+    "terminal/keyboard.py": "_ansi_sequences _xterm_parser",
+    "terminal/keys.py": "_ansi_sequences _character_to_key _keyboard_protocol",
+    "terminal/sequences.py": "_ansi_sequences",
+    "terminal/styles_cache.py": "_styles_cache",
+    "terminal/typed.py": "_prevent",
+    "widgets/button.py": "_start_active_affect",
+    "widgets/field.py": "_forward_event _watch_value",
+    "widgets/rows.py": "_refresh_scrollbars",
+}
+
+
+def is_private(name: str) -> bool:
+    return name.startswith("_") and not name.endswith("_") and name not in ("_replace", "_asdict")
+
+
+@cache
+def tree_of(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def defined_in(tree: ast.AST) -> set[str]:
+    """The private names that a source defines: functions, classes, attributes; no local ones."""
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            found.add(node.name)
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            found.add(node.attr)
+        if isinstance(node, (ast.ClassDef, ast.Module)):
+            lines = [line for line in node.body if isinstance(line, (ast.Assign, ast.AnnAssign))]
+            names = [name for line in lines for name in ast.walk(line)]
+            found |= {name.id for name in names if isinstance(name, ast.Name)}
+    return {name for name in found if is_private(name)}
+
+
+@cache
+def own_names() -> set[str]:
+    return set().union(*(defined_in(tree_of(ROOT / module)) for module in MODULES))
+
+
+@cache
+def textuals_names(file: str) -> set[str]:
+    return defined_in(tree_of(Path(file)))
+
+
+@cache
+def all_of_textuals_names() -> set[str]:
+    texts = [path.read_text(encoding="utf-8") for path in TEXTUAL.rglob("*.py")]
+    return set(re.findall(r"\b(?:self\.|def |class )(_\w+)", "".join(texts)))
+
+
+def inherited(kind: type) -> set[str]:
+    """The private names of what a class inherits from Textual."""
+    files = {inspect.getsourcefile(b) for b in kind.__mro__ if b.__module__.startswith("textual")}
+    return set().union(*(textuals_names(file) for file in files if file))
+
+
+def imported(tree: ast.Module) -> Iterator[str]:
+    """Private modules of Textual, and private names of its modules."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("textual"):
+            module = (node.module or "").rpartition(".")[2]
+            yield from [module] if is_private(module) else []
+            yield from (alias.name for alias in node.names if is_private(alias.name))
+
+
+def of_others(tree: ast.Module) -> Iterator[str]:
+    """Private attributes of objects that are not the class's own."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and is_private(node.attr):
+            itself = isinstance(node.value, ast.Name) and node.value.id in ("self", "cls")
+            theirs = node.attr in all_of_textuals_names() - own_names()
+            if theirs and not itself:
+                yield node.attr
+
+
+def shared(module: str, tree: ast.Module) -> Iterator[str]:
+    """Private names that a class has in common with what it inherits from Textual."""
+    loaded = importlib.import_module(module.removesuffix(".py").replace("/", "."))
+    for node in tree.body:
+        kind = getattr(loaded, node.name, None) if isinstance(node, ast.ClassDef) else None
+        if isinstance(kind, type):
+            used = {part.attr for part in ast.walk(node) if isinstance(part, ast.Attribute)}
+            yield from (used | defined_in(node)) & inherited(kind)
+
+
+def found_in(module: str) -> str:
+    tree = tree_of(ROOT / module)
+    names = {*imported(tree), *of_others(tree)}
+    if any(isinstance(node, ast.ClassDef) for node in tree.body):
+        names |= set(shared(module, tree))
+    return " ".join(sorted(name for name in names if is_private(name)))
+
+
+def test_its_private_names_that_the_console_uses_are_these_and_still_there() -> None:
+    found = {module.removeprefix("archo_tui/"): found_in(module) for module in MODULES}
+    assert {module: names for module, names in found.items() if names} == KNOWN
+
+
+def test_the_tables_of_what_terminals_send_are_there() -> None:
+    table = _ansi_sequences.ANSI_SEQUENCES_KEYS  # commands/keymap.py, terminal/keys.py and others
+    assert table["\x18"] == (Keys.ControlX,)
+    assert table["\x1bOp"] == "0"
+    assert _keyboard_protocol.FUNCTIONAL_KEYS["27u"] == "escape"  # terminal/keys.py
+    assert "left_shift" in _keyboard_protocol.MODIFIER_FUNCTIONAL_KEYS

@@ -1,0 +1,227 @@
+"""Panel 8: topics, services and actions, who has them, and how often they come."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from tests.support.console import FAST, Console, console, send
+from tests.support.quiet import Quiet
+from tests.support.states import NORMAL, STATES
+from tests.support.stub import StandingClock, StubRobot, stub_app
+
+
+async def rows(op: Console, *keys: str) -> list[list[str]]:
+    """The lines of the graph on the full screen, in words."""
+    await op.press("8", *keys)
+    await op.until("8 Graph")
+    return [
+        line[1:-1].split() for line in op.text.splitlines() if "/msg/" in line or "/srv/" in line
+    ]
+
+
+async def test_it_shows_types_and_who_publishes_or_serves_them() -> None:
+    async with console(*FAST) as op:
+        found = await rows(op)
+        level = ["topic", "/battery_level", "archo_interfaces/msg/BatteryStatus", "battery_monitor"]
+        assert any(row[:4] == level for row in found)
+        assert ["service", "/set_charging", "std_srvs/srv/SetBool", "battery_monitor"] in found
+        action = "/move_to_shelf archo_interfaces/action/MoveToShelf motor_controller"
+        await op.until(lambda: action in op.words)
+        assert "no publisher" in op.line("/battery_drain")
+        for own in ("/rosout", "/parameter_events", "get_parameters", "_archo_console"):
+            assert own not in op.text
+
+
+async def test_the_rate_of_what_the_console_hears_is_there_and_its_silence() -> None:
+    async with console() as op:
+        await op.press("8")
+        await op.until(lambda: op.line("/battery_level").rstrip("┃ ").endswith("1.0 Hz"))
+        await op.until(lambda: op.line("/motor_status").rstrip("┃ ").endswith("5.0 Hz"))
+        await op.press("escape", "5", "home", "s")
+        await op.until("○ battery_monitor")
+        await op.press("8")
+        await op.until(lambda: "no publisher" in op.line("/battery_level"))
+        await op.until(lambda: "silent" in op.line("/battery_level"))
+        assert "/set_charging" not in op.text
+        await op.press("escape", "5", "home", "s", "8")
+        await op.until(lambda: "battery_monitor" in op.line("/set_charging"))
+        await op.until(lambda: "Hz" in op.line("/battery_level"))
+
+
+async def test_a_server_is_seen_that_comes_behind_its_client() -> None:
+    class Asks(Node):
+        def __init__(self, **options: Any) -> None:
+            super().__init__("asks", **options)
+            self.create_client(Trigger, "tidy_up")
+
+    async with console(*FAST, node_makers=[Asks], wait=False) as op:
+        await op.until("● asks")
+        await op.press("8")
+        await op.until("? nothing on the graph")
+        other = Node("tidy", context=op.session._context)
+        other.create_service(Trigger, "tidy_up", lambda _, response: response)
+        await op.until(lambda: "/tidy_up std_srvs/srv/Trigger tidy" in op.words)
+        second = Node("tidy_2", context=op.session._context)
+        second.create_service(Trigger, "tidy_up", lambda _, response: response)
+        await op.until(lambda: "/tidy_up std_srvs/srv/Trigger tidy, tidy_2" in op.words)
+        other.destroy_node()
+        await op.until(lambda: "/tidy_up std_srvs/srv/Trigger tidy_2" in op.words)
+        second.create_service(Trigger, "sweep", lambda _, response: response)
+        await op.until(lambda: "/sweep std_srvs/srv/Trigger tidy_2" in op.words)
+        second.destroy_node()
+
+
+async def test_a_second_publisher_of_a_known_node_is_seen() -> None:
+    from std_msgs.msg import Float32
+
+    async with console(*FAST) as op:
+        await op.press("8")
+        await op.until(lambda: "no publisher" in op.line("/battery_drain"))
+        node = op.session.host.nodes[2].node
+        node.create_publisher(Float32, "battery_drain", 10)
+        await op.until(lambda: "motor_controller" in op.line("/battery_drain"))
+
+
+async def test_enter_shows_all_that_is_known_of_one() -> None:
+    app = stub_app(NORMAL)
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        await quiet.settle()
+        send(app, "8", "down", "enter")  # as over a slow link
+        await quiet.settle()
+        text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+        assert "archo_interfaces/msg/BatteryStatus" in text
+        assert "published by  /battery_monitor" in text
+        assert "rate          1.0 Hz" in text
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 36), (200, 24)])
+async def test_where_it_has_no_room_8_opens_it_and_escape_goes_back(size: tuple[int, int]) -> None:
+    app = stub_app(NORMAL, size=size)
+    async with app.run_test(size=size):
+        quiet = Quiet(app)
+        send(app, "5")
+        await quiet.settle()
+        assert not app.main.graph.display
+        send(app, "8")
+        await quiet.settle()
+        assert app.main.graph.size.width > size[0] - 6
+        assert not app.main.nodes.region
+        send(app, "escape")
+        await quiet.settle()
+        assert not app.main.graph.display
+        assert app.main.focused_panel == 5
+
+
+async def test_tab_walks_from_the_history_to_the_graph_and_back() -> None:
+    app = stub_app(NORMAL, size=(160, 48))
+    async with app.run_test(size=(160, 48)):
+        quiet = Quiet(app)
+        seen = []
+        for key in ("6", "tab", "tab", "tab", "shift+tab"):
+            send(app, key)
+            await quiet.settle()
+            seen.append(app.main.focused_panel)
+        assert seen == [6, 7, 8, 1, 8]
+
+
+async def test_its_focus_and_full_screen_outlast_every_size() -> None:
+    app = stub_app(NORMAL, size=(160, 48))
+    async with app.run_test(size=(160, 48)) as pilot:
+        quiet = Quiet(app)
+        send(app, "8")
+        await quiet.settle()
+        await pilot.resize_terminal(149, 48)  # there is no room any more
+        await quiet.settle()
+        assert app.main.focused_panel == 4
+        send(app, "8")
+        await quiet.settle()
+        await pilot.resize_terminal(150, 48)
+        await quiet.settle()
+        assert app.main.is_full
+        assert app.main.focused_panel == 8
+        send(app, "escape")
+        await quiet.settle()
+        assert app.main.focused_panel == 8
+        assert app.main.nodes.region
+        for width, height in ((1, 1), (300, 80), (20, 3), (160, 30)):
+            await pilot.resize_terminal(width, height)
+            await quiet.settle()
+        assert app.main.graph.region.height >= 5
+
+
+async def test_stop_works_in_it_and_in_what_enter_opens() -> None:
+    app = stub_app(STATES["motor moving"])
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    asked: list[str] = []
+    stop = robot.emergency_stop
+
+    def count() -> Any:
+        asked.append("stop")
+        return stop()
+
+    robot.emergency_stop = count  # type: ignore[attr-defined]
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        for keys in (["8"], ["enter"]):
+            send(app, *keys, "ctrl+x")
+            await quiet.settle()
+        assert len(asked) == 2
+
+
+async def test_it_costs_nothing_while_nothing_in_it_changes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = StandingClock()
+    app = stub_app(NORMAL, clock, size=(160, 48))
+    robot: StubRobot = app.station.robot  # type: ignore[assignment]
+    async with app.run_test(size=(160, 48)):
+        quiet = Quiet(app)
+        send(app, "8")
+        await quiet.settle()
+        drawn: list[object] = []
+        shown = app.main.graph.operated
+        monkeypatch.setattr(shown, "refresh", lambda *_, **__: drawn.append(1))
+        for second in range(3):
+            clock.passed += 1.0
+            paces = {
+                name: pace._replace(heard=pace.heard + second)
+                for name, pace in NORMAL.paces.items()
+            }
+            robot.put(NORMAL._replace(paces=paces))
+            app.tick()
+            await quiet.settle()
+        assert drawn == []
+        robot.put(NORMAL._replace(resources=NORMAL.resources[1:]))
+        app.tick()
+        assert drawn
+
+
+async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
+    app = stub_app(NORMAL, size=(200, 60))
+    async with app.run_test(size=(200, 60)) as pilot:
+        quiet = Quiet(app)
+        for width, height in ((150, 30), (160, 48), (200, 60), (300, 80)):
+            await pilot.resize_terminal(width, height)
+            await quiet.settle()
+            main = app.main
+            assert main.nodes.region.height == 7  # three nodes, at least five rows
+            assert main.parameters.region.height == 11  # five, as high as the history must be
+            assert main.events.region.width >= 60
+            assert main.events.region.bottom == main.graph.region.bottom == height - 1
+            assert main.events.region.width == width - main.graph.region.width
+        nodes = tuple(NORMAL.nodes[0]._replace(name=f"/node_{n}") for n in range(40))
+        many = tuple(NORMAL.parameters[0]._replace(name=f"gain_{n}") for n in range(20))
+        robot: StubRobot = app.station.robot  # type: ignore[assignment]
+        robot.put(NORMAL._replace(nodes=nodes, parameters=many))
+        await quiet.settle()
+        assert main.nodes.region.height == 14
+        assert main.parameters.region.height == 23
+        send(app, "4", "slash", *"gain_7")  # moves nothing
+        await quiet.settle()
+        assert len(app.main.parameters.operated.items) == 1  # type: ignore[attr-defined]
+        assert main.parameters.region.height == 23
