@@ -28,6 +28,7 @@ from tests.support.console import FAST, LONG, Console, click, console
 from tests.support.night import corners
 from tests.support.peer import Peer
 from tests.support.shells import Raw, heard, raw, served, until
+from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
@@ -303,6 +304,7 @@ async def test_a_stop_of_another_console_voids_though_it_was_released_at_once() 
 async def test_an_answer_to_a_request_that_is_over_acts_nowhere_else(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    monkeypatch.setattr("archo_tui.keyed_app.HELD", DEADLINE)  # on a busy machine, too, it is soon
     async with beside(*LONG) as (op, assistant):
         await op.press("g", "7")
         await asks(assistant)
