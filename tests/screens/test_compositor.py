@@ -57,7 +57,10 @@ async def test_the_first_picture_waits_for_the_robots_nodes(
 
 @pytest.mark.parametrize(
     ("size", "steps"),
-    corners([((80, 24), 25)], [(size, 100) for size in ((40, 10), (80, 24), (120, 36), (160, 48))]),
+    corners(
+        [((40, 10), 60), ((160, 48), 25)],
+        [(size, 100) for size in ((40, 10), (80, 24), (120, 36), (160, 48))],
+    ),
 )
 async def test_a_part_of_the_screen_is_drawn_as_textual_draws_it(
     monkeypatch: pytest.MonkeyPatch, size: tuple[int, int], steps: int
