@@ -60,7 +60,7 @@ FAULTS = [
     Fault("robot/parameters.py", "min(2 * waited, _LONGEST_RETRY)", "2 * waited", ROBOT + "/test_odd_robots.py"),
     Fault("robot/state.py", "took / driven - (now - self.heard)", "took / driven", ROBOT + "/test_odd_robots.py"),
     Fault("robot/telemetry.py", "DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE", "DurabilityPolicy.VOLATILE", ROBOT + "/test_odd_robots.py"),
-    Fault("robot/stops.py", "return self.stops.is_void(self.typed)", "return False", "tests/plain/test_plain_walk.py " + CONSOLE + "/test_walk_with_stops.py"),
+    Fault("robot/stops.py", "return self.stops.is_void(self.typed)", "return False", "tests/plain/test_plain_stops.py tests/terminal/test_stop_is_final.py"),
     Fault("robot/client.py", "        if self._stopping.is_behind(turn):", "        if False:", ROBOT + "/test_stop_and_releases.py"),
     Fault("robot/stopping.py", "    if len(answers) < servers:\n", "    if not answers:\n", ROBOT + "/test_several_servers.py"),
     Fault("robot/services.py", "if len(answers) >= servers or good(answer):", "if True:", ROBOT + "/test_several_servers.py"),

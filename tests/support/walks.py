@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from archo_bringup.motor_controller import MotorController
 
-_ROUNDS, _FAR = 3, 80
+_ROUNDS, _FAR = 5, 80
 
 
 def length(which: int, request: pytest.FixtureRequest) -> tuple[int, int]:
