@@ -308,7 +308,7 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     if name != "mcp":  # which speaks there, and says itself that it cannot
         _no_loss()
     if name not in SUBCOMMANDS:
-        return _speak(options)
+        return _speak(options, words)
     what, add_options, run = SUBCOMMANDS[name]
     made = _Parser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
     add_options(made)
@@ -318,7 +318,7 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     return run(made.parse_intermixed_args([*before, *rest]))
 
 
-def _speak(options: Namespace) -> int:
+def _speak(options: Namespace, words: Sequence[str]) -> int:
     """A verb behind options of the console: only where it is looked for can be said so."""
     from archo_tui.remote.shell import run
 
@@ -330,17 +330,26 @@ def _speak(options: Namespace) -> int:
     ]
     if given:
         raise ArchoError(f"--{given[0]} is for the console, not for {options.command[0]}")
-    to = ["--to", options.namespace] if options.namespace != "/" else []
-    if options.command[1:] == ["--help"] and options.command[0] in ("stop", "wait"):
-        return run(options.command, SUBCOMMANDS)  # alone, which no console is asked for
+    made = parser()
+    made.set_defaults(engine="", namespace="")
+    said = made.parse_args(words)  # what was typed, and not what is taken where nothing is
+    if options.engine not in ("embedded", "ros2"):
+        raise ArchoError(f"--engine {options.engine}: there are embedded and ros2")
+    meant = {"engine": said.engine, "to": said.namespace}
     if options.engine == "embedded":
-        return run([*options.command, *to], SUBCOMMANDS)
+        return run(options.command, SUBCOMMANDS, meant=meant)
     from archo_tui.remote.once import attached
     from archo_tui.session import Options, Session
 
     there = Options(engine=options.engine, namespace=options.namespace, attach=True)
     attach = lambda: attached(lambda: Session(there))  # noqa: E731
-    return run([*options.command, *to], SUBCOMMANDS, attach)
+    return run(options.command, SUBCOMMANDS, attach, {**meant, "domain": _domain()})
+
+
+def _domain() -> int:
+    """Return the ROS 2 domain of this process; what is no number ROS 2 refuses itself."""
+    said = os.environ.get("ROS_DOMAIN_ID", "").strip()
+    return int(said) if said.isdecimal() else 0
 
 
 def _completions_options(made: argparse._ActionsContainer) -> None:

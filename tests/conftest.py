@@ -125,7 +125,9 @@ def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)  # sockets are below the state folder then
+    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
+    # no test may reach a console that runs beside it
+    monkeypatch.setenv("ARCHO_TUI_SOCKETS", str(tmp_path / "sockets"))
 
 
 @pytest.fixture(autouse=True)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-import os
 from collections import deque
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-from archo_tui import __version__
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.remote.assistants import Assistants
 from archo_tui.remote.follow import follow
-from archo_tui.remote.protocol import GONE, LOST, PROTOCOL, is_stop, words_of
+from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
 from archo_tui.remote.server import Guest
 from archo_tui.remote.waits import LOOK, RanOut, wait_for
 from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
@@ -33,10 +31,8 @@ RAN_OUT = "ran_out"  # in place of an outcome's code: the time that was waited f
 class Desk:
     """One for each console; knows each client by what it does."""
 
-    def __init__(self, station: Station, domain: int | None) -> None:
-        """`domain` is ROS's, where one was chosen."""
-        self._station, self._domain = station, domain
-        self._robot = station.robot
+    def __init__(self, station: Station) -> None:
+        self._station, self._robot = station, station.robot
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
         self._assistants = Assistants(station, self.verbs, self._until)
         self._visits: dict[Guest, _Visit] = {}
@@ -46,20 +42,6 @@ class Desk:
         self._spared = Spared()
 
     # on the server's thread
-
-    def hello(self) -> dict[str, Any]:
-        """What every client is told first."""
-        station = self._station
-        return {
-            "protocol": PROTOCOL,
-            "version": __version__,
-            "robot": self._robot.file.name,
-            "namespace": station.view.namespace,
-            "engine": station.view.engine,
-            "domain": self._domain,
-            "pid": os.getpid(),
-            "watching": self._robot.watching,
-        }
 
     def serve(self, client: Guest, request: dict[str, Any], stops: int) -> None:
         """Begin to carry it out; STOP at once, the others when they are due."""

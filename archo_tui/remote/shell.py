@@ -7,16 +7,8 @@ import json
 import signal
 import sys
 
-from archo_tui.remote.client import (
-    NOBODY,
-    Unreached,
-    chosen,
-    described,
-    fits,
-    greeted,
-    nobody,
-    one,
-)
+from archo_tui.remote import finder
+from archo_tui.remote.client import Unreached
 from archo_tui.remote.protocol import (
     EXITS,
     FAILED,
@@ -30,7 +22,7 @@ from archo_tui.remote.protocol import (
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from contextlib import AbstractContextManager
     from types import FrameType
     from typing import Any, Protocol
@@ -38,7 +30,7 @@ if TYPE_CHECKING:
     class Speaks(Protocol):
         """A connection to a console, or what stands for one."""
 
-        def request(self, **asked: Any) -> Iterator[dict[str, Any]]:
+        def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
             """Yields all that is said to it, the result last."""
 
         def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
@@ -51,7 +43,6 @@ if TYPE_CHECKING:
 _FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
 _VALUES = ("--to", "--timeout")
 _CONFIRMED = 3.0  # s in which a goal that is called off is seen to end
-_STOPPED = 15.0  # s: longer than any STOP is waited for in a console that lives
 
 
 class _Words:
@@ -100,10 +91,15 @@ def run(
     words: Sequence[str],
     others: Iterable[str],
     attach: Callable[[], AbstractContextManager[Speaks]] | None = None,
+    meant: Mapping[str, Any] | None = None,
 ) -> int:
-    """Returns the exit code; `others` are what is no verb, for a word that nobody can look up.
+    """Send words to the console that is meant; returns the exit code.
 
-    `attach` makes what is spoken to where no console runs.
+    Args:
+        words: The verb and what stands behind it.
+        others: What is no verb, for a word that nobody knows.
+        attach: Makes what is spoken to where no console runs.
+        meant: `to`, `engine` and `domain` that stood before the verb.
     """
     # help of STOP only when exactly that is typed: whatever else stands behind it, it stops
     if len(words) == 2 and words[1] == "--help":
@@ -116,13 +112,14 @@ def run(
     try:
         given = _Words(words)
         timeout = given.timeout
-        to = given.values.get("--to", "")
-        if attach is not None and not _runs(to):
+        to = given.values.get("--to") or (meant or {}).get("to")
+        asked = {**(meant or {}), **({"to": to} if to else {})}
+        if given.stops:
+            return _stop(asked, given, attach)
+        if attach is not None and not finder.find(asked):
             with attach() as robot:
                 return _ask(robot, given, timeout)
-        if given.stops:
-            return _stop(to, given)
-        console = one(to)
+        console = finder.choose(asked)
         try:
             return _ask(console, given, timeout)
         finally:
@@ -139,17 +136,6 @@ def run(
         return UNREACHED
 
 
-def _runs(to: str) -> bool:
-    """True when a console is there to take it."""
-    try:
-        found = chosen(to)
-    except Unreached:
-        return False
-    for console in found:
-        console.close()
-    return True
-
-
 def _nearest(word: str, others: Iterable[str]) -> str:
     import difflib
 
@@ -157,63 +143,51 @@ def _nearest(word: str, others: Iterable[str]) -> str:
 
 
 def consoles(words: Sequence[str]) -> int:
-    """List those that run here."""
-    from archo_tui.remote.client import consoles as find
-
+    """List those that run here; ends with 3 where none does, or one does not answer."""
+    faults: list[str] = []
     try:
-        found = find()
+        found = finder.find({}, faults)
     except Unreached as error:
         _complain(str(error))
         return UNREACHED
     for console in found:
         if "--json" in words:
-            _print(json.dumps(console.hello))
+            _print(json.dumps({**console.who, "answers": not console.fault}))
         else:
-            _print(described(console))
+            _print(f"{console.described}{': ' if console.fault else ''}{console.fault}")
         console.close()
     if not found:
-        _complain(NOBODY)
-    return 0 if found else UNREACHED
+        _complain(finder.nobody({}, faults))
+    return UNREACHED if not found or any(console.fault for console in found) else 0
 
 
-def _stop(to: str, given: _Words) -> int:
-    """To every console that fits, before any is waited for.
-
-    Each answer is printed, the worst is the exit code.
-    """
-    told, codes = [], []
-    faults: list[str] = []
-    for console in greeted(faults):
-        if not fits(console, to):
-            console.close()
-            continue
-        try:
-            console.send({"id": 1, "words": given.rest})
-            told.append(console)
-        except Unreached as error:
-            faults.append(f"{described(console)}: {error}")
-    for fault in faults if told else ():
-        _complain(fault)
-        codes.append(UNREACHED)
-    if not told:
-        raise Unreached(nobody(to, faults))
-    for console in told:
-        try:
-            result = next(said for said in console.rest(_STOPPED) if "code" in said)
-        except Unreached as error:
-            _complain(f"{described(console)}: {error}")
-            codes.append(UNREACHED)
-            continue
-        finally:
-            console.close()
-        if len(told) > 1:
-            result = {**result, "text": f"{described(console)}: {result['text']}"}
-        codes.append(_end(result, given))
+def _stop(
+    asked: Mapping[str, Any],
+    given: _Words,
+    attach: Callable[[], AbstractContextManager[Speaks]] | None,
+) -> int:
+    """Say STOP to every console that could be meant; the worst answer is the exit code."""
+    if len(given.rest) > 1:
+        _complain(f"{given.rest[0]}: ignored: {' '.join(given.rest[1:])}")
+    codes, unreached = [], ""
+    try:
+        ended = finder.stop(asked, _complain)
+    except Unreached as error:
+        ended, unreached = [], str(error)
+    for one in ended:
+        text = one.text if len(ended) == 1 and one.code == "done" else f"{one.console}: {one.text}"
+        codes.append(_end({"code": one.code, "text": text}, given))
+    if attach is not None and not any(one.code == "done" for one in ended):  # by ourselves, then
+        with attach() as robot:
+            codes.append(_ask(robot, given, None))
+    elif unreached:
+        raise Unreached(unreached)
     return max(codes)
 
 
 def _ask(console: Speaks, given: _Words, timeout: float | None) -> int:
-    asked: dict[str, Any] = {"words": given.rest, "person": _has_person(), "timeout": timeout}
+    words = given.rest[:1] if given.stops else given.rest
+    asked: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
     if "--follow" in given.flags:
         asked = {"words": given.rest, "follow": True}
     if "--wait" in given.flags:

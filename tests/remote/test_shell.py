@@ -216,8 +216,11 @@ async def test_who_cannot_read_why_still_gets_the_exit_code(stderr: Full | None)
 
 
 async def test_without_a_console_it_is_one_line_and_3() -> None:
-    assert await typed("go", "12") == Said(
-        3, "", "archo-tui: no console runs here: start archo-tui, or archo-tui --plain\n"
+    code, out, err = await typed("go", "12")
+    assert (code, out, err.count("\n")) == (3, "", 1)
+    assert err.startswith(
+        "archo-tui: no console runs here: start archo-tui, or archo-tui --plain; "
+        "ARCHO_TUI_SOCKETS is set: only /"
     )
     nearest = await typed("chek", "x.py")
     assert nearest.code == 2

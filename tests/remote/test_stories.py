@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -12,12 +11,11 @@ from typing import NamedTuple
 import pytest
 
 import archo_tui
-from archo_tui.remote import place
 from archo_tui.remote.api import NotDone
 from archo_tui.station.station import Station
 from tests.support.console import FAST, console
 from tests.support.night import corners
-from tests.support.shells import served, typed, until
+from tests.support.shells import own_socket, served, typed, until
 
 pytestmark = pytest.mark.real_time
 
@@ -133,7 +131,7 @@ async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimit
 
     if screen:
         async with console(*FAST, robot=unlimited, remote=True) as op:
-            await op.until(lambda: f"{os.getpid()}{place.SUFFIX}" in place.sockets())
+            await op.until(own_socket)
             assert await told(op.session.station, steps, do) == end
     else:
         async with served(robot=unlimited, ros_args=FAST) as person:
