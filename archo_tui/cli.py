@@ -360,17 +360,18 @@ def _completions(options: Namespace) -> int:
     """What a shell needs to complete our words; of the verbs those of ARCHO."""
     import shtab
 
-    from archo_tui.robot_file import load
-    from archo_tui.verbs import verbs
+    from archo_tui.remote.verb_help import archos_verbs, options_of
 
     made = parser(for_words=False)
     commands = made.add_subparsers(metavar="COMMAND", parser_class=_Parser)
     for name, (what, add_options, _) in SUBCOMMANDS.items():
         add_options(commands.add_parser(name, help=what, description=what))
-    for verb in verbs(load.load(load.default()), {}).values():
-        one = commands.add_parser(verb.id, help=verb.help, description=verb.help)
-        for flag in ("--json", "--wait", "--leave", "--yes")[: 4 if verb.acts else 1]:
-            one.add_argument(flag, action="store_true")
+    told = {verb.id: (verb.help, verb.options) for verb in archos_verbs().values()}
+    told["wait"] = "Wait until it is so", ()
+    for name, (what, takes) in told.items():
+        one = commands.add_parser(name, help=what, description=what)
+        for option, _ in options_of(name, takes):
+            one.add_argument(*option.split()[:1], action="store_true")
     for action in made._actions:
         if action.metavar in ("FILE", "DIR", "PATH"):
             action.complete = shtab.DIRECTORY if action.metavar == "DIR" else shtab.FILE  # type: ignore[attr-defined]

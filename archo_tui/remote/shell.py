@@ -19,6 +19,7 @@ from archo_tui.remote.protocol import (
     has_half,
     is_stop,
 )
+from archo_tui.robot_file.reserved import VERBS
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -41,8 +42,10 @@ if TYPE_CHECKING:
 
 
 _FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
+_VERBS_OF = {"--line": "status", "--follow": "events"}  # that have no others
 _VALUES = ("--to", "--timeout")
 _CONFIRMED = 3.0  # s in which a goal that is called off is seen to end
+_ANSWERED = 2.0  # s more in which a console that lives says so
 
 
 class _Words:
@@ -69,6 +72,17 @@ class _Words:
                     raise ValueError(f"{name} needs a value")
             else:
                 self.rest.append(word)
+        if not self.stops:
+            self._check()
+
+    def _check(self) -> None:
+        """Raise ValueError for an option of other verbs; of the rest a console knows."""
+        verb = self.rest[0] if self.rest else ""
+        for flag, its in _VERBS_OF.items():
+            if flag in self.flags and verb != its:
+                raise ValueError(f"{verb} has no {flag}: {its} has it")
+        if "--leave" in self.flags and "--wait" not in self.flags:
+            raise ValueError("--leave goes with --wait")
 
     @property
     def timeout(self) -> float | None:
@@ -109,6 +123,7 @@ def run(
         if known:
             _print(known)
             return 0
+    helps = "--help" in words[1:]
     try:
         given = _Words(words)
         timeout = given.timeout
@@ -116,30 +131,55 @@ def run(
         asked = {**(meant or {}), **({"to": to} if to else {})}
         if given.stops:
             return _stop(asked, given, attach)
-        if attach is not None and not finder.find(asked):
+        if attach is not None and not helps and not finder.find(asked):
             with attach() as robot:
-                return _ask(robot, given, timeout)
+                return _ask(robot, given, timeout, others)
         console = finder.choose(asked)
         try:
-            return _ask(console, given, timeout)
+            return _ask(console, given, timeout, others)
         finally:
             console.close()
     except ValueError as error:
         _complain(str(error))
         return MISUSED
     except Unreached as error:
-        near = _nearest(words[0], others)
+        return _unreached(words[0], others, str(error), helps=helps)
+
+
+def _unreached(word: str, others: Iterable[str], why: str, *, helps: bool) -> int:
+    """Say what can be said without a console; returns the exit code.
+
+    A robot file may have verbs that nobody knows here: only one that is misspelled is misuse.
+    """
+    if helps or word not in (*VERBS, "wait"):
+        from archo_tui.remote.verb_help import archos_verbs, of_archo
+
+        known = archos_verbs()
+        if helps and word in known:
+            _print(of_archo(word))
+            return 0
+        near = "" if word in known else _nearest(word, (*known, "wait", *others))
         if near:
-            _complain(f"no command {words[0]!r} (nearest: {near}), and {error}")
+            _complain(f"no command {word!r} (nearest: {near}), and {why}")
             return MISUSED
-        _complain(str(error))
-        return UNREACHED
+    _complain(why)
+    return UNREACHED
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
     import difflib
 
     return next(iter(difflib.get_close_matches(word, others, n=1)), "")
+
+
+def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
+    """A console's word about a verb that does not exist, which knows verbs and nothing else."""
+    said, found, verb = text.removesuffix(")").partition(" (nearest: ")
+    said = said.removesuffix(" (help lists them")
+    if said != f"no command {word!r}":
+        return text
+    near = _nearest(word, (*others, verb) if found else others)
+    return f"{said} (nearest: {near})" if near else f"{said} (archo-tui --help lists them)"
 
 
 def consoles(words: Sequence[str]) -> int:
@@ -179,17 +219,17 @@ def _stop(
         codes.append(_end({"code": one.code, "text": text}, given))
     if attach is not None and not any(one.code == "done" for one in ended):  # by ourselves, then
         with attach() as robot:
-            codes.append(_ask(robot, given, None))
+            codes.append(_ask(robot, given, None, ()))
     elif unreached:
         raise Unreached(unreached)
     return max(codes)
 
 
-def _ask(console: Speaks, given: _Words, timeout: float | None) -> int:
+def _ask(console: Speaks, given: _Words, timeout: float | None, others: Iterable[str]) -> int:
     words = given.rest[:1] if given.stops else given.rest
     asked: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
     if "--follow" in given.flags:
-        asked = {"words": given.rest, "follow": True}
+        asked = {"words": given.rest, "follow": True, "timeout": timeout}
     if "--wait" in given.flags:
         asked |= {"wait": True, "leave": "--leave" in given.flags}
     try:
@@ -198,16 +238,19 @@ def _ask(console: Speaks, given: _Words, timeout: float | None) -> int:
     except ValueError:  # not the main thread, which alone hears of them
         pass
     try:
-        return _end(_result(console, asked, given), given)
+        within = None if timeout is None else timeout + _CONFIRMED + _ANSWERED
+        return _end(_result(console, asked, given, within), given, others)
     except _Interrupted:
         for number in (signal.SIGINT, signal.SIGTERM):  # the next one ends it at once
             signal.signal(number, signal.SIG_DFL)
         return INTERRUPTED if asked.get("leave") else _give_up(console)
 
 
-def _result(console: Speaks, asked: dict[str, Any], given: _Words) -> dict[str, Any]:
+def _result(
+    console: Speaks, asked: dict[str, Any], given: _Words, within: float | None
+) -> dict[str, Any]:
     """The last thing that is said; what comes before it is printed, or answered."""
-    for said in console.request(**asked):
+    for said in console.request(within, **asked):
         if "code" in said:
             return said
         if "ask" in said:
@@ -222,19 +265,21 @@ def _result(console: Speaks, asked: dict[str, Any], given: _Words) -> dict[str, 
     raise Unreached(GONE)
 
 
-def _end(result: dict[str, Any], given: _Words) -> int:
+def _end(result: dict[str, Any], given: _Words, others: Iterable[str] = ()) -> int:
     """Print the result; returns the exit code."""
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
     if "--json" in given.flags:
         _print_json(result)
     elif code:
-        said = result["text"].replace("(help lists them)", "(archo-tui --help lists them)")
+        said = (
+            _with_nearest(result["text"], given.rest[0], others) if given.rest else result["text"]
+        )
         _complain(f"{given.rest[0] if given.rest else ''}: {said}".lstrip(": "))
-    elif given.rest[1:] == ["--help"] and not given.stops:
+    elif "--help" in given.rest[1:] and not given.stops:
         from archo_tui.remote.verb_help import with_options
 
-        _print(with_options(given.rest[0], result["text"]))
+        _print(with_options(given.rest[0], result["text"], tuple(data or ())))
     elif "--line" in given.flags and isinstance(data, dict) and "line" in data:
         _print(data["line"])
     elif result.get("tells"):

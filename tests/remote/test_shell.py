@@ -150,11 +150,12 @@ async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> Non
     async with served(ros_args=FAST) as person:
         spoken = person._plain._verbs
         for verb, options in (
-            ("go", {"--wait", "--leave", "--json", "--to", "--yes"}),
+            ("go", {"--wait", "--leave", "--timeout", "--json", "--to"}),
+            ("cancel", {"--yes", "--timeout", "--json", "--to"}),
             ("stop", {"--json", "--to"}),
             ("wait", {"--timeout", "--json", "--to"}),
-            ("status", {"--line", "--json", "--to"}),
-            ("events", {"--follow", "--json", "--to"}),
+            ("status", {"--line", "--timeout", "--json", "--to"}),
+            ("events", {"--follow", "--timeout", "--json", "--to"}),
         ):
             told = await typed(verb, "--help")
             assert (told.code, told.err) == (0, "")

@@ -125,7 +125,8 @@ async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimit
     steps, end = story
 
     async def do(step: Step) -> None:
-        said = await typed(*step.words.split(), "--wait")
+        waits = ["--wait"] if step.words.startswith("go") else []
+        said = await typed(*step.words.split(), *waits)
         good = bool(step.outcomes) and not any("refused" in one for one in step.outcomes)
         assert said.code == (0 if good else 1), said
 
@@ -145,7 +146,7 @@ async def test_from_python(story: tuple[list[Step], str], unlimited: Path) -> No
 
             def run(step: Step) -> None:
                 with contextlib.suppress(NotDone):
-                    robot.do(*step.words.split(), wait=True)
+                    robot.do(*step.words.split(), wait=step.words.startswith("go"))
 
             async def do(step: Step) -> None:
                 await asyncio.to_thread(run, step)
