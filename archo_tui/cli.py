@@ -14,6 +14,7 @@ from io import StringIO, TextIOBase, TextIOWrapper
 
 from archo_tui import __version__
 from archo_tui.errors import ArchoError
+from archo_tui.plain.lines import is_stop_text
 from archo_tui.robot_file.reserved import VERBS
 
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
@@ -296,7 +297,8 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand that is named, else the console."""
     if words[:1] == ["help"]:  # of a verb or a command no word more: behind a STOP it would stop
         words = [*words[1:2], "--help"]
-    if words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS:
+    is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS
+    if is_verb or is_stop_text(" ".join(words)):
         from archo_tui.remote import shell  # at once: it may stand in a prompt
 
         _no_loss()

@@ -53,7 +53,7 @@ class _Words:
 
     def __init__(self, words: Sequence[str]) -> None:
         """Raises ValueError with one line; not for STOP, which is a STOP whatever follows it."""
-        self.stops = is_stop({"words": list(words[:1])})
+        self.stops = is_stop({"words": list(words)})
         self.flags: set[str] = set()
         self.values: dict[str, str] = {}
         self.rest: list[str] = []

@@ -64,7 +64,8 @@ class Deaf(Node):
 
     def __init__(self, **given: Any) -> None:
         super().__init__("deaf", **given)
-        self.asked, self.awake = 0, Future()
+        self.asked = 0
+        self.awake: Future[bool] = Future()
         self.create_service(Trigger, "ponder", self.ponder)
 
     async def ponder(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
