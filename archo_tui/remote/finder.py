@@ -31,6 +31,10 @@ _LOOK = 0.1  # s between two looks whether any was waited for long enough
 UNCONFIRMED = "not confirmed: the robot may be moving"
 
 
+class Nobody(Unreached):
+    """No console could be meant."""
+
+
 class Stopped:
     """How a STOP ended at one console."""
 
@@ -48,9 +52,9 @@ def find(asked: Mapping[str, Any], faults: list[str] | None = None) -> list[Conn
     found = _candidates(asked, [] if faults is None else faults)
     _exchange(found, b"", lambda console: bool(console.hello), SOON)
     for console in found:
-        if console.hello and not is_meant(asked, console.hello):
+        if not _could(asked, console):
             console.close()
-    found = [one for one in found if not (one.is_dead or (one.hello and not _could(asked, one)))]
+    found = [one for one in found if not one.is_dead and _could(asked, one)]
     return sorted(found, key=lambda console: int(console.who.get("pid", 0)))
 
 
@@ -71,7 +75,7 @@ def choose(asked: Mapping[str, Any]) -> Connection:
     if silent:
         raise Unreached(_silent(asked, silent, found))
     if not found:
-        raise Unreached(nobody(asked, faults))
+        raise Nobody(nobody(asked, faults))
     raise Unreached(_several(asked, found))
 
 
@@ -100,7 +104,7 @@ def stop(
         if ended:
             notice(f"no console {meant['to']} runs here, which {CHOSEN} names: STOP went to all")
     if not ended:
-        raise Unreached(nobody(meant, faults))
+        raise Nobody(nobody(meant, faults))
     for fault in faults:
         notice(fault)
     return ended
@@ -137,12 +141,12 @@ def _stopped(console: Connection) -> Stopped:
         code, text = result["code"], result.get("text")
         is_text = isinstance(code, str) and isinstance(text, str)
         return Stopped(console.described, *((code, text) if is_text else (LOST, UNCONFIRMED)))
-    if console.has_gone and console.hello:
-        return Stopped(console.described, LOST, f"{UNCONFIRMED}; the console is gone")
+    why = "the console does not answer, and stops it when it does"
     if console.socket is None:
-        return Stopped(console.described, LOST, f"not sent: it takes no more. {UNCONFIRMED}")
-    when = "the console does not answer, and stops it when it does"
-    return Stopped(console.described, LOST, f"{UNCONFIRMED}; {when}")
+        why = "STOP could not be written to the console"
+    elif console.has_gone:
+        why = "the console is gone"
+    return Stopped(console.described, LOST, f"{UNCONFIRMED}; {why}")
 
 
 def _with_variable(asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -156,12 +160,12 @@ def _candidates(asked: Mapping[str, Any], faults: list[str]) -> list[Connection]
     if not hasattr(socket, "AF_UNIX"):
         raise Unreached("this system has no sockets for it: only Linux and macOS do")
     made = [Connection(path, place.card(path)) for path in place.sockets(faults)]
-    return [one for one in made if not one.card or is_meant(asked, one.card)]
+    return [one for one in made if _could(asked, one)]
 
 
 def _could(asked: Mapping[str, Any], console: Connection) -> bool:
-    """False for one that has said that it is another; of one that speaks otherwise nobody knows."""
-    return is_meant(asked, console.hello) or bool(console.fault)
+    """False for one that says, or whose card says, that it is another."""
+    return not console.who or is_meant(asked, console.who)
 
 
 def _exchange(

@@ -166,9 +166,11 @@ def card(path: str) -> dict[str, Any] | None:
 
 def make(path: str) -> None:
     """Make a folder for sockets. Raises OSError when that fails, or others could listen there."""
-    os.makedirs(os.path.dirname(path), exist_ok=True)
-    with contextlib.suppress(FileExistsError):
-        os.mkdir(path, 0o700)
+    parent = os.path.dirname(path)
+    os.makedirs(os.path.dirname(parent), exist_ok=True)
+    for one in (parent, path):  # the state folder holds a journal, too
+        with contextlib.suppress(FileExistsError):
+            os.mkdir(one, 0o700)
     wrong = fault(path)
     if wrong:
         raise OSError(wrong)

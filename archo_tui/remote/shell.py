@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import signal
 import sys
 
+from archo_tui.errors import ArchoError
 from archo_tui.remote import finder
 from archo_tui.remote.client import Unreached
 from archo_tui.remote.protocol import (
@@ -131,18 +133,22 @@ def run(
         asked = {**(meant or {}), **({"to": to} if to else {})}
         if given.stops:
             return _stop(asked, given, attach)
-        if attach is not None and not helps and not finder.find(asked):
+        try:
+            console = finder.choose(asked)
+        except finder.Nobody:  # where a console is named that does not run, no other robot is meant
+            if attach is None or helps or "--to" in given.values or os.environ.get(finder.CHOSEN):
+                raise
             with attach() as robot:
                 return _ask(robot, given, timeout, others)
-        console = finder.choose(asked)
-        try:
+        with contextlib.closing(console):
             return _ask(console, given, timeout, others)
-        finally:
-            console.close()
     except ValueError as error:
         _complain(str(error))
         return MISUSED
     except Unreached as error:
+        if given.stops:
+            _complain(str(error))
+            return UNREACHED
         return _unreached(words[0], others, str(error), helps=helps)
 
 
@@ -193,8 +199,10 @@ def consoles(words: Sequence[str]) -> int:
     for console in found:
         if "--json" in words:
             _print(json.dumps({**console.who, "answers": not console.fault}))
-        else:
+        elif console.hello:
             _print(f"{console.described}{': ' if console.fault else ''}{console.fault}")
+        else:
+            _print(f"{console.described}: does not answer")
         console.close()
     if not found:
         _complain(finder.nobody({}, faults))
@@ -217,9 +225,15 @@ def _stop(
     for one in ended:
         text = one.text if len(ended) == 1 and one.code == "done" else f"{one.console}: {one.text}"
         codes.append(_end({"code": one.code, "text": text}, given))
-    if attach is not None and not any(one.code == "done" for one in ended):  # by ourselves, then
-        with attach() as robot:
-            codes.append(_ask(robot, given, None, ()))
+    is_confirmed = any(one.code == "done" for one in ended)
+    if attach is not None and not is_confirmed and "--to" not in given.values:  # by ourselves, then
+        try:
+            with attach() as robot:
+                codes.append(_ask(robot, given, None, ()))
+        except (Unreached, ArchoError) as error:
+            if not ended:
+                raise
+            _complain(str(error))
     elif unreached:
         raise Unreached(unreached)
     return max(codes)

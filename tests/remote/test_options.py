@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Iterator
+from contextlib import nullcontext
 from typing import Any
 
 import pytest
@@ -10,6 +12,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from archo_tui.remote import finder, shell
 from archo_tui.remote.verb_help import archos_verbs, of_archo
 from tests.support.console import FAST, LONG
 from tests.support.ros import begin
@@ -108,6 +111,7 @@ NOBODY = "no console runs here"
         ("chek x.py", 2, f"archo-tui: no command 'chek' (nearest: check), and {NOBODY}"),
         ("relaese --help", 2, "archo-tui: no command 'relaese' (nearest: release)"),
         ("stop", 3, f"archo-tui: {NOBODY}"),
+        ("stop;", 3, f"archo-tui: {NOBODY}"),
     ],
 )
 def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> None:
@@ -135,3 +139,42 @@ async def test_help_is_the_same_with_a_console() -> None:
         nearest = await typed("chek", "x.py")
         assert nearest.err.endswith("chek: no command 'chek' (nearest: check)\n")
         assert "STOP" not in person.said
+
+
+class Graph:
+    """Stands for the graph: a robot that is attached to where no console runs."""
+
+    def __init__(self) -> None:
+        self.asked: list[dict[str, Any]] = []
+
+    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+        self.asked.append(asked)
+        yield {"code": "done", "text": "confirmed"}
+
+    def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+        raise NotImplementedError
+
+    def send(self, said: dict[str, Any]) -> None:
+        raise NotImplementedError
+
+
+@pytest.mark.parametrize(
+    ("words", "variable", "reaches"),
+    [
+        ("stop", "", True),
+        ("stop;", "4711", True),
+        ("stop --to 4711", "", False),
+        ("cancel", "", True),
+        ("cancel", "4711", False),
+        ("cancel --to 4711", "", False),
+        ("cancel --help", "", False),
+    ],
+)
+def test_the_graph_is_attached_to_where_no_console_is_named(
+    words: str, variable: str, reaches: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(finder.CHOSEN, variable)
+    graph = Graph()
+    code = shell.run(words.split(), (), lambda: nullcontext(graph), {"engine": "ros2", "domain": 5})
+    assert bool(graph.asked) == reaches
+    assert code == (0 if reaches or "--help" in words else 3)
