@@ -160,6 +160,7 @@ WHERE = {
     "a runtime folder of a unit's own": Where({"XDG_RUNTIME_DIR": "odd"}, {}),
     "two runtime folders": Where({"XDG_RUNTIME_DIR": "odd"}, LOGIN),  # type: ignore[arg-type]
     "a state folder of its own": Where({"XDG_STATE_HOME": "odd"}, {}),
+    "cron, and a home of no use": Where(LOGIN, {}),
     "one folder": Where({place.ONLY: "odd/sockets"}, {place.ONLY: "odd/sockets"}),
 }
 
@@ -178,6 +179,8 @@ async def test_a_console_is_found_in_every_environment_by_every_mouth(
 ) -> None:
     (tmp_path / "odd").mkdir()
     (tmp_path / "elsewhere").mkdir()
+    if "of no use" in where:
+        (tmp_path / "home" / ".local").write_text("")
     with monkeypatch.context() as patch:
         chosen(patch, tmp_path, WHERE[where].console)
         entered = answering("/")
@@ -410,17 +413,40 @@ async def test_a_stop_of_a_client_that_has_gone_is_carried_out(
         await heard(person, "STOP: confirmed")
 
 
-async def test_a_stop_behind_what_cannot_be_answered_is_read(servers: list[server.Server]) -> None:
+async def test_a_stop_behind_what_cannot_be_answered_is_read(
+    servers: list[server.Server], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "_CHUNK", 32)
     async with served() as person:
         gone = reached()
         await asyncio.to_thread(gone.setblocking, True)
         assert await asyncio.to_thread(gone.recv, 65536)  # its hello
         with held(servers[0]):
-            gone.send(STATUS_LINE)
-            gone.send(b" " * 70_000)
-            gone.send(b"\n" + STOP)
+            gone.send(STATUS_LINE + b"\n" * 10_000 + STOP)  # a while between the first and the last
             gone.close()
         await heard(person, "STOP: confirmed")
+
+
+async def test_what_a_client_has_sent_is_read_before_it_is_greeted(
+    servers: list[server.Server], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stops: list[int] = []
+    tell = server.Client.tell
+
+    def told(one: server.Client, said: dict[str, Any]) -> None:
+        if "protocol" in said:
+            stops.append(servers[0].stops.count)
+        tell(one, said)
+
+    monkeypatch.setattr(server.Client, "tell", told)
+    async with served() as person:
+        with held(servers[0]):
+            for _ in range(20):
+                with reached() as gone:
+                    gone.send(STOP)
+        await heard(person, "STOP: confirmed")
+        await until(lambda: len(stops) == 20)
+        assert stops == [*range(1, 21)]
 
 
 async def test_a_console_decides_whether_it_is_meant_before_it_counts_a_stop() -> None:
@@ -522,8 +548,10 @@ sys.exit(main(sys.argv[3:]))
 """
 
 
-@pytest.mark.night
-@pytest.mark.parametrize("where", WHERE)
+ODD = "a runtime folder of a unit's own"
+
+
+@pytest.mark.parametrize("where", corners([ODD], [where for where in WHERE if where != ODD]))
 async def test_cron_reaches_a_console_of_any_environment(
     where: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
