@@ -14,6 +14,7 @@ from io import StringIO, TextIOBase, TextIOWrapper
 
 from archo_tui import __version__
 from archo_tui.errors import ArchoError
+from archo_tui.plain.lines import is_stop_text
 from archo_tui.robot_file.reserved import VERBS
 
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
@@ -296,7 +297,8 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand that is named, else the console."""
     if words[:1] == ["help"]:  # of a verb or a command no word more: behind a STOP it would stop
         words = [*words[1:2], "--help"]
-    if words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS:
+    is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS
+    if is_verb or is_stop_text(" ".join(words)):
         from archo_tui.remote import shell  # at once: it may stand in a prompt
 
         _no_loss()
@@ -308,7 +310,7 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     if name != "mcp":  # which speaks there, and says itself that it cannot
         _no_loss()
     if name not in SUBCOMMANDS:
-        return _speak(options)
+        return _speak(options, words)
     what, add_options, run = SUBCOMMANDS[name]
     made = _Parser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
     add_options(made)
@@ -318,7 +320,7 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     return run(made.parse_intermixed_args([*before, *rest]))
 
 
-def _speak(options: Namespace) -> int:
+def _speak(options: Namespace, words: Sequence[str]) -> int:
     """A verb behind options of the console: only where it is looked for can be said so."""
     from archo_tui.remote.shell import run
 
@@ -330,17 +332,26 @@ def _speak(options: Namespace) -> int:
     ]
     if given:
         raise ArchoError(f"--{given[0]} is for the console, not for {options.command[0]}")
-    to = ["--to", options.namespace] if options.namespace != "/" else []
-    if options.command[1:] == ["--help"] and options.command[0] in ("stop", "wait"):
-        return run(options.command, SUBCOMMANDS)  # alone, which no console is asked for
+    made = parser()
+    made.set_defaults(engine="", namespace="")
+    said = made.parse_args(words)  # what was typed, and not what is taken where nothing is
+    if options.engine not in ("embedded", "ros2"):
+        raise ArchoError(f"--engine {options.engine}: there are embedded and ros2")
+    meant = {"engine": said.engine, "to": said.namespace}
     if options.engine == "embedded":
-        return run([*options.command, *to], SUBCOMMANDS)
+        return run(options.command, SUBCOMMANDS, meant=meant)
     from archo_tui.remote.once import attached
     from archo_tui.session import Options, Session
 
     there = Options(engine=options.engine, namespace=options.namespace, attach=True)
     attach = lambda: attached(lambda: Session(there))  # noqa: E731
-    return run([*options.command, *to], SUBCOMMANDS, attach)
+    return run(options.command, SUBCOMMANDS, attach, {**meant, "domain": _domain()})
+
+
+def _domain() -> int:
+    """Return the ROS 2 domain of this process; what is no number ROS 2 refuses itself."""
+    said = os.environ.get("ROS_DOMAIN_ID", "").strip()
+    return int(said) if said.isdecimal() else 0
 
 
 def _completions_options(made: argparse._ActionsContainer) -> None:
@@ -351,17 +362,18 @@ def _completions(options: Namespace) -> int:
     """What a shell needs to complete our words; of the verbs those of ARCHO."""
     import shtab
 
-    from archo_tui.robot_file import load
-    from archo_tui.verbs import verbs
+    from archo_tui.remote.verb_help import archos_verbs, options_of
 
     made = parser(for_words=False)
     commands = made.add_subparsers(metavar="COMMAND", parser_class=_Parser)
     for name, (what, add_options, _) in SUBCOMMANDS.items():
         add_options(commands.add_parser(name, help=what, description=what))
-    for verb in verbs(load.load(load.default()), {}).values():
-        one = commands.add_parser(verb.id, help=verb.help, description=verb.help)
-        for flag in ("--json", "--wait", "--leave", "--yes")[: 4 if verb.acts else 1]:
-            one.add_argument(flag, action="store_true")
+    told = {verb.id: (verb.help, verb.options) for verb in archos_verbs().values()}
+    told["wait"] = "Wait until it is so", ()
+    for name, (what, takes) in told.items():
+        one = commands.add_parser(name, help=what, description=what)
+        for option, _ in options_of(name, takes):
+            one.add_argument(*option.split()[:1], action="store_true")
     for action in made._actions:
         if action.metavar in ("FILE", "DIR", "PATH"):
             action.complete = shtab.DIRECTORY if action.metavar == "DIR" else shtab.FILE  # type: ignore[attr-defined]

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
-from archo_tui import engine
+from archo_tui import __version__, engine
 from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override
 from archo_tui.errors import ArchoError
@@ -22,6 +22,7 @@ from archo_tui.hosting.watch import Watch, Watched
 from archo_tui.parameters import files
 from archo_tui.paths import journal_file, state_file
 from archo_tui.recording.box import BUDGET
+from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot_file import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
 from archo_tui.station.journal import Flood, Journal
@@ -122,12 +123,26 @@ class Session:
         def desk() -> Desk:
             from archo_tui.remote.desk import Desk
 
-            return Desk(self.station, self.options.domain_id)
+            return Desk(self.station)
 
         def say(text: str) -> None:
             self.robot.note("WARN", "console", text)
 
-        return Server(desk, self.robot.stops, say)
+        return Server(desk, self._hello(), self.robot.stops, say)
+
+    def _hello(self) -> dict[str, Any]:
+        """Return which console this is, for other programs: docs/protocol.md."""
+        is_embedded = self.options.engine == engine.EMBEDDED
+        return {
+            "protocol": PROTOCOL,
+            "version": __version__,
+            "robot": self.file.name,
+            "namespace": self.options.namespace,
+            "engine": self.options.engine,
+            "domain": None if is_embedded else self._context.get_domain_id(),
+            "pid": os.getpid(),
+            "watching": self.options.watch,
+        }
 
     def _activate(self) -> dict[str, Path]:
         """The engine; returns the interface packages of the user's own."""

@@ -60,6 +60,7 @@ _POSIX = {
     *("test_completions", "test_stories", "test_own_files", "test_docs"),
     *("test_without_a_console", "test_with_a_console", "test_its_connection"),
     *("test_what_it_reads", "test_how_it_asks", "test_its_link"),
+    *("test_which_console", "test_what_a_stop_is", "test_options"),
 }
 
 
@@ -125,7 +126,9 @@ def _own_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
-    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)  # sockets are below the state folder then
+    monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
+    # no test may reach a console that runs beside it
+    monkeypatch.setenv("ARCHO_TUI_SOCKETS", str(tmp_path / "sockets"))
 
 
 @pytest.fixture(autouse=True)

@@ -18,11 +18,10 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
 from archo_tui.commands.keymap import readable
-from archo_tui.robot.state import Leaf
+from archo_tui.remote.verb_help import archos_verbs
 from archo_tui.robot_file import model
 from archo_tui.robot_file.load import default, load
 from archo_tui.robot_file.typed_yaml import NONE
-from archo_tui.verbs import verbs
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -201,9 +200,7 @@ def keys() -> str:
 def words() -> str:
     """ARCHO's verbs."""
     rows = ["| verb | does |", "|---|---|"]
-    robot = load(default())
-    forms = {goal.id: [Leaf(path, "int32", 0) for path in goal.form] for goal in robot.goals}
-    for verb in verbs(robot, forms).values():
+    for verb in archos_verbs().values():
         rows.append(f"| `{f'{verb.id} {verb.usage}'.rstrip()}` | {verb.help} |")
     return "\n".join((*rows, ""))
 

@@ -31,6 +31,7 @@ class Fault(NamedTuple):
 E = "embedded/rclpy/"
 BRINGUP = "nodes/archo_bringup/"
 CONSOLE, ROBOT, CONTRACT = "tests/console", "tests/robot", "tests/contract"
+WHICH = "tests/remote/test_which_console.py"
 LEARNERS = "tests/chapter/test_check.py"
 FAULTS = [
     # what is said line by line
@@ -47,6 +48,17 @@ FAULTS = [
     Fault("commands/robot.py", " and not stops.overtaken:", ":", CONSOLE + "/test_stop_seams.py"),
     Fault("station/station.py", "            self._elsewhere = self.robot.stops.elsewhere\n            self.ask_no_more()", "            pass", CONSOLE + "/test_stop_seams.py"),
     Fault("station/undo.py", " | self._set_since(last, node, values)", "", "tests/parameters/test_undo.py"),
+    Fault("remote/finder.py", "    if len(found) == 1 and not silent:", "    found = [one for one in found if not one.fault]\n    if len(found) == 1:", WHICH),
+    Fault("remote/finder.py", "_exchange(found, first, is_over, SOON)", "_exchange(found, b'', lambda one: bool(one.hello), SOON)", WHICH),
+    Fault("remote/server.py", "read, last = _read_at_once(connected), -_REST", "read, last = b'', -_REST", WHICH),
+    Fault("remote/server.py", "            self._is_deaf = True\n        finally", "            self._socket.close()\n        finally", WHICH),
+    Fault("remote/server.py", "        if request is not None and not is_meant(request, self._server.hello):", "        if False:", WHICH),
+    Fault("remote/server.py", " | os.O_EXCL", "", WHICH),
+    Fault("remote/server.py", "        _link(self._path)", "        pass", WHICH),
+    Fault("remote/server.py", "for data in cutter.take(b\"\\n\"):", "for data in ():", WHICH),
+    Fault("remote/place.py", "found.append(os.path.join(_RUNTIME", "(os.path.join(_RUNTIME", WHICH),
+    Fault("remote/desk.py", "visit.is_waiting = visit.asker.has_left = True", "pass", "tests/remote/test_options.py"),
+    Fault("assistant/server.py", "    server.middleware.append(_take_any_stop)", "    pass", "tests/remote/test_what_a_stop_is.py"),
     Fault("remote/waits.py", "    return is_bad or _is_silent(station)", "    return is_bad", "tests/remote/test_waits.py"),
     Fault("terminal/paste.py", "        if is_held and any(", "        if one == burst and any(", "tests/terminal/test_paste.py"),
     Fault("station/journal.py", "return count <= _ALIKE or count % 1000 == 0", "return True", "tests/station/test_journal.py"),

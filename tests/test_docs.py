@@ -160,7 +160,7 @@ def parse_command(words: list[str]) -> None:
         cli.SUBCOMMANDS[name][1](made)
         made.parse_intermixed_args(rest)
     elif name and name not in ("VERB", "COMMAND"):
-        parse_verb([name, *verbs_from_shells._Words(rest).rest])
+        parse_verb(verbs_from_shells._Words([name, *rest]).rest)
 
 
 def parse_verb(words: list[str]) -> None:

@@ -45,6 +45,8 @@ def check(schema: Mapping[str, Any], given: Mapping[str, Any]) -> None:
     Of an object its size is checked and nothing else: what may be in it the console knows.
     """
     known = schema["properties"]
+    if schema["additionalProperties"]:  # of STOP: whatever it is, it is ignored
+        return
     for name in given:
         if name not in known:
             takes = ", ".join(known) or "no arguments"

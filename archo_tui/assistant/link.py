@@ -7,20 +7,16 @@ goal is cancelled. So it stays open as long as the process lives.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import itertools
-import os
-from collections.abc import Iterator
 from typing import Any
 
-from archo_tui.remote import place
-from archo_tui.remote.client import Connection, Unreached, chosen, one
+from archo_tui.remote import finder
+from archo_tui.remote.client import Unreached
 from archo_tui.remote.protocol import GONE, line, message
 
 SOON = 15.0  # s in which a console that lives answers, STOP included
 _LONGEST = 2**24  # bytes of a line of the console
 _MOST_UNREAD = 64 * 1024  # bytes that the console has not read: then it is suspended
-_RUNTIME = "/run/user"  # where Linux has a folder for each user who is logged in
 _STOP = {"assistant": True, "words": ["stop"]}
 SILENT = "the console does not answer: is it suspended? The robot may still be moving"
 RESTARTED = (
@@ -40,7 +36,7 @@ class Link:
         self._reading: asyncio.Task[None] | None = None
         self._numbers = itertools.count(1)
         self._waiting: dict[int, asyncio.Future[dict[str, Any]]] = {}
-        self._was_connected = False
+        self._was_connected, self._name = False, ""  # of the socket
         self._news = ""
 
     def take_news(self) -> str:
@@ -59,14 +55,19 @@ class Link:
     async def stop(self) -> list[dict[str, Any]]:
         """STOP, at once, whatever else waits; the answers. Raises Unreached.
 
-        As from a shell it goes to every console that may be meant, where several are.
+        It goes to the console that is connected, and as from a shell to every one that could be
+        meant where none is: it waits for no connection that another call makes.
         """
-        try:
-            return [await self._result(_STOP, SOON)]
-        except Unreached:
-            if self._writer is not None:  # it was sent, and is not answered
-                raise
-        return await asyncio.to_thread(_stop_each, self._to)
+        writer, to = self._writer, self._to
+        if writer is not None and writer.transport.get_write_buffer_size() > _MOST_UNREAD:
+            to = self._name  # it would wait behind what is not read: it gets a connection
+        elif writer is not None:
+            try:
+                return [await self._result(_STOP, SOON)]
+            except Unreached:
+                if self._writer is not None:  # it was sent, and is not answered
+                    raise
+        return await asyncio.to_thread(_stop_each, to)
 
     async def close(self) -> None:
         """Leave."""
@@ -93,7 +94,9 @@ class Link:
     async def _connected(self) -> asyncio.StreamWriter:
         async with self._connecting:  # two calls make one connection
             if self._writer is None:
-                connected, rest = (await asyncio.to_thread(_found, self._to)).handed_over()
+                console = await asyncio.to_thread(finder.choose, {"to": self._to})
+                self._name = str(console.hello.get("name") or console.hello["pid"])
+                connected, rest = console.handed_over()
                 connected.setblocking(False)
                 reader, self._writer = await asyncio.open_connection(sock=connected, limit=_LONGEST)
                 self._news = RESTARTED if self._was_connected else ""
@@ -125,42 +128,10 @@ class Link:
             answer.set_result(said)
 
 
-def _found(to: str) -> Connection:
-    """The console that is meant. Raises Unreached."""
-    with _where_consoles_are():
-        return one(to)
-
-
 def _stop_each(to: str) -> list[dict[str, Any]]:
-    """STOP to each console that fits, before any is waited for. Raises Unreached."""
-    answers = []
-    with _where_consoles_are():
-        consoles = chosen(to)
-    for console in consoles:
-        with contextlib.suppress(Unreached):  # said when its answer is read
-            console.send({"id": 1, **_STOP})
-    for console in consoles:
-        try:
-            answers.append(next(said for said in console.rest(SOON) if "code" in said))
-        except Unreached as error:
-            answers.append({"code": "lost", "text": str(error)})
-        finally:
-            console.close()
+    """STOP to each console that could be meant; the answers. Raises Unreached."""
+    notices: list[str] = []
+    ended = finder.stop({"to": to} if to else {}, notices.append, {"assistant": True})
+    answers = [{"code": one.code, "text": one.text} for one in ended]
+    answers[0]["text"] = "\n".join((answers[0]["text"], *notices))
     return answers
-
-
-@contextlib.contextmanager
-def _where_consoles_are() -> Iterator[None]:
-    """MCP clients pass few variables on, and XDG_RUNTIME_DIR is not among them.
-
-    Without it the consoles of a desktop are looked for in the folder that it names on Linux.
-    """
-    usual = os.path.join(_RUNTIME, str(os.getuid())) if hasattr(os, "getuid") else ""
-    if os.environ.get("XDG_RUNTIME_DIR") or place.sockets() or not os.path.isdir(usual):
-        yield
-        return
-    os.environ["XDG_RUNTIME_DIR"] = usual
-    try:
-        yield
-    finally:
-        del os.environ["XDG_RUNTIME_DIR"]

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from typing import Any
 
 import mcp_types as types
@@ -18,6 +20,7 @@ from archo_tui.assistant.answer import NOTE
 from archo_tui.assistant.link import Link
 from archo_tui.assistant.tool import Tool
 from archo_tui.assistant.tools import call, tools
+from archo_tui.plain.lines import is_stop_text
 
 _INSTRUCTIONS = (
     "A warehouse robot, as the operator's console sees it. You can look and STOP. {goals} "
@@ -54,11 +57,24 @@ async def _serve(goals: bool, to: str) -> None:
         on_list_tools=list_tools,
         on_call_tool=call_tool,
     )
+    server.middleware.append(_take_any_stop)
     try:
         async with stdio_server() as (reading, writing):
             await server.run(reading, writing, server.create_initialization_options())
     finally:
         await link.close()
+
+
+async def _take_any_stop(ctx: Any, call_next: Callable[[Any], Awaitable[Any]]) -> Any:
+    """Pass a call of STOP on in the form that the SDK takes: it refuses arguments that are none."""
+    params = ctx.params
+    name = params.get("name") if ctx.method == "tools/call" and params else None
+    if isinstance(name, str) and is_stop_text(name):
+        given = params.get("arguments")
+        given = given if isinstance(given, dict) else {} if given is None else {"given": given}
+        kept = {one: value for one, value in params.items() if one == "_meta"}
+        ctx = replace(ctx, params={"name": "stop", "arguments": given, **kept})
+    return await call_next(ctx)
 
 
 async def _described(tool: Tool, link: Link) -> types.Tool:

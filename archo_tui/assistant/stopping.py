@@ -1,10 +1,11 @@
-"""The tool that everybody has: STOP. It never asks, and never waits behind anything."""
+"""The tool that every assistant has: STOP. It asks nobody, and whatever is given is a STOP."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from archo_tui.assistant.answer import Answer, failure, said
+from archo_tui.assistant.arguments import schema_of
 from archo_tui.assistant.link import Link
 from archo_tui.assistant.tool import Hints, Tool
 from archo_tui.remote.client import Unreached
@@ -23,19 +24,24 @@ class Stop(Tool):
         "console can release it. It is a software stop and does not replace the hardware one."
     )
     hints = Hints()
+    schema = {**schema_of({}), "additionalProperties": True}
 
     async def call(self, link: Link, given: dict[str, Any]) -> Answer:
+        ignored = " What was given with it is ignored: STOP takes nothing." if given else ""
         try:
             results = await link.stop()
         except Unreached as error:
             head, *rest = str(error).splitlines()
             robot = {"said": rest} if rest else None
-            return failure("lost", f"STOP is not confirmed: {harmless(head)}. {_BY_HAND}", robot)
+            summary = f"STOP is not confirmed: {harmless(head)}. {_BY_HAND}{ignored}"
+            return failure("lost", summary, robot)
         robot = {"consoles": [said(result) for result in results]}
         bad = [result["code"] for result in results if result["code"] != "done"]
         if bad:
-            summary = f"STOP was sent and is NOT confirmed: the robot may still move. {_BY_HAND}"
+            summary = (
+                f"STOP was sent and is NOT confirmed: the robot may still move. {_BY_HAND}{ignored}"
+            )
             return failure(bad[0], summary, robot)
         where = f", on {len(results)} consoles" if len(results) > 1 else ""
-        summary = f"STOP is confirmed by the robot{where}. Only a person can release it."
+        summary = f"STOP is confirmed by the robot{where}. Only a person can release it.{ignored}"
         return Answer("done", summary, robot)

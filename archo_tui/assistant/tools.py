@@ -12,6 +12,7 @@ from archo_tui.assistant.looking import Events, History, Parameters, Status
 from archo_tui.assistant.moving import Cancel, Go, Wait
 from archo_tui.assistant.stopping import Stop
 from archo_tui.assistant.tool import Tool
+from archo_tui.plain.lines import is_stop_text
 from archo_tui.remote.client import Unreached
 from archo_tui.robot.text import harmless
 
@@ -35,7 +36,7 @@ async def call(
 async def _answer(
     known: Mapping[str, Tool], link: Link, name: str, given: dict[str, Any]
 ) -> Answer:
-    tool = known.get(name)
+    tool = known.get("stop" if is_stop_text(name) else name)
     if tool is None:
         others = f"the tools are {', '.join(known)}"
         return failure("misuse", f"no tool {shown(name)}: {others}; the rest a person does.")

@@ -17,7 +17,13 @@ def is_stop(line: bytes) -> bool:
     line = line.replace(b"\0", b"")  # of a text in UTF-16
     if b"stop" not in line.lower():  # nearly no line has it, and this is fast
         return False
-    text = line.decode(errors="replace")
+    return is_stop_text(line.decode(errors="replace"))
+
+
+def is_stop_text(text: str) -> bool:
+    """Return True for a STOP by the rule of `is_stop`, which every program here goes by."""
+    if "stop" not in text.lower():
+        return False
     return _STOP.match(text) is not None or _STOP.match(_KEY.sub("", text)) is not None
 
 

@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Any, TypeVar
 
 from archo_tui.errors import ArchoError
-from archo_tui.remote import client
+from archo_tui.remote import client, finder
 
 
 class NotDone(ArchoError):
@@ -140,7 +140,7 @@ class Robot:
     def __init__(self, to: str) -> None:
         """Raises Unreached."""
         try:
-            self._connection = client.one(to)
+            self._connection = finder.choose({"to": to})
         except client.Unreached as error:
             raise Unreached("unreached", str(error)) from None
 

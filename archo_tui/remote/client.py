@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import selectors
-import socket
 import time
 
 from archo_tui.remote import place
@@ -13,11 +11,10 @@ from archo_tui.remote.protocol import GONE, PROTOCOL, line, message
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    import socket
+    from collections.abc import Iterator
     from typing import Any
 
-CHOSEN = "ARCHO_TUI_CONSOLE"  # the environment's word for `--to`
-NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
 _MUTE = "the console does not answer"
 UNANSWERED = "the console does not answer; the robot may still be moving"
 
@@ -27,181 +24,172 @@ class Unreached(Exception):
 
 
 class Connection:
-    """One console that listens, from its hello on."""
+    """One console: first it is connected to without waiting, later requests wait for it."""
 
-    def __init__(self, connected: socket.socket) -> None:
-        """Raises Unreached when it says nothing, or speaks another protocol."""
-        self._socket, self._rest = connected, b""
+    def __init__(self, path: str, card: dict[str, Any] | None = None) -> None:
+        """Connects to nobody yet.
+
+        Args:
+            path: Its socket's.
+            card: What the console has left beside the socket; None where it has not.
+        """
+        self.path, self.card = path, card
+        self.hello: dict[str, Any] = {}  # empty: it has not said one
+        self.result: dict[str, Any] | None = None  # of what was sent as it was connected to
+        self.is_dead = False  # nobody listens
+        self.has_gone = False  # it was connected, and is no more
+        self.socket: socket.socket | None = None
+        self._rest = b""
         self._number = 0
+
+    # without waiting: `finder.py`
+
+    def connect(self, first: bytes) -> None:
+        """Try to connect, and then send a line before anything is said."""
         try:
-            self.hello = next(self._messages())
-        except (StopIteration, OSError, ValueError):
-            connected.close()
-            raise Unreached(_MUTE) from None
+            self.socket = place.connect(self.path)
+            if first:
+                self.socket.send(first)  # fits: nothing else waits to be read
+        except BlockingIOError:  # too many wait to be taken: the next look tries again
+            pass
+        except (ConnectionRefusedError, FileNotFoundError) as error:
+            self.is_dead = True
+            if isinstance(error, ConnectionRefusedError):  # its console was killed
+                place.forget(self.path)
+        except OSError:
+            self.has_gone = True
+
+    def read(self) -> None:
+        """Take what has come; the socket is ready."""
+        assert self.socket is not None
+        try:
+            chunk = self.socket.recv(65536)
+        except BlockingIOError:
+            return
+        except OSError:
+            chunk = b""
+        self._rest += chunk
+        try:
+            while not self.result and (said := self._cut()) is not None:
+                if "code" in said:
+                    self.result = said
+                elif not self.hello:
+                    self.hello = said
+        except ValueError:
+            chunk = b""
+        self.has_gone = self.has_gone or not chunk
+
+    @property
+    def fault(self) -> str:
+        """Why no verb can be sent to it; an empty string when one can."""
+        if not self.hello:
+            return f"{self.called} does not answer: is it suspended?"
         spoken = self.hello.get("protocol")
         if spoken != PROTOCOL:
-            connected.close()
-            raise Unreached(
+            return (
                 f"the console of pid {self.hello.get('pid')} speaks protocol {spoken}, "
                 f"this archo-tui {PROTOCOL}: use the same version of both"
             )
-        if not _is_whole(self.hello):
-            connected.close()
-            raise Unreached(_MUTE)
-        connected.settimeout(None)
+        return "" if _is_whole(self.hello) and not self.has_gone else _MUTE
 
-    def request(self, **asked: Any) -> Iterator[dict[str, Any]]:
-        """Send it; yields all that is said to it, the result last. Raises Unreached."""
+    @property
+    def called(self) -> str:
+        """The console in a few words, also while it is silent."""
+        if self.who:
+            return f"the console of pid {self.who['pid']}, {self.who['namespace']},"
+        pid = os.path.basename(self.path).partition(place.SUFFIX)[0].partition("-")[0]
+        return f"the console of pid {pid}"
+
+    @property
+    def who(self) -> dict[str, Any]:
+        """What it says of itself, or has said on its card; empty: neither."""
+        return next((one for one in (self.hello, self.card) if one and _is_whole(one)), {})
+
+    @property
+    def described(self) -> str:
+        """The console in a line: process, robot, namespace, engine."""
+        who = self.who
+        if not who:
+            return self.called.removeprefix("the console of ")
+        domain = "" if who.get("domain") is None else f" domain {who['domain']}"
+        where = f"{who['robot']} {who['namespace']}, {who['engine']}{domain}"
+        return f"pid {who['pid']}: {where}{', watching' if who.get('watching') else ''}"
+
+    # waiting
+
+    def wait(self) -> None:
+        """Let what follows wait for it; a hello is there."""
+        assert self.socket is not None
+        self.socket.settimeout(None)
+
+    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+        """Send it; yields all that is said to it, the result last.
+
+        Args:
+            within: How many seconds all of it may take; None: any.
+            asked: What a request has (docs/protocol.md).
+
+        Raises Unreached.
+        """
         self._number += 1
         number = self._number
         self.send({"id": number, **asked})
-        try:
-            for said in self._messages():
-                if said.get("id") in (number, None):
-                    yield said
-                    if "code" in said:
-                        return
-        except (OSError, ValueError):
-            pass
-        raise Unreached(GONE)
+        for said in self.rest(within):
+            if said.get("id") in (number, None):
+                yield said
+                if "code" in said:
+                    return
 
     def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """What else is said. Raises Unreached when nothing is, for so many s."""
+        """Yield what else is said. Raises Unreached at its end, or after `within` seconds."""
+        assert self.socket is not None
+        end = None if within is None else time.monotonic() + within
         try:
-            self._socket.settimeout(within)
-            yield from self._messages()
+            while True:
+                while (said := self._cut()) is not None:
+                    yield said
+                self.socket.settimeout(None if end is None else max(end - time.monotonic(), 0.001))
+                chunk = self.socket.recv(65536)
+                if not chunk:
+                    break
+                self._rest += chunk
         except TimeoutError:
             raise Unreached(UNANSWERED) from None
         except (OSError, ValueError):  # as if it had ended
             pass
         finally:
             with contextlib.suppress(OSError):
-                self._socket.settimeout(None)
+                self.socket.settimeout(None)
         raise Unreached(GONE)
 
     def send(self, said: dict[str, Any]) -> None:
         """Say something more to what is being carried out. Raises Unreached."""
+        assert self.socket is not None
         try:
-            self._socket.sendall(line(said))
+            self.socket.sendall(line(said))
         except OSError:
             raise Unreached(GONE) from None
 
     def close(self) -> None:
         """Leave."""
-        self._socket.close()
+        if self.socket is not None:
+            self.socket.close()
 
     def handed_over(self) -> tuple[socket.socket, bytes]:
         """The socket, for a caller that reads it otherwise, and what was read of it already."""
-        return self._socket, self._rest
+        assert self.socket is not None
+        return self.socket, self._rest
 
-    def _messages(self) -> Iterator[dict[str, Any]]:
-        while True:
-            data, found, rest = self._rest.partition(b"\n")
-            if found:
-                self._rest = rest
-                yield message(data)
-                continue
-            chunk = self._socket.recv(65536)
-            if not chunk:
-                return
-            self._rest += chunk
+    def _cut(self) -> dict[str, Any] | None:
+        """The next message of what was read; None: there is no whole one. Raises ValueError."""
+        data, found, rest = self._rest.partition(b"\n")
+        if not found:
+            return None
+        self._rest = rest
+        return message(data)
 
 
 def _is_whole(hello: dict[str, Any]) -> bool:
     """True when it has what a console is called by."""
     texts = all(isinstance(hello.get(name), str) for name in ("robot", "namespace", "engine"))
     return texts and type(hello.get("pid")) is int
-
-
-def greeted(faults: list[str]) -> Iterator[Connection]:
-    """Those that run here, each as soon as it says hello; `faults` is told why others do not."""
-    if not hasattr(socket, "AF_UNIX"):
-        raise Unreached("this system has no sockets for it: only Linux and macOS do")
-    fault = place.fault(place.folder()) if os.path.lexists(place.folder()) else ""
-    if fault:  # somebody else could listen there
-        faults.append(fault)
-        return
-    waiting = {}
-    for name in place.sockets():
-        connected = place.reached(name)
-        if connected is not None:
-            waiting[connected] = name
-    end = time.monotonic() + place.SOON
-    while waiting:
-        ready = _ready([*waiting], end - time.monotonic())
-        for connected in ready or [*waiting]:
-            name = waiting.pop(connected)
-            if not ready:
-                connected.close()
-                pid = name[: -len(place.SUFFIX)]
-                faults.append(f"the console of pid {pid} does not answer: is it suspended?")
-                continue
-            try:
-                yield Connection(connected)
-            except Unreached as error:
-                faults.append(str(error))
-
-
-def _ready(waiting: list[socket.socket], seconds: float) -> list[Any]:
-    """Those of them that have said something by then."""
-    with selectors.DefaultSelector() as selector:  # select.select takes no descriptor above 1023
-        for one in waiting:
-            selector.register(one, selectors.EVENT_READ)
-        return [key.fileobj for key, _ in selector.select(max(seconds, 0.0))]
-
-
-def consoles(faults: list[str] | None = None) -> list[Connection]:
-    """All that run here, by their numbers; `faults` is told why others cannot be spoken to.
-
-    Raises Unreached when all of them cannot.
-    """
-    faults = [] if faults is None else faults
-    found = sorted(greeted(faults), key=lambda console: int(console.hello["pid"]))
-    if faults and not found:
-        raise Unreached(faults[0])
-    return found
-
-
-def described(connection: Connection) -> str:
-    """A console in a line."""
-    hello = connection.hello
-    where = f"{hello['robot']} {hello['namespace']}, {hello['engine']}"
-    return f"pid {hello['pid']}: {where}{', watching' if hello.get('watching') else ''}"
-
-
-def fits(console: Connection, to: str) -> bool:
-    """True for the one that is meant; any is, where none was chosen."""
-    to = to or os.environ.get(CHOSEN, "")
-    return not to or to in (str(console.hello["pid"]), console.hello["namespace"])
-
-
-def chosen(to: str = "") -> list[Connection]:
-    """Those that fit: of that number or namespace, or all. Raises Unreached when none does."""
-    faults: list[str] = []
-    found = consoles(faults)
-    fitting = [console for console in found if fits(console, to)]
-    for other in found:
-        if other not in fitting:
-            other.close()
-    if not fitting:
-        raise Unreached(nobody(to, faults))
-    return fitting
-
-
-def nobody(to: str, faults: Sequence[str]) -> str:
-    """That none fits; one that cannot be spoken to may be the one that was meant."""
-    to = to or os.environ.get(CHOSEN, "")
-    if faults:
-        return f"no console {to} answers here; {faults[0]}" if to else faults[0]
-    return f"no console {to} runs here (archo-tui consoles lists them)" if to else NOBODY
-
-
-def one(to: str = "") -> Connection:
-    """The one that fits. Raises Unreached when there is none, or when there are several."""
-    fitting = chosen(to)
-    if len(fitting) > 1:
-        lines = "".join(f"\n  {described(console)}" for console in fitting)
-        for console in fitting:
-            console.close()
-        raise Unreached(f"several consoles run here, --to PID or --to NAMESPACE chooses:{lines}")
-    return fitting[0]

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import asyncio
-import os
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from archo_tui import __version__
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.remote.assistants import Assistants
 from archo_tui.remote.follow import follow
-from archo_tui.remote.protocol import GONE, LOST, PROTOCOL, is_stop, words_of
+from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
 from archo_tui.remote.server import Guest
-from archo_tui.remote.waits import LOOK, RanOut, ran_out, timeout_of, wait_for
+from archo_tui.remote.waits import LOOK, RanOut, timeout_of, wait_for
 from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.stops import NOT_SENT, Spared, Void
@@ -27,16 +26,15 @@ from archo_tui.verbs.speak import speak
 
 _MOST_STOPS = 1000  # that are answered: of a flood the last ones
 _PATIENCE = 60.0  # s for a person at a shell to answer
+_CALLED_OFF = 3.0  # s in which what is called off is seen to end
 RAN_OUT = "ran_out"  # in place of an outcome's code: the time that was waited for is over
 
 
 class Desk:
     """One for each console; knows each client by what it does."""
 
-    def __init__(self, station: Station, domain: int | None) -> None:
-        """`domain` is ROS's, where one was chosen."""
-        self._station, self._domain = station, domain
-        self._robot = station.robot
+    def __init__(self, station: Station) -> None:
+        self._station, self._robot = station, station.robot
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
         self._assistants = Assistants(station, self.verbs, self._until)
         self._visits: dict[Guest, _Visit] = {}
@@ -46,20 +44,6 @@ class Desk:
         self._spared = Spared()
 
     # on the server's thread
-
-    def hello(self) -> dict[str, Any]:
-        """What every client is told first."""
-        station = self._station
-        return {
-            "protocol": PROTOCOL,
-            "version": __version__,
-            "robot": self._robot.file.name,
-            "namespace": station.view.namespace,
-            "engine": station.view.engine,
-            "domain": self._domain,
-            "pid": os.getpid(),
-            "watching": self._robot.watching,
-        }
 
     def serve(self, client: Guest, request: dict[str, Any], stops: int) -> None:
         """Begin to carry it out; STOP at once, the others when they are due."""
@@ -168,7 +152,7 @@ class Desk:
         visit.task = asyncio.current_task()
         try:
             with self._robot.stops.at(stops), asked_by(visit.asker):
-                result = await self._obey(visit, request)
+                result = await self._obey_in_time(visit, request)
         except Void:
             result = _result(number, Outcome(Code.CANCELLED, NOT_SENT))
         except _Declined as error:
@@ -190,22 +174,57 @@ class Desk:
             client.tell(result)
             client.done()
 
+    async def _obey_in_time(self, visit: _Visit, request: dict[str, Any]) -> dict[str, Any]:
+        """The result. Raises RanOut when its time is over; what it has sent is cancelled then."""
+        words, timeout = request.get("words"), timeout_of(request)
+        waits = isinstance(words, list) and words[:1] == ["wait"]  # which keeps the time itself
+        if timeout is None or waits or visit.is_assistant:
+            return await self._obey(visit, request)
+        work, clock = asyncio.ensure_future(self._obey(visit, request)), self._station.clock
+        over = f"not within {timeout:g} s"
+        try:
+            with suppress(TimeoutError):
+                return await clock.wait_for(asyncio.shield(work), timeout)
+            if visit.only_looks:
+                raise RanOut(f"{timeout:g} s are over")
+            if visit.leaves:
+                work.add_done_callback(_heed)
+                raise RanOut(f"{over}; what was sent goes on")
+            visit.is_waiting = visit.asker.has_left = True
+            await self._call_off(visit)
+            with suppress(TimeoutError):
+                result = await clock.wait_for(asyncio.shield(work), _CALLED_OFF)
+                if result["code"] in ("done", "arrived"):  # at the last moment
+                    return result
+                raise RanOut(f"{over}: {result['text']}")
+            raise RanOut(f"{over}; what was sent may still be done")
+        except _Declined:
+            raise RanOut(f"{over}: nobody has answered") from None
+        finally:
+            if not visit.leaves:
+                work.cancel()
+
     async def _obey(self, visit: _Visit, request: dict[str, Any]) -> dict[str, Any]:
         number = request.get("id")
         if visit.is_assistant:
             return await self._assistants.obey(visit.asker, request)
         if request.get("follow"):
+            if words_of(request) != ["events"]:
+                raise ValueError("only events, and nothing behind it, can be followed")
             await follow(self._station, visit.client.tell, number)
         word, *rest = words_of(request)
         if word == "wait":
+            if request.get("wait"):
+                raise ValueError("wait has no --wait")
             sent = visit.sent if rest == ["arrived"] else []
             waited = self._arrived(sent) if sent else None
             return _result(number, await wait_for(self._station, self.verbs, rest, request, waited))
         verb = named(self.verbs, word)
         if "--help" in rest:
-            return _result(number, Outcome(Code.DONE, verb.explained))
+            return {**_result(number, Outcome(Code.DONE, verb.explained)), "data": verb.options}
+        if request.get("wait") is True and not verb.has_goals:
+            raise ValueError(f"{word} has no --wait: it sends no goals")
         values, yes = parse(verb, self._station, rest)
-        timeout, clock = timeout_of(request), self._station.clock
         person = request.get("person") is True
         ask = None if yes else partial(self._ask, visit, number, person)
         visit.is_waiting, asker = request.get("wait") is True, visit.asker
@@ -215,10 +234,7 @@ class Desk:
             visit.sent = asker.ends
         if visit.is_waiting and outcome.ok and asker.ends:
             visit.client.tell({"id": number, "said": outcome.text})
-            try:
-                outcome = await clock.wait_for(_ended(asker.ends), timeout)
-            except TimeoutError:
-                raise ran_out(self._station) from None
+            outcome = await _ended(asker.ends)
         result = {**_result(number, outcome), "tells": verb.tells}
         told = verb.data(self._station, values) if outcome.ok else None
         if visit.is_waiting and asker.goal is not None:
@@ -278,6 +294,12 @@ class _Visit:
         is_wait = isinstance(words, list) and words[:1] == ["wait"]
         self.only_looks = is_wait or bool(request.get("follow"))  # it commands nothing
         self.is_off = False  # was called off
+
+
+def _heed(work: asyncio.Future[Any]) -> None:
+    """Look how work ended that nobody waits for: else asyncio says that nobody did."""
+    if not work.cancelled():
+        work.exception()
 
 
 def _asker(client: Guest, *, assistant: bool = False) -> Asker:

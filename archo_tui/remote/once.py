@@ -48,7 +48,7 @@ class Attached:
     def __init__(self, station: Station) -> None:
         """The session that it belongs to runs. Raises Unreached when no robot is on the graph."""
         self.pid = os.getpid()
-        self._station, self._desk = station, Desk(station, None)
+        self._station, self._desk = station, Desk(station)
         self._said: queue.Queue[dict[str, Any]] = queue.Queue()
         self._number = 0
         self._loop = asyncio.new_event_loop()
@@ -60,15 +60,14 @@ class Attached:
         if not found.wait(PATIENCE):
             self.close()
             raise Unreached(f"no console runs here, and no robot is {station.unseen}")
-        self.hello = self._desk.hello()
 
-    def request(self, **asked: Any) -> Iterator[dict[str, Any]]:
-        """Yields all that is said to it, the result last."""
+    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+        """Yields all that is said to it, the result last; `within` as in `rest`."""
         self._number += 1
         request = {"id": self._number, **asked}
         stops = self._station.robot.stops
         self._desk.serve(self, request, stops.read() if is_stop(asked) else stops.count)
-        yield from self.rest()
+        yield from self.rest(within)
 
     def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
         """What is said until the result. Raises Unreached when nothing is said for so many s."""

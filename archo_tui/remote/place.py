@@ -1,99 +1,222 @@
-"""Where the sockets of the consoles are. Imports nothing that takes time to load."""
+"""The folders and files of the consoles' sockets. Imports nothing that takes time to load."""
 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import socket
 import stat
 import sys
-import time
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+ONLY = "ARCHO_TUI_SOCKETS"  # names a folder that is used in the place of all others
 SUFFIX = ".sock"
+CARD = ".json"  # of the file beside a socket: the hello of its console, for when that is silent
 LONGEST = 107  # bytes of a socket's name that Linux takes
-SOON = 1.0  # s in which a console that lives takes a connection, and says hello
-_AGAIN = 0.01  # s
+_RUNTIME = "/run/user"  # systemd has a folder there for each user who is logged in
 
 
 def folder() -> str:
-    """`archo-tui` in XDG_RUNTIME_DIR, else beside the journal: never one that others can name."""
-    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
-    if os.path.isabs(runtime) and os.path.isdir(runtime):
+    """Return the folder in which a console of this process listens.
+
+    It is `archo-tui` in XDG_RUNTIME_DIR where that is a folder of this user, else `archo-tui/run`
+    in the state folder: never one that others can write to. Empty: this user has no home either.
+    """
+    only, runtime = os.environ.get(ONLY, ""), os.environ.get("XDG_RUNTIME_DIR", "")
+    if only:
+        return os.path.abspath(only)
+    if os.path.isabs(runtime) and os.path.isdir(runtime) and _owner(runtime) in (None, _user()):
         return os.path.join(runtime, "archo-tui")
+    return next(iter(_in_states()), "")
+
+
+def folders() -> list[str]:
+    """Return every folder in which a console of this user can listen, whatever it was started by.
+
+    The variables of whoever looks and of the console may differ: cron, `su -` and systemd set
+    neither XDG_RUNTIME_DIR nor XDG_STATE_HOME.
+    """
+    if os.environ.get(ONLY, ""):
+        return [folder()]
+    found = [folder()]
+    runtime = os.environ.get("XDG_RUNTIME_DIR", "")
+    if os.path.isabs(runtime):
+        found.append(os.path.join(runtime, "archo-tui"))
+    if _user() is not None:
+        found.append(os.path.join(_RUNTIME, str(_user()), "archo-tui"))
+    return [path for path in dict.fromkeys((*found, *_in_states())) if path]
+
+
+def link_folder() -> str:
+    """Return where a console leaves links to its socket: no variable decides on this folder.
+
+    So a console is found by clients that have another XDG_RUNTIME_DIR. Empty: nowhere.
+    """
+    own, last = folder(), (_in_states() or [""])[-1]
+    return "" if os.environ.get(ONLY, "") or last == own else last
+
+
+def _in_states() -> list[str]:
+    """Return the folders in XDG_STATE_HOME, in HOME, and in the home that the system has.
+
+    `sudo` and `su` may leave another user's HOME behind.
+    """
+    state, homes = os.environ.get("XDG_STATE_HOME", "").strip(), [os.environ.get("HOME", "")]
+    if sys.platform != "win32":
+        import pwd
+
+        with contextlib.suppress(KeyError):  # a user of a container that has no name
+            homes.append(pwd.getpwuid(os.getuid()).pw_dir)
+    homes = [home for home in homes if os.path.isabs(home)]
     if sys.platform == "darwin":
-        return os.path.expanduser("~/Library/Application Support/archo-tui/run")
-    state = os.environ.get("XDG_STATE_HOME", "").strip() or os.path.expanduser("~/.local/state")
-    return os.path.join(state, "archo-tui", "run")
+        return [f"{home}/Library/Application Support/archo-tui/run" for home in homes]
+    states = [state] if os.path.isabs(state) else []
+    states += [os.path.join(home, ".local/state") for home in homes]
+    return [os.path.join(one, "archo-tui", "run") for one in states]
+
+
+def _user() -> int | None:
+    return os.getuid() if hasattr(os, "getuid") else None
+
+
+def _owner(path: str) -> int | None:
+    return os.stat(path).st_uid if hasattr(os, "getuid") else None
 
 
 def fault(path: str) -> str:
-    """Why a folder is not one for sockets, or an empty string."""
+    """Return why a folder is not one for sockets; an empty string when it is."""
     try:
         found = os.lstat(path)
     except OSError as error:
         return f"{path}: {error.strerror}"
     if not stat.S_ISDIR(found.st_mode):
         return f"{path} is not a folder"
-    if hasattr(os, "getuid") and found.st_uid != os.getuid():
-        return f"{path} belongs to somebody else"
+    if found.st_uid != _user() is not None:
+        name = _name(found.st_uid)
+        return f"{path} belongs to {name}: run this as {name}"
     if found.st_mode & 0o077:
         return f"{path} is open to others: chmod 700 {path}"
     return ""
 
 
-def sockets() -> list[str]:
-    """The names of all that are there, of consoles that live or do not."""
+def other_users() -> list[str]:
+    """Return the names of other users of whom consoles are to be seen; mostly root sees any."""
+    found = []
+    if not os.environ.get(ONLY, ""):
+        for user in _listed(_RUNTIME):
+            path = os.path.join(_RUNTIME, user, "archo-tui")
+            if user.isdecimal() and int(user) != _user() and any(map(_is_socket, _listed(path))):
+                found.append(_name(int(user)))
+    return found
+
+
+def _name(user: int) -> str:
+    if sys.platform != "win32":
+        import pwd
+
+        with contextlib.suppress(KeyError):
+            return pwd.getpwuid(user).pw_name
+    return f"user {user}"
+
+
+def _is_socket(name: str) -> bool:
+    return name.endswith(SUFFIX) and name[0] != "."
+
+
+def _listed(path: str) -> list[str]:
     try:
-        names = sorted(os.listdir(folder()))
+        return sorted(os.listdir(path))
     except OSError:
         return []
-    return [name for name in names if name.endswith(SUFFIX)]
 
 
-def reached(name: str) -> socket.socket | None:
-    """A connection to that console; None, and its socket is removed, when nobody listens."""
-    if sys.platform == "win32":
+def sockets(faults: list[str] | None = None) -> list[str]:
+    """Return the paths of all sockets in all folders, of consoles that live or do not.
+
+    Args:
+        faults: Is told why folders that are there are not looked into: others could listen there.
+    """
+    found: dict[str, str] = {}  # by name: two paths may be one folder
+    for path in folders():
+        if not os.path.lexists(path):
+            continue
+        wrong = fault(path)
+        if wrong:
+            if faults is not None:
+                faults.append(wrong)
+            continue
+        for name in filter(_is_socket, _listed(path)):
+            found.setdefault(name, os.path.join(path, name))
+    return [*found.values()]
+
+
+def card(path: str) -> dict[str, Any] | None:
+    """Return what the console of a socket says of itself; None where it left no such file."""
+    try:
+        with open(path.removesuffix(SUFFIX) + CARD, "rb") as file:
+            found = json.loads(file.read())
+    except (OSError, ValueError, RecursionError):
         return None
+    return found if isinstance(found, dict) else None
+
+
+def make(path: str) -> None:
+    """Make a folder for sockets. Raises OSError when that fails, or others could listen there."""
+    parent = os.path.dirname(path)
+    os.makedirs(os.path.dirname(parent), exist_ok=True)
+    for one in (parent, path):  # the state folder holds a journal, too
+        with contextlib.suppress(FileExistsError):
+            os.mkdir(one, 0o700)
+    wrong = fault(path)
+    if wrong:
+        raise OSError(wrong)
+
+
+def forget(path: str) -> None:
+    """Remove the socket of a console that has gone, its card, and the links to both."""
+    name = os.path.basename(path).removesuffix(SUFFIX)
+    for each in {os.path.dirname(path), *folders()}:
+        for suffix in (SUFFIX, CARD):
+            with contextlib.suppress(OSError):  # there is none, or another one did it
+                os.unlink(os.path.join(each, name + suffix))
+
+
+def connect(path: str) -> socket.socket:
+    """Return a connection that does not block.
+
+    Raises:
+        BlockingIOError: Too many wait to be taken.
+        ConnectionRefusedError: Nobody listens; sockets get their names when they listen.
+        OSError: There is no such way.
+    """
+    if sys.platform == "win32":
+        raise OSError("Windows has no such sockets")
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    made.settimeout(SOON)
     held = -1
     try:
-        held = os.open(folder(), os.O_RDONLY)
-        _connect(made, short(held, name))
-    except ConnectionRefusedError:  # of a console that was killed
+        made.setblocking(False)
+        held = os.open(os.path.dirname(path), os.O_RDONLY)
+        made.connect(short(held, path))
+    except BaseException:
         made.close()
-        with contextlib.suppress(OSError):  # another one did it
-            os.unlink(os.path.join(folder(), name))
-        return None
-    except OSError:  # it goes just now, or is too busy to take one
-        made.close()
-        return None
+        raise
     finally:
         if held >= 0:
             os.close(held)
     return made
 
 
-def _connect(made: socket.socket, name: str) -> None:
-    """Raises OSError. Where too many wait to be taken Linux refuses at once."""
-    end = time.monotonic() + SOON
-    while True:
-        try:
-            return made.connect(name)
-        except BlockingIOError:
-            if time.monotonic() > end:
-                raise
-            time.sleep(_AGAIN)
-
-
-def short(held: int, name: str) -> str:
-    """The socket's name, through its folder's open descriptor where it would be too long.
+def short(held: int, path: str) -> str:
+    """Return the socket's path, through its folder's open descriptor where it would be too long.
 
     Raises OSError where there is no such way.
     """
-    whole = os.path.join(folder(), name)
-    if len(os.fsencode(whole)) <= LONGEST:
-        return whole
+    if len(os.fsencode(path)) <= LONGEST:
+        return path
     if not os.path.isdir("/proc/self/fd"):
-        raise OSError(f"{whole} is too long for a socket's name")
-    return f"/proc/self/fd/{held}/{name}"
+        raise OSError(f"{path} is too long for a socket's name")
+    return f"/proc/self/fd/{held}/{os.path.basename(path)}"

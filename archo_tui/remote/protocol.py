@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import json
 
+from archo_tui.plain.lines import is_stop_text
+
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that a client needs
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from typing import Any
 
 PROTOCOL = 1
 LONGEST = 64 * 1024  # bytes of a line
 DONE, FAILED, MISUSED, UNREACHED, RAN_OUT, ENDED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 LOST = "lost"  # in place of an outcome's code: the console ends, or its screen was restarted
+NOT_MEANT = "not_meant"  # in place of an outcome's code: this STOP is for another console
 GONE = "the console is gone; the robot may still be moving"
 EXITS = {
     "done": DONE,
@@ -20,6 +24,7 @@ EXITS = {
     "misuse": MISUSED,
     "ran_out": RAN_OUT,
     LOST: UNREACHED,
+    NOT_MEANT: UNREACHED,
     "cancelled": ENDED,
     "held": ENDED,
 }  # exit codes; of every other code it is FAILED
@@ -45,11 +50,29 @@ def words_of(request: dict[str, Any]) -> list[str]:
     return words
 
 
-def is_stop(request: dict[str, Any]) -> bool:
-    """True for STOP, however it is spelled and whatever follows it."""
+def is_stop(request: Mapping[str, Any]) -> bool:
+    """Return True for a STOP, by the rule for lines that are typed (`plain/lines.py`)."""
     words = request.get("words")
-    first = words[0] if isinstance(words, list) and words else None
-    return isinstance(first, str) and first.strip(" .!").lower() == "stop"
+    if isinstance(words, list):
+        words = " ".join(word for word in words if isinstance(word, str))
+    return isinstance(words, str) and is_stop_text(words.replace("\0", ""))
+
+
+def is_meant(asked: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
+    """Return True when a console is one of those that a request is meant for.
+
+    Args:
+        asked: `to` is a process, a namespace or the name of a socket; `engine` and `domain` are as
+            in a hello. What is missing or empty fits every console.
+        hello: What the console says of itself.
+    """
+    to, engine, domain = asked.get("to"), asked.get("engine"), asked.get("domain")
+    names = (str(hello.get("pid")), hello.get("namespace"), hello.get("name"))
+    return (
+        (not to or str(to) in names)
+        and (not engine or engine == hello.get("engine"))
+        and (domain is None or hello.get("domain") in (None, domain))
+    )
 
 
 def message(data: bytes) -> dict[str, Any]:

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import signal
 import sys
 
-from archo_tui.remote.client import (
-    NOBODY,
-    Unreached,
-    chosen,
-    described,
-    fits,
-    greeted,
-    nobody,
-    one,
-)
+from archo_tui.errors import ArchoError
+from archo_tui.remote import finder
+from archo_tui.remote.client import Unreached
 from archo_tui.remote.protocol import (
     EXITS,
     FAILED,
@@ -27,10 +21,11 @@ from archo_tui.remote.protocol import (
     has_half,
     is_stop,
 )
+from archo_tui.robot_file.reserved import VERBS
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from contextlib import AbstractContextManager
     from types import FrameType
     from typing import Any, Protocol
@@ -38,7 +33,7 @@ if TYPE_CHECKING:
     class Speaks(Protocol):
         """A connection to a console, or what stands for one."""
 
-        def request(self, **asked: Any) -> Iterator[dict[str, Any]]:
+        def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
             """Yields all that is said to it, the result last."""
 
         def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
@@ -49,9 +44,10 @@ if TYPE_CHECKING:
 
 
 _FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
+_VERBS_OF = {"--line": "status", "--follow": "events"}  # that have no others
 _VALUES = ("--to", "--timeout")
 _CONFIRMED = 3.0  # s in which a goal that is called off is seen to end
-_STOPPED = 15.0  # s: longer than any STOP is waited for in a console that lives
+_ANSWERED = 2.0  # s more in which a console that lives says so
 
 
 class _Words:
@@ -59,7 +55,7 @@ class _Words:
 
     def __init__(self, words: Sequence[str]) -> None:
         """Raises ValueError with one line; not for STOP, which is a STOP whatever follows it."""
-        self.stops = is_stop({"words": list(words[:1])})
+        self.stops = is_stop({"words": list(words)})
         self.flags: set[str] = set()
         self.values: dict[str, str] = {}
         self.rest: list[str] = []
@@ -78,6 +74,17 @@ class _Words:
                     raise ValueError(f"{name} needs a value")
             else:
                 self.rest.append(word)
+        if not self.stops:
+            self._check()
+
+    def _check(self) -> None:
+        """Raise ValueError for an option of other verbs; of the rest a console knows."""
+        verb = self.rest[0] if self.rest else ""
+        for flag, its in _VERBS_OF.items():
+            if flag in self.flags and verb != its:
+                raise ValueError(f"{verb} has no {flag}: {its} has it")
+        if "--leave" in self.flags and "--wait" not in self.flags:
+            raise ValueError("--leave goes with --wait")
 
     @property
     def timeout(self) -> float | None:
@@ -100,10 +107,15 @@ def run(
     words: Sequence[str],
     others: Iterable[str],
     attach: Callable[[], AbstractContextManager[Speaks]] | None = None,
+    meant: Mapping[str, Any] | None = None,
 ) -> int:
-    """Returns the exit code; `others` are what is no verb, for a word that nobody can look up.
+    """Send words to the console that is meant; returns the exit code.
 
-    `attach` makes what is spoken to where no console runs.
+    Args:
+        words: The verb and what stands behind it.
+        others: What is no verb, for a word that nobody knows.
+        attach: Makes what is spoken to where no console runs.
+        meant: `to`, `engine` and `domain` that stood before the verb.
     """
     # help of STOP only when exactly that is typed: whatever else stands behind it, it stops
     if len(words) == 2 and words[1] == "--help":
@@ -113,41 +125,51 @@ def run(
         if known:
             _print(known)
             return 0
+    helps = "--help" in words[1:]
     try:
         given = _Words(words)
         timeout = given.timeout
-        to = given.values.get("--to", "")
-        if attach is not None and not _runs(to):
-            with attach() as robot:
-                return _ask(robot, given, timeout)
+        to = given.values.get("--to") or (meant or {}).get("to")
+        asked = {**(meant or {}), **({"to": to} if to else {})}
         if given.stops:
-            return _stop(to, given)
-        console = one(to)
+            return _stop(asked, given, attach)
         try:
-            return _ask(console, given, timeout)
-        finally:
-            console.close()
+            console = finder.choose(asked)
+        except finder.Nobody:  # where a console is named that does not run, no other robot is meant
+            if attach is None or helps or "--to" in given.values or os.environ.get(finder.CHOSEN):
+                raise
+            with attach() as robot:
+                return _ask(robot, given, timeout, others)
+        with contextlib.closing(console):
+            return _ask(console, given, timeout, others)
     except ValueError as error:
         _complain(str(error))
         return MISUSED
     except Unreached as error:
-        near = _nearest(words[0], others)
+        if given.stops:
+            _complain(str(error))
+            return UNREACHED
+        return _unreached(words[0], others, str(error), helps=helps)
+
+
+def _unreached(word: str, others: Iterable[str], why: str, *, helps: bool) -> int:
+    """Say what can be said without a console; returns the exit code.
+
+    A robot file may have verbs that nobody knows here: only one that is misspelled is misuse.
+    """
+    if helps or word not in (*VERBS, "wait"):
+        from archo_tui.remote.verb_help import archos_verbs, of_archo
+
+        known = archos_verbs()
+        if helps and word in known:
+            _print(of_archo(word))
+            return 0
+        near = "" if word in known else _nearest(word, (*known, "wait", *others))
         if near:
-            _complain(f"no command {words[0]!r} (nearest: {near}), and {error}")
+            _complain(f"no command {word!r} (nearest: {near}), and {why}")
             return MISUSED
-        _complain(str(error))
-        return UNREACHED
-
-
-def _runs(to: str) -> bool:
-    """True when a console is there to take it."""
-    try:
-        found = chosen(to)
-    except Unreached:
-        return False
-    for console in found:
-        console.close()
-    return True
+    _complain(why)
+    return UNREACHED
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
@@ -156,66 +178,72 @@ def _nearest(word: str, others: Iterable[str]) -> str:
     return next(iter(difflib.get_close_matches(word, others, n=1)), "")
 
 
-def consoles(words: Sequence[str]) -> int:
-    """List those that run here."""
-    from archo_tui.remote.client import consoles as find
+def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
+    """A console's word about a verb that does not exist, which knows verbs and nothing else."""
+    said, found, verb = text.removesuffix(")").partition(" (nearest: ")
+    said = said.removesuffix(" (help lists them")
+    if said != f"no command {word!r}":
+        return text
+    near = _nearest(word, (*others, verb) if found else others)
+    return f"{said} (nearest: {near})" if near else f"{said} (archo-tui --help lists them)"
 
+
+def consoles(words: Sequence[str]) -> int:
+    """List those that run here; ends with 3 where none does, or one does not answer."""
+    faults: list[str] = []
     try:
-        found = find()
+        found = finder.find({}, faults)
     except Unreached as error:
         _complain(str(error))
         return UNREACHED
     for console in found:
         if "--json" in words:
-            _print(json.dumps(console.hello))
+            _print(json.dumps({**console.who, "answers": not console.fault}))
+        elif console.hello:
+            _print(f"{console.described}{': ' if console.fault else ''}{console.fault}")
         else:
-            _print(described(console))
+            _print(f"{console.described}: does not answer")
         console.close()
     if not found:
-        _complain(NOBODY)
-    return 0 if found else UNREACHED
+        _complain(finder.nobody({}, faults))
+    return UNREACHED if not found or any(console.fault for console in found) else 0
 
 
-def _stop(to: str, given: _Words) -> int:
-    """To every console that fits, before any is waited for.
-
-    Each answer is printed, the worst is the exit code.
-    """
-    told, codes = [], []
-    faults: list[str] = []
-    for console in greeted(faults):
-        if not fits(console, to):
-            console.close()
-            continue
+def _stop(
+    asked: Mapping[str, Any],
+    given: _Words,
+    attach: Callable[[], AbstractContextManager[Speaks]] | None,
+) -> int:
+    """Say STOP to every console that could be meant; the worst answer is the exit code."""
+    if len(given.rest) > 1:
+        _complain(f"{given.rest[0]}: ignored: {' '.join(given.rest[1:])}")
+    codes, unreached = [], ""
+    try:
+        ended = finder.stop(asked, _complain)
+    except Unreached as error:
+        ended, unreached = [], str(error)
+    for one in ended:
+        text = one.text if len(ended) == 1 and one.code == "done" else f"{one.console}: {one.text}"
+        codes.append(_end({"code": one.code, "text": text}, given))
+    is_confirmed = any(one.code == "done" for one in ended)
+    if attach is not None and not is_confirmed and "--to" not in given.values:  # by ourselves, then
         try:
-            console.send({"id": 1, "words": given.rest})
-            told.append(console)
-        except Unreached as error:
-            faults.append(f"{described(console)}: {error}")
-    for fault in faults if told else ():
-        _complain(fault)
-        codes.append(UNREACHED)
-    if not told:
-        raise Unreached(nobody(to, faults))
-    for console in told:
-        try:
-            result = next(said for said in console.rest(_STOPPED) if "code" in said)
-        except Unreached as error:
-            _complain(f"{described(console)}: {error}")
-            codes.append(UNREACHED)
-            continue
-        finally:
-            console.close()
-        if len(told) > 1:
-            result = {**result, "text": f"{described(console)}: {result['text']}"}
-        codes.append(_end(result, given))
+            with attach() as robot:
+                codes.append(_ask(robot, given, None, ()))
+        except (Unreached, ArchoError) as error:
+            if not ended:
+                raise
+            _complain(str(error))
+    elif unreached:
+        raise Unreached(unreached)
     return max(codes)
 
 
-def _ask(console: Speaks, given: _Words, timeout: float | None) -> int:
-    asked: dict[str, Any] = {"words": given.rest, "person": _has_person(), "timeout": timeout}
+def _ask(console: Speaks, given: _Words, timeout: float | None, others: Iterable[str]) -> int:
+    words = given.rest[:1] if given.stops else given.rest
+    asked: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
     if "--follow" in given.flags:
-        asked = {"words": given.rest, "follow": True}
+        asked = {"words": given.rest, "follow": True, "timeout": timeout}
     if "--wait" in given.flags:
         asked |= {"wait": True, "leave": "--leave" in given.flags}
     try:
@@ -224,16 +252,19 @@ def _ask(console: Speaks, given: _Words, timeout: float | None) -> int:
     except ValueError:  # not the main thread, which alone hears of them
         pass
     try:
-        return _end(_result(console, asked, given), given)
+        within = None if timeout is None else timeout + _CONFIRMED + _ANSWERED
+        return _end(_result(console, asked, given, within), given, others)
     except _Interrupted:
         for number in (signal.SIGINT, signal.SIGTERM):  # the next one ends it at once
             signal.signal(number, signal.SIG_DFL)
         return INTERRUPTED if asked.get("leave") else _give_up(console)
 
 
-def _result(console: Speaks, asked: dict[str, Any], given: _Words) -> dict[str, Any]:
+def _result(
+    console: Speaks, asked: dict[str, Any], given: _Words, within: float | None
+) -> dict[str, Any]:
     """The last thing that is said; what comes before it is printed, or answered."""
-    for said in console.request(**asked):
+    for said in console.request(within, **asked):
         if "code" in said:
             return said
         if "ask" in said:
@@ -248,19 +279,21 @@ def _result(console: Speaks, asked: dict[str, Any], given: _Words) -> dict[str, 
     raise Unreached(GONE)
 
 
-def _end(result: dict[str, Any], given: _Words) -> int:
+def _end(result: dict[str, Any], given: _Words, others: Iterable[str] = ()) -> int:
     """Print the result; returns the exit code."""
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
     if "--json" in given.flags:
         _print_json(result)
     elif code:
-        said = result["text"].replace("(help lists them)", "(archo-tui --help lists them)")
+        said = (
+            _with_nearest(result["text"], given.rest[0], others) if given.rest else result["text"]
+        )
         _complain(f"{given.rest[0] if given.rest else ''}: {said}".lstrip(": "))
-    elif given.rest[1:] == ["--help"] and not given.stops:
+    elif "--help" in given.rest[1:] and not given.stops:
         from archo_tui.remote.verb_help import with_options
 
-        _print(with_options(given.rest[0], result["text"]))
+        _print(with_options(given.rest[0], result["text"], tuple(data or ())))
     elif "--line" in given.flags and isinstance(data, dict) and "line" in data:
         _print(data["line"])
     elif result.get("tells"):

@@ -1,6 +1,10 @@
-"""`archo-tui VERB --help`: the options of verbs, which are the client's own, and what it knows."""
+"""`archo-tui VERB --help` and the verbs that exist, also where no console runs."""
 
 from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from archo_tui.verbs.base import Verb
 
 # verbs whose line the client has itself: STOP takes no word behind it, and `wait` is no verb of
 # the console's own operator
@@ -8,30 +12,55 @@ _LINES = {
     "stop": "stop: STOP: software stop, at once and latched; does not replace the hardware one",
     "wait": "wait idle|arrived|ready|battery N: Wait until it is so",
 }
-_OF_ALL = (
-    ("--json", "one JSON object a line, the last one is the result"),
-    ("--to CONSOLE", "where several consoles run: its process number or namespace"),
-)
+_JSON = "--json", "one JSON object a line, the last one is the result"
+_TO = "--to CONSOLE", "where several consoles run: its process number or namespace"
+_TIMEOUT = "--timeout S", "end with 4 after S seconds; what was sent is cancelled"
+_WAITED = "--timeout S", "end with 4 when it is not so within S seconds"
 _OF_ONE = {
-    "stop": (),
-    "wait": (("--timeout S", "end with 4 when it is not so within S seconds"),),
     "status": (("--line", "in one line, for a prompt"),),
     "events": (("--follow", "those that come from now on, too"),),
 }
-_OF_OTHERS = (
-    ("--yes", "where it asks: the answer is yes"),
-    ("--wait", "of goals: end when all have ended"),
-    ("--timeout S", "with --wait: end with 4 after S seconds; goals run on"),
-    ("--leave", "with --wait: goals run on when this is interrupted"),
+_OF_GOALS = (
+    ("--wait", "end when all goals have ended"),
+    ("--leave", "with --wait: goals run on when this is interrupted, or its time is over"),
 )
+_ASKS = (("--yes", "where it asks: the answer is yes"),)
 
 
 def own(verb: str) -> str:
-    """What is said without a console; empty: one is to be asked."""
+    """Return the help of a verb that only clients have; an empty string of any other."""
     return with_options(verb, _LINES[verb]) if verb in _LINES else ""
 
 
-def with_options(verb: str, line: str) -> str:
-    """The verb's own line, and below it the options that it takes."""
-    options = (*_OF_ONE.get(verb, _OF_OTHERS), *_OF_ALL)
-    return "\n".join((line, "", "options:", *(f"  {name:<14}{what}" for name, what in options)))
+def archos_verbs() -> dict[str, Verb]:
+    """Return the verbs of a console of ARCHO by what is typed."""
+    from archo_tui.robot.state import Leaf
+    from archo_tui.robot_file.load import default, load
+    from archo_tui.verbs import verbs
+
+    robot = load(default())
+    return verbs(
+        robot, {goal.id: [Leaf(path, "int32", 0) for path in goal.form] for goal in robot.goals}
+    )
+
+
+def of_archo(verb: str) -> str:
+    """Return the help of one of ARCHO's verbs; an empty string when it has none of that name."""
+    found = archos_verbs().get(verb)
+    return "" if found is None else with_options(verb, found.explained, found.options)
+
+
+def with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
+    """Return a verb's own line, and below it its options; `takes` is as `Verb.options`."""
+    options = "\n".join(f"  {name:<14}{what}" for name, what in options_of(verb, takes))
+    return f"{line}\n\noptions:\n{options}"
+
+
+def options_of(verb: str, takes: tuple[str, ...] = ()) -> tuple[tuple[str, str], ...]:
+    """Return the options of a verb, each with what it does."""
+    if verb == "stop":
+        return _JSON, _TO
+    own = (*_ASKS, *_OF_GOALS, *_OF_ONE.get(verb, ()))
+    flags = {*takes, *(name for name, _ in _OF_ONE.get(verb, ()))}
+    found = (option for option in own if option[0] in flags)
+    return *found, _WAITED if verb == "wait" else _TIMEOUT, _JSON, _TO

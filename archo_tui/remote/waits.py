@@ -34,7 +34,8 @@ async def wait_for(
     end = None if timeout is None else clock.monotonic() + timeout
     while (outcome := look()) is None:
         if end is not None and clock.monotonic() >= end:
-            raise ran_out(station)
+            drives = station.running_goal is not None
+            raise RanOut("the robot still drives" if drives else "not yet")
         await clock.sleep(LOOK)
     return outcome
 
@@ -50,11 +51,6 @@ def timeout_of(request: Mapping[str, Any]) -> float | None:
 
 class RanOut(ValueError):
     """The time is over."""
-
-
-def ran_out(station: Station) -> RanOut:
-    """Build the error for a wait whose time is over, which says whether the robot still drives."""
-    return RanOut("not yet" if station.running_goal is None else "the robot still drives")
 
 
 def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Look:

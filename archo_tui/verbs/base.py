@@ -55,6 +55,7 @@ class Verb:
     survives_stop = False  # done also when a STOP was read after it
     tells = False  # its outcome is what was asked for, in lines
     may_ask = False
+    has_goals = False  # sends goals, whose ends can be waited for
     service = ""  # what somebody must offer, as in the robot file
 
     def values(self, words: Sequence[str]) -> Values:
@@ -86,6 +87,12 @@ class Verb:
     def usage(self) -> str:
         """What is typed behind the verb: `NODE NAME VALUE`, `[--all]`."""
         return " ".join(map(_usage, self.arguments))
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The options that a shell may put behind it: `--yes`, `--wait`, `--leave`."""
+        goals = ("--wait", "--leave") if self.has_goals else ()
+        return (*goals, "--yes") if self.may_ask else goals
 
     @property
     def explained(self) -> str:

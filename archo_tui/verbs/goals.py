@@ -23,7 +23,7 @@ KIND, GOALS, RUNNING = "kind", "goals", "running"
 class Go(Verb):
     """A goal of one kind, or several behind each other: `go 12 7`, `pose x=1.5 y=2`."""
 
-    acts = moves = True
+    acts = moves = has_goals = True
 
     def __init__(self, kind: GoalKind, leaves: Sequence[Leaf] | None, verb: str = "") -> None:
         """`leaves` are the fields that the operator fills in; None: its type is not installed."""
@@ -96,7 +96,7 @@ class SendGoal(Verb):
     id, title = "send_goal", "Send a goal"
     help = "Send a goal to any action on the graph"
     arguments = (Argument("action"), Argument("field=value", many=True, optional=True))
-    acts = moves = True
+    acts = moves = has_goals = True
 
     def blocked(self, station: Station) -> str:
         return "" if station.robot.snapshot.actions else "no action is on the graph"

@@ -11,5 +11,5 @@ import pytest
 @pytest.fixture(autouse=True)
 def _sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     with tempfile.TemporaryDirectory() as folder:
-        monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
+        monkeypatch.setenv("ARCHO_TUI_SOCKETS", folder)
         yield

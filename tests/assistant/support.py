@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from mcp import Client, StdioServerParameters
 from mcp.client.stdio import stdio_client
 
+from archo_tui.remote import place
 from tests.support import warm
 from tests.support.shells import until
 from tests.support.waiting import DEADLINE
@@ -63,7 +64,11 @@ def parameters(*words: str, code: str = "") -> StdioServerParameters:
     """How a client starts it; `code` is Python that runs before."""
     words = ("mcp", *words)
     program = f"import sys\n{code}\nfrom archo_tui.cli import main\nsys.exit(main({words!r}))"
-    given = {name: os.environ[name] for name in os.environ if name.startswith(("XDG_", "PYTHON"))}
+    given = {
+        name: os.environ[name]
+        for name in os.environ
+        if name.startswith(("XDG_", "PYTHON", "ARCHO"))
+    }
     command, *arguments = warm.python("-c", program)
     return StdioServerParameters(command=command, args=arguments, env=given)
 
@@ -80,6 +85,9 @@ class FakeConsole:
 
     def __init__(self, pid: int) -> None:
         self.pid = pid
+        hello = {"protocol": 1, "version": "0", "robot": "ARCHO", "namespace": f"/r{pid}"}
+        more = {"engine": "embedded", "domain": None, "pid": pid, "watching": False}
+        self.hello: dict[str, Any] = {**hello, **more}
         self.asked: list[Request] = []  # but for `goals`: a client lists the tools when it likes
         self.listings = self.connections = self.closed = 0
         self.answers: dict[str, Callable[[Request], Awaitable[Request | None]]] = {}
@@ -97,9 +105,7 @@ class FakeConsole:
     async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self.connections += 1
         self._writers.append(writer)
-        hello = {"protocol": 1, "version": "0", "robot": "ARCHO", "namespace": f"/r{self.pid}"}
-        more = {"engine": "embedded", "domain": None, "pid": self.pid, "watching": False}
-        self._say(writer, {**hello, **more})
+        self._say(writer, self.hello)
         tasks = []
         while data := await reader.readline():
             tasks.append(asyncio.ensure_future(self._answer(json.loads(data), writer)))
@@ -143,7 +149,7 @@ class FakeConsole:
 @asynccontextmanager
 async def fake_console(pid: int = 7) -> AsyncIterator[FakeConsole]:
     """One that listens where consoles do."""
-    folder = Path(os.environ["XDG_RUNTIME_DIR"]) / "archo-tui"
+    folder = Path(place.folder())
     folder.mkdir(mode=0o700, exist_ok=True)
     console = FakeConsole(pid)
     server = await asyncio.start_unix_server(console.serve, folder / f"{pid}.sock")

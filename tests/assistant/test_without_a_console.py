@@ -47,7 +47,7 @@ async def test_its_tools_say_what_they_do_to_the_robot() -> None:
         "go": (False, True, False, True),
     }
     for name, tool in listed.items():
-        assert tool.input_schema["additionalProperties"] is False, name
+        assert tool.input_schema["additionalProperties"] is (name == "stop"), name
         assert len(tool.description or "") < 500, name
     assert "NOTHING MOVES until a person allows it" in listed["go"].description
 

@@ -56,8 +56,8 @@ while True:
 
 def _stop(path: str) -> float:
     """When a STOP of a program of its own connection was sent."""
-    connected = place.reached(Path(path).name)
-    assert connected is not None
+    connected = place.connect(path)
+    connected.settimeout(1.0)
     begin = time.perf_counter()
     connected.sendall(b'{"id": 1, "words": ["stop"]}\n')
     threading.Timer(1.0, connected.close).start()
@@ -87,9 +87,9 @@ async def _measure(app: ArchoApp, path: str) -> tuple[list[float], list[float]]:
 async def _floods(session: Session) -> None:
     app = ArchoApp(session.station)
     async with app.run_test(size=(120, 36)):
-        path = os.path.join(place.folder(), f"{os.getpid()}{place.SUFFIX}")
-        while len(app.view.snapshot.offered) < 4 or not os.path.exists(path):
+        while len(app.view.snapshot.offered) < 4 or not place.sockets():
             await asyncio.sleep(0.1)
+        (path,) = place.sockets()
         for programs in (0, 1, 4):
             command = [sys.executable, "-c", _FLOOD, path, str(_RATE)]
             floods = [subprocess.Popen(command) for _ in range(programs)]
@@ -122,7 +122,7 @@ def main() -> None:
     """Run and print."""
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # as it is installed
     with TemporaryDirectory() as folder:
-        os.environ["XDG_RUNTIME_DIR"] = folder
+        os.environ[place.ONLY] = folder
         fast = ("-p", "publish_period:=0.02")
         makers = (Stopped, BatteryMonitor)
         options = Options(node_makers=makers, remote=True, ros_args=fast)

@@ -18,7 +18,6 @@ from archo_tui.keyed_app import HELD
 from archo_tui.paths import journal_file
 from archo_tui.plain.input import Input
 from archo_tui.plain.output import Output
-from archo_tui.remote import place
 from archo_tui.screens import request
 from archo_tui.session import _robots_nodes
 from archo_tui.station import requests
@@ -27,7 +26,7 @@ from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console
 from tests.support.night import corners
 from tests.support.peer import Peer
-from tests.support.shells import Raw, heard, raw, served, until
+from tests.support.shells import Raw, heard, own_socket, raw, served, until
 from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
@@ -40,7 +39,7 @@ GO = {"kind": "go", "values": {"shelf_number": 12}}
 async def beside(*args: str, **options: Any) -> AsyncIterator[tuple[Console, Raw]]:
     """A console, and an assistant that is connected to it."""
     async with console(*args, remote=True, **options) as op:
-        await op.until(lambda: f"{os.getpid()}{place.SUFFIX}" in place.sockets())
+        await op.until(own_socket)
         assistant = await raw()
         yield op, assistant
         assistant.close()

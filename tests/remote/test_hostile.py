@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+import re
 import socket
 import stat
 from collections.abc import AsyncIterator
@@ -14,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.remote import client, place
+from archo_tui.remote import client, finder, place
 from archo_tui.remote.server import MOST_CLIENTS, MOST_OPEN
 from archo_tui.robot import services
 from archo_tui.robot.outcome import Code, Outcome
@@ -23,7 +24,7 @@ from tests.support.console import FAST, LONG
 from tests.support.night import corners
 from tests.support.plain import Typed, operated
 from tests.support.ros import begin
-from tests.support.shells import Raw, heard, raw, served, typed, until
+from tests.support.shells import Raw, heard, own_socket, raw, reached, served, typed, until
 
 pytestmark = pytest.mark.real_time
 
@@ -122,8 +123,7 @@ def _memory() -> int:
 
 async def test_one_that_never_reads_is_dropped_and_delays_nobody() -> None:
     async with served(ros_args=FAST) as person:
-        deaf = await asyncio.to_thread(place.reached, f"{os.getpid()}{place.SUFFIX}")
-        assert deaf is not None
+        deaf = await asyncio.to_thread(reached)
         request = json.dumps({"id": 1, "words": ["params"]}).encode() + b"\n"
         deaf.settimeout(0.0)
 
@@ -170,10 +170,7 @@ async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(
         held: list[socket.socket] = []
         files = len(os.listdir("/proc/self/fd"))
         for _ in range(count):
-            one = None
-            while one is None:  # a busy machine may take its time
-                one = await asyncio.to_thread(place.reached, f"{os.getpid()}{place.SUFFIX}")
-            held.append(one)
+            held.append(await asyncio.to_thread(reached))
             if len(held) > 300:
                 held.pop(0).close()
         async with guest() as late:
@@ -359,7 +356,7 @@ async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into
     fault: str,
 ) -> None:
     folder = Path(place.folder())
-    folder.parent.mkdir(parents=True)
+    folder.parent.mkdir(parents=True, exist_ok=True)
     if fault == "mode":
         folder.mkdir()
         folder.chmod(0o777)
@@ -386,7 +383,7 @@ async def test_another_users_program_is_not_even_greeted(monkeypatch: pytest.Mon
 
 async def test_the_socket_and_its_folder_are_ours_alone_and_go_with_the_console() -> None:
     async with served(ros_args=FAST):
-        path = Path(place.folder()) / f"{os.getpid()}{place.SUFFIX}"
+        path = Path(own_socket())
         assert stat.S_IMODE(path.stat().st_mode) == 0o600
         assert stat.S_IMODE(path.parent.stat().st_mode) == 0o700
     assert not path.exists()
@@ -410,12 +407,12 @@ async def test_sockets_that_nobody_listens_on_go_when_somebody_looks() -> None:
         folder = place.folder()
         made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         held = os.open(folder, os.O_RDONLY)
-        made.bind(place.short(held, "1.sock"))
+        made.bind(place.short(held, f"{folder}/1.sock"))
         os.close(held)
         made.close()
         listed = await typed("status", "--line")
         assert listed.code == 0
-        assert place.sockets() == [f"{os.getpid()}{place.SUFFIX}"]
+        assert place.sockets() == [own_socket()]
 
 
 def _listens(name: str) -> socket.socket:
@@ -424,13 +421,16 @@ def _listens(name: str) -> socket.socket:
     os.makedirs(folder, 0o700, exist_ok=True)
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     held = os.open(folder, os.O_RDONLY)
-    made.bind(place.short(held, name))
+    made.bind(place.short(held, f"{folder}/{name}"))
     os.close(held)
     made.listen()
     return made
 
 
-async def test_a_suspended_console_is_named_and_does_not_delay_the_stop_of_another() -> None:
+async def test_a_suspended_console_is_named_and_does_not_delay_the_stop_of_another(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(finder, "WAKES", 2.0)
     with _listens("1.sock"):
         said = await typed("status")
         assert said == (
@@ -444,8 +444,9 @@ async def test_a_suspended_console_is_named_and_does_not_delay_the_stop_of_anoth
             assert not stop.done()  # it still waits for the other
             code, _, err = await stop
             assert code == 3
-            assert "the console of pid 1 does not answer" in err
-            assert "confirmed" in err
+            assert "the console of pid 1 does not answer yet: STOP waits for it" in err
+            assert "pid 1: not confirmed: the robot may be moving" in err
+            assert "embedded: confirmed" in err
 
 
 WHOLE = {"protocol": 1, "pid": 1, "robot": "R", "namespace": "/north", "engine": "embedded"}
@@ -470,29 +471,38 @@ async def test_a_console_that_does_not_say_which_one_it_is_holds_up_no_stop(
         for words in (["status"], ["stop", "--to", "/north"]):
             code, _, err = await typed(*words)
             assert code == 3
-            assert "the console does not answer" in err
+            assert ("not confirmed" if "stop" in words else "the console does not answer") in err
         async with served(ros_args=FAST) as person:
-            assert "the console does not answer" in (await typed("stop")).err
+            stopped = await typed("stop")
+            assert (stopped.code, "not confirmed" in stopped.err) == (3, True)
             await heard(person, "STOP: confirmed")
-            assert (await typed("status")).code == 0
+            assert (await typed("status")).code == 3  # it may be the one that is meant
 
 
-async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run() -> None:
+async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(finder, "WAKES", 1.0)
     with _listens("1.sock"):
-        async with served(ros_args=FAST):
-            for verb in ("status", "stop"):
-                assert await typed(verb, "--to", "/north") == (
-                    3,
-                    "",
-                    "archo-tui: no console /north answers here; "
-                    "the console of pid 1 does not answer: is it suspended?\n",
-                )
+        async with served(ros_args=FAST) as person:
+            assert await typed("status", "--to", "/north") == (
+                3,
+                "",
+                "archo-tui: no console /north answers here; "
+                "the console of pid 1 does not answer: is it suspended?\n",
+            )
+            code, _, err = await typed("stop", "--to", "/north")
+            assert (code, "pid 1: not confirmed: the robot may be moving" in err) == (3, True)
+            assert "STOP" not in person.said  # which is another
 
 
 @pytest.mark.parametrize("hello", [{"protocol": 2, "pid": 7}, {}, [], "hello"])
 def test_another_protocol_is_said(hello: Any) -> None:
     ours, theirs = socket.socketpair()
     theirs.sendall(json.dumps(hello).encode() + b"\n")
-    with pytest.raises(client.Unreached, match=r"protocol|does not answer"):
-        client.Connection(ours)
-    theirs.close()
+    console = client.Connection("7.sock")
+    console.socket = ours
+    console.read()
+    assert re.search(r"protocol|does not answer", console.fault)
+    for one in (ours, theirs):
+        one.close()

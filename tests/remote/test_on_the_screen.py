@@ -14,7 +14,7 @@ from archo_tui.paths import journal_file
 from archo_tui.remote import place
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
-from tests.support.shells import Said, raw, said, typed
+from tests.support.shells import Said, own_socket, raw, said, typed
 from tests.support.terminal import Terminal
 from tests.terminal.test_terminal import FAIL_ONCE, SLOW
 
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.real_time
 
 
 async def reachable(op: Console) -> None:
-    await op.until(lambda: f"{os.getpid()}{place.SUFFIX}" in place.sockets())
+    await op.until(own_socket)
 
 
 async def test_who_is_connected_and_what_it_sent_is_on_screen_and_in_the_journal() -> None:

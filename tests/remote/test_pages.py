@@ -27,7 +27,7 @@ pytestmark = pytest.mark.real_time
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "protocol.md").read_text()
 SHELL = (DOCS / "shell.md").read_text()
-NAMED = {"VERSION": r"[\w.+]+", "PID": r"\d+", "AGE": r"\d+\.\d+"}
+NAMED = {"VERSION": r"[\w.+]+", "PID": r"\d+", "NAME": r"\d+-[0-9a-f]{8}", "AGE": r"\d+\.\d+"}
 
 
 def _block(language: str) -> str:
@@ -85,6 +85,7 @@ async def test_the_client_in_six_lines_of_shell_sends_the_robot(
     netcat.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
     monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
+    monkeypatch.delenv(place.ONLY)
     monkeypatch.setenv(variable, str(tmp_path))
     lines = _block("bash")
     assert len(lines.splitlines()) == 6

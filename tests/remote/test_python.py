@@ -152,7 +152,8 @@ async def test_leaving_the_with_block_by_an_error_cancels_what_it_waits_for() ->
         robot = await asyncio.to_thread(archo_tui.connect)
         drive = asyncio.ensure_future(asyncio.to_thread(robot.go, 12))
         await heard(person, "MOVING to 12")
-        robot._connection._socket.shutdown(2)
+        connected, _ = robot._connection.handed_over()
+        connected.shutdown(2)
         with pytest.raises(Unreached, match="the robot may still be moving"):
             await drive
         robot.close()

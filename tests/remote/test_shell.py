@@ -150,11 +150,12 @@ async def test_help_of_a_verb_is_its_line_and_options_and_stops_nothing() -> Non
     async with served(ros_args=FAST) as person:
         spoken = person._plain._verbs
         for verb, options in (
-            ("go", {"--wait", "--timeout", "--leave", "--json", "--to", "--yes"}),
+            ("go", {"--wait", "--leave", "--timeout", "--json", "--to"}),
+            ("cancel", {"--yes", "--timeout", "--json", "--to"}),
             ("stop", {"--json", "--to"}),
             ("wait", {"--timeout", "--json", "--to"}),
-            ("status", {"--line", "--json", "--to"}),
-            ("events", {"--follow", "--json", "--to"}),
+            ("status", {"--line", "--timeout", "--json", "--to"}),
+            ("events", {"--follow", "--timeout", "--json", "--to"}),
         ):
             told = await typed(verb, "--help")
             assert (told.code, told.err) == (0, "")
@@ -216,8 +217,11 @@ async def test_who_cannot_read_why_still_gets_the_exit_code(stderr: Full | None)
 
 
 async def test_without_a_console_it_is_one_line_and_3() -> None:
-    assert await typed("go", "12") == Said(
-        3, "", "archo-tui: no console runs here: start archo-tui, or archo-tui --plain\n"
+    code, out, err = await typed("go", "12")
+    assert (code, out, err.count("\n")) == (3, "", 1)
+    assert err.startswith(
+        "archo-tui: no console runs here: start archo-tui, or archo-tui --plain; "
+        "ARCHO_TUI_SOCKETS is set: only /"
     )
     nearest = await typed("chek", "x.py")
     assert nearest.code == 2

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import os
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -12,12 +11,11 @@ from typing import NamedTuple
 import pytest
 
 import archo_tui
-from archo_tui.remote import place
 from archo_tui.remote.api import NotDone
 from archo_tui.station.station import Station
 from tests.support.console import FAST, console
 from tests.support.night import corners
-from tests.support.shells import served, typed, until
+from tests.support.shells import own_socket, served, typed, until
 
 pytestmark = pytest.mark.real_time
 
@@ -127,13 +125,14 @@ async def test_from_a_shell(story: tuple[list[Step], str], screen: bool, unlimit
     steps, end = story
 
     async def do(step: Step) -> None:
-        said = await typed(*step.words.split(), "--wait")
+        waits = ["--wait"] if step.words.startswith("go") else []
+        said = await typed(*step.words.split(), *waits)
         good = bool(step.outcomes) and not any("refused" in one for one in step.outcomes)
         assert said.code == (0 if good else 1), said
 
     if screen:
         async with console(*FAST, robot=unlimited, remote=True) as op:
-            await op.until(lambda: f"{os.getpid()}{place.SUFFIX}" in place.sockets())
+            await op.until(own_socket)
             assert await told(op.session.station, steps, do) == end
     else:
         async with served(robot=unlimited, ros_args=FAST) as person:
@@ -147,7 +146,7 @@ async def test_from_python(story: tuple[list[Step], str], unlimited: Path) -> No
 
             def run(step: Step) -> None:
                 with contextlib.suppress(NotDone):
-                    robot.do(*step.words.split(), wait=True)
+                    robot.do(*step.words.split(), wait=step.words.startswith("go"))
 
             async def do(step: Step) -> None:
                 await asyncio.to_thread(run, step)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import io
 import json
 import os
+import socket
 import sys
+import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -53,12 +56,27 @@ async def heard(person: Typed, text: str) -> None:
     await until(lambda: text in person.said, lambda: person.said)
 
 
+def own_socket() -> str:
+    """Return the path of the socket of the console in this process; empty: there is none yet."""
+    own = f"{place.folder()}/{os.getpid()}-"
+    return next((path for path in place.sockets() if path.startswith(own)), "")
+
+
+def reached() -> socket.socket:
+    """Return a connection to the console of this process, however many wait for one."""
+    waited = Waited(DEADLINE)
+    while True:
+        with contextlib.suppress(BlockingIOError):
+            return place.connect(own_socket())
+        assert not waited.too_long()
+        time.sleep(0.01)
+
+
 @asynccontextmanager
 async def served(*makers: Any, robot: Path | None = None, **options: Any) -> AsyncIterator[Typed]:
     """A `--plain` that programs reach."""
     async with operated(*makers, robot=robot, remote=True, **options) as person:
-        own = f"{os.getpid()}{place.SUFFIX}"
-        await until(lambda: own in place.sockets(), place.folder)
+        await until(own_socket, place.folder)
         yield person
 
 
@@ -102,8 +120,5 @@ class Raw:
 
 async def raw() -> Raw:
     """Connected to the console of this process; its hello is not read yet."""
-    own = f"{os.getpid()}{place.SUFFIX}"
-    connected = await asyncio.to_thread(place.reached, own)
-    assert connected is not None
-    connected.setblocking(False)
+    connected = await asyncio.to_thread(reached)
     return Raw(*await asyncio.open_unix_connection(sock=connected, limit=2**24))

@@ -1,0 +1,569 @@
+"""Which console is meant: environments and states of consoles by mouths, and STOPs that arrive."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import pwd
+import signal
+import socket
+import subprocess
+import threading
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager, suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+import archo_tui
+from archo_tui.assistant.answer import Answer
+from archo_tui.assistant.link import Link
+from archo_tui.assistant.looking import Status
+from archo_tui.assistant.stopping import Stop
+from archo_tui.remote import finder, place, server
+from archo_tui.remote.api import Unreached
+from archo_tui.remote.client import Unreached as NotReached
+from archo_tui.remote.shell import consoles
+from tests.assistant.support import FakeConsole
+from tests.support import warm
+from tests.support.night import corners
+from tests.support.script import SLOW, Script
+from tests.support.shells import heard, own_socket, raw, reached, said, served, typed, until
+from tests.support.waiting import DEADLINE
+
+pytestmark = pytest.mark.real_time
+
+HELLO = {"protocol": 1, "version": "0", "robot": "ARCHO", "engine": "embedded", "domain": None}
+STATUS = {"robot": "R", "namespace": "/", "watching": False, "alarms": [], "stop": "", "line": ""}
+
+
+@pytest.fixture(autouse=True)
+def _places(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Give this user a home and a runtime folder of the test's own; nothing else is looked into."""
+    home, runtime = tmp_path / "home", tmp_path / "run"
+    home.mkdir()
+    (runtime / str(os.getuid())).mkdir(parents=True)
+    user = pwd.struct_passwd(("me", "x", os.getuid(), 0, "", str(home), "/bin/sh"))
+    monkeypatch.setattr(pwd, "getpwuid", lambda _: user)
+    monkeypatch.setattr(place, "_RUNTIME", str(runtime))
+    for name in (place.ONLY, finder.CHOSEN, "XDG_RUNTIME_DIR", "XDG_STATE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("HOME", str(home))
+
+
+@contextmanager
+def listening(
+    namespace: str, pid: int = 7, **more: Any
+) -> Iterator[tuple[socket.socket, dict[str, Any]]]:
+    """Listen where a console does, and take nobody: as one that is suspended."""
+    name = f"{pid}-{os.urandom(4).hex()}"
+    hello = {**HELLO, "namespace": namespace, "pid": pid, "watching": False, "name": name, **more}
+    made, path = server._listening(hello)
+    server._link(path)
+    try:
+        yield made, hello
+    finally:
+        made.close()
+        place.forget(path)
+
+
+class Answering(FakeConsole):
+    """A console that says which one it is, and whatever is asked is done."""
+
+    def __init__(self, hello: dict[str, Any]) -> None:
+        super().__init__(hello["pid"])
+        self.hello = hello
+        self.answer("stop", "done", "confirmed")
+        self.answer("status", "done", "fine", tells=True, data=STATUS)
+
+
+@asynccontextmanager
+async def answering(namespace: str, pid: int = 7, **more: Any) -> AsyncIterator[Answering]:
+    with listening(namespace, pid, **more) as (made, hello):
+        console = Answering(hello)
+        serving = await asyncio.start_unix_server(console.serve, sock=made)
+        try:
+            yield console
+        finally:
+            serving.close()
+            console.drop()
+            await until(lambda: console.closed == console.connections)
+
+
+# mouths: each ends with an exit code, or as an assistant's tool does
+
+
+def by_shell() -> int:
+    return said("status").code
+
+
+def stop_by_shell() -> int:
+    return said("stop").code
+
+
+def by_python() -> int:
+    try:
+        archo_tui.connect().close()
+    except Unreached:
+        return 3
+    return 0
+
+
+def by_consoles() -> int:
+    return consoles([])
+
+
+def asked_of(tool: Any) -> int:
+    async def ask() -> Answer:
+        link = Link("")
+        try:
+            answer: Answer = await tool.call(link, {})
+        except NotReached:
+            return Answer("unreached", "", failed=True)
+        finally:
+            await link.close()
+        return answer
+
+    return 3 if asyncio.run(ask()).failed else 0
+
+
+def by_assistant() -> int:
+    return asked_of(Status())
+
+
+def stop_by_assistant() -> int:
+    return asked_of(Stop())
+
+
+VERBS = (by_shell, by_python, by_assistant)
+STOPS = (stop_by_shell, stop_by_assistant)
+MOUTHS = (*VERBS, *STOPS, by_consoles)
+
+
+class Where(NamedTuple):
+    """The variables of a console, and those of whoever looks for it."""
+
+    console: dict[str, str]
+    client: dict[str, str | None]
+
+
+LOGIN = {"XDG_RUNTIME_DIR": "run/USER"}
+WHERE = {
+    "a desktop": Where(LOGIN, LOGIN),  # type: ignore[arg-type]
+    "cron": Where(LOGIN, {}),
+    "cron, and the other way round": Where({}, LOGIN),  # type: ignore[arg-type]
+    "su, which leaves another's": Where(LOGIN, {"XDG_RUNTIME_DIR": "no/such"}),
+    "no HOME": Where({}, {"HOME": None}),
+    "another's HOME": Where({}, {"HOME": "elsewhere"}),
+    "a runtime folder of a unit's own": Where({"XDG_RUNTIME_DIR": "odd"}, {}),
+    "two runtime folders": Where({"XDG_RUNTIME_DIR": "odd"}, LOGIN),  # type: ignore[arg-type]
+    "a state folder of its own": Where({"XDG_STATE_HOME": "odd"}, {}),
+    "cron, and a home of no use": Where(LOGIN, {}),
+    "one folder": Where({place.ONLY: "odd/sockets"}, {place.ONLY: "odd/sockets"}),
+}
+
+
+def chosen(monkeypatch: pytest.MonkeyPatch, folder: Path, given: Any) -> None:
+    for name, value in given.items():
+        if value is None:
+            monkeypatch.delenv(name, raising=False)
+        else:
+            monkeypatch.setenv(name, str(folder / value.replace("USER", str(os.getuid()))))
+
+
+@pytest.mark.parametrize("where", WHERE)
+async def test_a_console_is_found_in_every_environment_by_every_mouth(
+    where: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "odd").mkdir()
+    (tmp_path / "elsewhere").mkdir()
+    if "of no use" in where:
+        (tmp_path / "home" / ".local").write_text("")
+    with monkeypatch.context() as patch:
+        chosen(patch, tmp_path, WHERE[where].console)
+        entered = answering("/")
+        console = await entered.__aenter__()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    chosen(monkeypatch, tmp_path, WHERE[where].client)
+    for mouth in MOUTHS:
+        assert await asyncio.to_thread(mouth) == 0, (where, mouth.__name__)
+    assert console.words() == [["status"], ["status"], ["stop"], ["stop"]]
+    await entered.__aexit__(None, None, None)
+    assert place.sockets() == []
+
+
+class State(NamedTuple):
+    """Who runs, how verbs end then, and how STOP and the list do."""
+
+    awake: tuple[str, ...]
+    silent: tuple[str, ...]
+    verb: int
+    stop: int
+    listed: int
+
+
+STATES = {
+    "none": State((), (), 3, 3, 3),
+    "one": State(("/",), (), 0, 0, 0),
+    "suspended": State((), ("/",), 3, 3, 3),
+    "two": State(("/north", "/south"), (), 3, 0, 0),
+    "one of two suspended": State(("/north",), ("/south",), 3, 3, 3),
+    "both suspended": State((), ("/north", "/south"), 3, 3, 3),
+}
+
+
+@pytest.mark.parametrize("state", STATES)
+async def test_a_verb_goes_to_the_only_one_and_a_stop_to_all(
+    state: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(finder, "SOON", 0.4)
+    monkeypatch.setattr(finder, "WAKES", 0.5)
+    awake, silent, *codes = STATES[state]
+    monkeypatch.setenv("XDG_RUNTIME_DIR", f"{place._RUNTIME}/{os.getuid()}")
+    entered = [listening(name, 90 + n) for n, name in enumerate(silent)]
+    sockets = [one.__enter__()[0] for one in entered]
+    answers = [answering(name, 7 + n) for n, name in enumerate(awake)]
+    running = [await one.__aenter__() for one in answers]
+    killed = socket.socket(socket.AF_UNIX)  # of a console that is gone
+    Path(place.folder()).mkdir(mode=0o700, exist_ok=True)
+    killed.bind(f"/proc/self/fd/{(held := os.open(place.folder(), os.O_RDONLY))}/5-gone.sock")
+    os.close(held)
+    killed.close()
+    for mouths, code in zip((VERBS, STOPS, (by_consoles,)), codes, strict=True):
+        for mouth in mouths:
+            assert await asyncio.to_thread(mouth) == code, (state, mouth.__name__)
+    reached = ["status", "status"] if codes[0] == 0 else []
+    for console in running:
+        assert console.words() == [[word] for word in (*reached, "stop", "stop")]
+    for made in sockets:  # what waits to be read when it wakes
+        assert [json.loads(line)["words"] for line in unread(made)] == [["stop"], ["stop"]]
+    for one in entered:
+        one.__exit__(None, None, None)
+    for answer in answers:
+        await answer.__aexit__(None, None, None)
+
+
+def unread(made: socket.socket) -> list[bytes]:
+    """Take all that wait to be taken; return the lines that they have sent."""
+    made.setblocking(False)
+    found = b""
+    with suppress(BlockingIOError):
+        while True:
+            connected, _ = made.accept()
+            with connected, suppress(BlockingIOError):
+                connected.setblocking(False)
+                found += connected.recv(65536)
+    return found.splitlines()
+
+
+async def test_a_suspended_console_that_is_not_meant_is_in_nobodys_way() -> None:
+    async with answering("/north") as north:
+        with listening("/south", 9) as (south, _):
+            assert (await typed("status", "--to", "/north")).code == 0
+            assert (await typed("stop", "--to", "7")).code == 0
+            assert unread(south) == []
+            told = await typed("status")
+            assert told.code == 3
+            assert "the console of pid 9, /south, does not answer" in told.err
+        assert north.words() == [["status"], ["stop"]]
+
+
+async def test_two_consoles_of_one_number_are_told_apart_and_end_apart() -> None:
+    async with answering("/north", 1) as north:
+        async with answering("/south", 1) as south:
+            both = await typed("status", "--to", "1")
+            assert (both.code, "--to 1 fits several consoles" in both.err) == (3, True)
+            name = south.hello["name"]
+            assert f"--to {name}  pid 1: ARCHO /south" in both.err
+            assert (await typed("status", "--to", name)).code == 0
+            assert (await typed("stop", "--to", "1")).code == 0
+        assert (await typed("status", "--to", "1")).code == 0
+        assert north.words() == [["stop"], ["status"]]
+        assert south.words() == [["status"], ["stop"]]
+
+
+async def test_a_name_that_another_console_has_is_not_taken() -> None:
+    with listening("/") as (made, hello):
+        (path,) = place.sockets()
+        assert place.card(path) == hello
+        with pytest.raises(FileExistsError):
+            server._listening(hello)
+        connected = place.connect(path)
+        made.setblocking(True)
+        made.accept()[0].close()
+        connected.close()
+
+
+async def test_an_engine_and_a_domain_that_are_named_choose() -> None:
+    async with answering("/a") as embedded, answering("/b", 8, engine="ros2", domain=5) as ros:
+        for asked, at in (
+            ({"engine": "ros2"}, [ros]),
+            ({"engine": "ros2", "domain": 5}, [ros]),
+            ({"engine": "embedded"}, [embedded]),
+            ({"engine": "", "to": ""}, [embedded, ros]),
+        ):
+            before = [len(one.asked) for one in (embedded, ros)]
+            ended = await asyncio.to_thread(finder.stop, asked, print)
+            assert [one.code for one in ended] == ["done"] * len(at)
+            after = [len(one.asked) for one in (embedded, ros)]
+            assert [
+                one
+                for one, was, now in zip((embedded, ros), before, after, strict=True)
+                if now > was
+            ] == at
+        for asked in ({"engine": "ros2", "domain": 6}, {"engine": "embedded", "to": "/b"}):
+            with pytest.raises(NotReached):
+                await asyncio.to_thread(finder.stop, asked, print)
+            with pytest.raises(NotReached):
+                await asyncio.to_thread(finder.choose, asked)
+
+
+async def test_a_variable_that_names_no_console_holds_up_no_stop(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv(finder.CHOSEN, "4711")
+    async with answering("/") as console:
+        verb = await typed("status")
+        assert (verb.code, "which ARCHO_TUI_CONSOLE names" in verb.err) == (3, True)
+        stopped = await typed("stop")
+        assert stopped.code == 0
+        assert "no console 4711 runs here, which ARCHO_TUI_CONSOLE names: STOP went to all" in (
+            stopped.err
+        )
+        assert (await typed("stop", "--to", "4711")).code == 3  # said, and not left behind
+        assert console.words() == [["stop"]]
+
+
+async def test_who_may_not_speak_to_a_console_is_told_who_may(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    folder = Path(place._RUNTIME) / "4711" / "archo-tui"
+    folder.mkdir(parents=True)
+    (folder / "7-0.sock").touch()
+    told = await typed("stop")
+    assert (told.code, "a console of me runs here: run this as me" in told.err) == (3, True)
+
+
+# the console's own side
+
+
+@pytest.fixture
+def servers(monkeypatch: pytest.MonkeyPatch) -> list[server.Server]:
+    """The servers of the consoles that begin in this test."""
+    found: list[server.Server] = []
+    start = server.Server.start
+
+    def begin(one: server.Server) -> None:
+        found.append(one)
+        start(one)
+
+    monkeypatch.setattr(server.Server, "start", begin)
+    return found
+
+
+@contextmanager
+def held(one: server.Server) -> Iterator[None]:
+    """The thread of its socket does nothing meanwhile."""
+    is_held, go_on = threading.Event(), threading.Event()
+    assert one._loop is not None
+
+    def hold() -> None:
+        is_held.set()
+        go_on.wait(DEADLINE)
+
+    one._loop.call_soon_threadsafe(hold)
+    assert is_held.wait(DEADLINE)
+    try:
+        yield
+    finally:
+        go_on.set()
+
+
+STOP = b'{"id": 1, "words": ["stop"]}\n'
+STATUS_LINE = b'{"id": 2, "words": ["status"]}\n'
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        [STOP],
+        [STATUS_LINE, STOP],  # the answer to the first has nobody to go to
+        [STATUS_LINE * 3000, STOP],
+        [b'{"words": ["st\\u006fp"]}\n'],
+        [STOP[:-1]],
+        [b"stop\n"],
+        [b"STOP!"],
+        [b'{"id": 1, "words": ["Stop;", "now"]}\n'],
+        [b'{"id": 1, "words": "stop"}\n'],
+        [b'{"id": 1, "words": ["", "stop"], "to": 0, "engine": [], "domain": null}\n'],
+    ],
+    ids=lambda sent: repr(b"".join(sent))[-40:],
+)
+async def test_a_stop_of_a_client_that_has_gone_is_carried_out(
+    sent: list[bytes], servers: list[server.Server]
+) -> None:
+    async with served() as person:
+        await typed("status")  # greeted: what comes is not the first
+        with held(servers[0]):
+            with reached() as gone:
+                for data in sent:
+                    gone.send(data)
+        await heard(person, "STOP: confirmed")
+
+
+async def test_a_stop_behind_what_cannot_be_answered_is_read(
+    servers: list[server.Server], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "_CHUNK", 32)
+    async with served() as person:
+        gone = reached()
+        await asyncio.to_thread(gone.setblocking, True)
+        assert await asyncio.to_thread(gone.recv, 65536)  # its hello
+        with held(servers[0]):
+            gone.send(STATUS_LINE + b"\n" * 10_000 + STOP)  # a while between the first and the last
+            gone.close()
+        await heard(person, "STOP: confirmed")
+
+
+async def test_what_a_client_has_sent_is_read_before_it_is_greeted(
+    servers: list[server.Server], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stops: list[int] = []
+    tell = server.Client.tell
+
+    def told(one: server.Client, said: dict[str, Any]) -> None:
+        if "protocol" in said:
+            stops.append(servers[0].stops.count)
+        tell(one, said)
+
+    monkeypatch.setattr(server.Client, "tell", told)
+    async with served() as person:
+        with held(servers[0]):
+            for _ in range(20):
+                with reached() as gone:
+                    gone.send(STOP)
+        await heard(person, "STOP: confirmed")
+        await until(lambda: len(stops) == 20)
+        assert stops == [*range(1, 21)]
+
+
+async def test_a_console_decides_whether_it_is_meant_before_it_counts_a_stop() -> None:
+    async with served() as person:
+        one = await raw()
+        hello = await one.line()
+        assert hello == place.card(own_socket())
+        stops = person._plain._station.robot.stops
+        for other in (
+            {"to": "/south"},
+            {"to": "1"},
+            {"engine": "ros2x"},
+            {"to": "1", "engine": ""},
+        ):
+            assert (await one.ask("stop", **other))["code"] == "not_meant"
+        assert stops.count == 0
+        for name in ("pid", "namespace", "name"):
+            assert (await one.ask("stop", to=hello[name], engine=hello["engine"]))["code"] == "done"
+        assert stops.count == 3
+        one.close()
+
+
+# processes
+
+
+@contextmanager
+def begun(*words: str) -> Iterator[Script]:
+    script = Script(*words, *SLOW, fresh=True)  # it may be suspended
+    try:
+        script.type("status\n")
+        script.until("\ngoal No goal yet")
+        yield script
+    finally:
+        script.close()
+
+
+def client(*words: str, **environ: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        warm.python("-m", "archo_tui", *words),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | environ,
+    )
+
+
+@pytest.fixture
+def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Processes look nowhere else."""
+    monkeypatch.setenv(place.ONLY, str(tmp_path / "sockets"))
+
+
+@pytest.mark.usefixtures("one_folder")
+def test_no_verb_is_guessed_and_a_stop_waits_for_one_that_sleeps() -> None:
+    with begun("--namespace", "/north") as north, begun("--namespace", "/south") as south:
+        south.signal(signal.SIGSTOP)
+        go, listed = client("go", "3", "--wait"), client("consoles", "--json")
+        _, err = go.communicate(timeout=DEADLINE)
+        assert (go.returncode, "/south, does not answer: is it suspended?" in err) == (3, True)
+        out, _ = listed.communicate(timeout=DEADLINE)
+        rows = [json.loads(line) for line in out.splitlines()]
+        assert [(row["namespace"], row["answers"]) for row in rows] == [
+            ("/north", True),
+            ("/south", False),
+        ]
+        assert listed.returncode == 3
+        stop = client("stop")
+        north.until("STOP: confirmed")
+        assert stop.stderr is not None
+        assert "/south, does not answer yet: STOP waits for it" in stop.stderr.readline()
+        south.signal(signal.SIGCONT)
+        south.until("STOP: confirmed")
+        _, err = stop.communicate(timeout=DEADLINE)
+        assert (stop.returncode, err.count(": confirmed")) == (0, 2)
+        assert "goal MOVING" not in north.said
+
+
+@pytest.mark.usefixtures("one_folder")
+@pytest.mark.parametrize("killed", corners([signal.SIGKILL], [signal.SIGINT, signal.SIGTERM]))
+def test_a_console_that_wakes_stops_though_whoever_said_so_was_killed(killed: int) -> None:
+    with begun() as script:
+        script.signal(signal.SIGSTOP)
+        stop = client("stop")
+        assert stop.stderr is not None
+        assert "STOP waits for it" in stop.stderr.readline()
+        stop.send_signal(killed)
+        stop.communicate(timeout=DEADLINE)
+        script.signal(signal.SIGCONT)
+        script.until("STOP: confirmed")
+
+
+CRON = """
+import pwd, sys
+from archo_tui.remote import place
+place._RUNTIME, home = sys.argv[1:3]
+pwd.getpwuid = lambda _: pwd.struct_passwd(("me", "x", 0, 0, "", home, "/bin/sh"))
+from archo_tui.cli import main
+sys.exit(main(sys.argv[3:]))
+"""
+
+
+ODD = "a runtime folder of a unit's own"
+
+
+@pytest.mark.parametrize("where", corners([ODD], [where for where in WHERE if where != ODD]))
+async def test_cron_reaches_a_console_of_any_environment(
+    where: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "odd").mkdir()
+    chosen(monkeypatch, tmp_path, WHERE[where].console)
+    kept = ("PATH", "ARCHO_TESTS_RUN", "LC_ALL", place.ONLY)
+    given = {name: os.environ[name] for name in kept if name in os.environ}
+    words = (place._RUNTIME, str(tmp_path / "home"), "stop")
+    async with served() as person:
+        run = await asyncio.create_subprocess_exec(
+            *warm.python("-c", CRON, *words), env=given, cwd="/", stdout=-1, stderr=-1
+        )
+        assert await run.communicate() == (b"", b"confirmed\n")
+        assert run.returncode == 0
+        await heard(person, "STOP: confirmed")

@@ -1,0 +1,66 @@
+"""`archo-tui --engine ros2 stop` beside consoles of the other engine and of another domain."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from tests.ros2.conftest import Processes
+from tests.support.waiting import DEADLINE
+
+
+def archo(domain: int, *words: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "archo_tui", *words],
+        env=os.environ | {"ROS_DOMAIN_ID": str(domain), "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF"},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def ended(domain: int, *words: str) -> tuple[int, str]:
+    verb = archo(domain, *words)
+    _, err = verb.communicate(timeout=2 * DEADLINE)
+    return verb.returncode, err
+
+
+@contextmanager
+def console(domain: int, *words: str) -> Iterator[subprocess.Popen[str]]:
+    """A `--plain` that has said the state of its robot."""
+    with archo(domain, "--plain", *words) as begun:
+        assert begun.stdin is not None
+        assert begun.stdout is not None
+        begun.stdin.write("status\n")
+        begun.stdin.flush()
+        while not begun.stdout.readline().startswith("goal "):
+            pass
+        try:
+            yield begun
+        finally:
+            begun.kill()
+
+
+def stops(begun: subprocess.Popen[str]) -> int:
+    """How many STOPs were confirmed, until its end."""
+    out, _ = begun.communicate("status\n", timeout=2 * DEADLINE)
+    return out.count("STOP: confirmed")
+
+
+def test_a_stop_of_one_engine_and_domain_stops_no_other(processes: Processes) -> None:
+    domain, other = processes.domain, processes.domain + 1
+    with console(domain, "--engine", "embedded") as embedded:
+        code, err = ended(domain, "--engine", "ros2", "stop")
+        assert (code, "and no robot is on domain" in err) == (3, True), err
+        with console(domain, "--engine", "ros2") as ros, console(other, "--engine", "ros2") as far:
+            code, err = ended(domain, "--engine", "ros2", "stop")
+            assert (code, err) == (0, "confirmed\n")
+            code, err = ended(domain, "status")
+            assert code == 3
+            assert f"ARCHO /, ros2 domain {domain}" in err
+            assert "ARCHO /, embedded" in err
+            assert [stops(one) for one in (ros, far, embedded)] == [1, 0, 0]
