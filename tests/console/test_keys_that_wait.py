@@ -48,3 +48,15 @@ async def test_a_key_that_waits_for_no_answer_does_not_wait_behind_keys_that_do(
         answer.set()
         await settle()
         assert app.screen is app.main  # where neither x nor q came, which would have asked
+
+
+async def test_a_second_question_is_not_put_and_that_is_said() -> None:
+    app = stub_app(STATES["motor moving"])
+    async with app.run_test(size=(120, 36), notifications=True):
+        settle = Quiet(app).settle
+        await settle()
+        for key in ("r", "ctrl+q"):
+            send(app, key)
+            await settle()
+        assert "Reset encoder now?" in screen_text(app)
+        assert "answer the question that is asked" in screen_text(app)
