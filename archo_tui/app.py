@@ -249,11 +249,15 @@ class ArchoApp(KeyedApp):
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
         """Put a question now: the keys behind the one that asked are for its answer.
 
-        While another one is being asked, it is not put.
+        While another one is being asked, it is not put, which is said.
         """
         from archo_tui.screens.confirm import Confirm
 
-        if isinstance(self.screen, Confirm) or self._is_void(title):
+        if isinstance(self.screen, Confirm):
+            said = f"{title}: answer the question that is asked already first."
+            self.notify(said, severity="warning", markup=False)
+            return
+        if self._is_void(title):
             return
         typed = self.stops.carried  # the answer's, too: a STOP between the two closes the question
 

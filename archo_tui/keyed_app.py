@@ -121,6 +121,10 @@ class KeyedApp(TerminalApp):
         if isinstance(event, events.MouseUp):  # what was pressed acts as it is let go
             mark_read(event, self._read)
         repeated = not isinstance(event, events.MouseUp) and self._repeats(event)
+        if self._early and self._acts_before(event):
+            self._early.clear()
+            said = "What was typed while an answer is waited for is dropped."
+            self.notify(said, severity="warning", markup=False)
         if self._early or not self._takes(event):
             self._early.append((event, repeated))
             self.call_later(self._release)
@@ -295,6 +299,16 @@ class KeyedApp(TerminalApp):
         if isinstance(self.screen, Leaving) and self.screen.is_asking:
             return self._is_free(event) or getattr(event, "key", "") == "escape"
         return not self._opening or self._is_free(event)
+
+    def _acts_before(self, event: events.Event) -> bool:
+        """Return whether a key acts now, though others wait for an answer.
+
+        Keys of one burst keep their order. Whoever has waited for HELD gives up waiting.
+        """
+        first, escapes = self._early[0][0], getattr(event, "key", "") == "escape"
+        if event.time - first.time < HELD or not (escapes or self._is_free(event)):
+            return False
+        return self._takes(event) and not self._takes(first)
 
     async def _release(self) -> None:
         """Hand on one of the keys and clicks that wait; the others when that one is done."""

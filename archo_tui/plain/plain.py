@@ -158,7 +158,8 @@ class Plain:
                 with self._robot.stops.at(line.stops):
                     await self._run(line)
         await self._hold(lambda: self._input.is_quiet)  # a stop may have come with the last line
-        if self._goal is not None and self._goal.phase == Phase.LOST and not self._is_over():
+        await self._hold(lambda: self._is_over() or self._is_in_doubt)
+        if self._goal is not None and not self._is_over():
             self._say(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
         await self._hold(self._is_over)
         last = self._robot.stops.count
@@ -197,6 +198,11 @@ class Plain:
         """No goal of ours runs, and none is to be sent."""
         runs = self._goal is not None and self._goal.is_running and self._goal.mine
         return not runs and not self._station.queue.is_going
+
+    @property
+    def _is_in_doubt(self) -> bool:
+        """True while nothing is heard of the goal: its end may never come."""
+        return self._goal is not None and self._goal.phase in (Phase.UNKNOWN, Phase.LOST)
 
     async def _tick(self) -> None:
         while True:

@@ -166,6 +166,7 @@ class Station:
     def run_on(self, face: Face) -> None:
         """From now on this face runs what is sent, and hears what comes of it."""
         self._face, self._loop = face, asyncio.get_running_loop()
+        self.ledger.drop()  # what a face before it did not begin to send is not on its way
         self._begin_posted()
 
     def run_off(self) -> None:

@@ -17,5 +17,5 @@ _inner_outer: Any = StylesCache.get_inner_outer
 
 def share_colours() -> None:
     """Cache the two colours by their arguments, not by the instance that asks; once a process."""
-    colours = lru_cache(1024)(_inner_outer.__wrapped__)
+    colours: Any = lru_cache(1024)(_inner_outer.__wrapped__)
     StylesCache.get_inner_outer = classmethod(colours)  # type: ignore[assignment]

@@ -74,3 +74,18 @@ async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> No
         person.type("cancel\n")
         await person.until("goal CANCELLED")
         assert seconds() - began < 0.5
+
+
+async def test_that_a_goal_without_an_answer_is_waited_for_is_said() -> None:
+    made: list[Hesitant] = []
+
+    def make(**options: Any) -> Node:
+        made.append(Hesitant(**options))
+        return made[0]
+
+    async with operated(make) as person:
+        person.type_last("go 12\n")
+        await person.until("waiting for the end of shelf 12; ctrl+c cancels it")
+        assert "goal UNKNOWN" in person.said
+        made[0].answer(taken=False)
+        assert await person.end() == 1

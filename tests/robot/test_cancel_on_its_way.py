@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from typing import Any
+from collections.abc import Coroutine
+from functools import partial
+from typing import Any, cast
 
 import pytest
 from archo_interfaces.action import MoveToShelf
@@ -18,6 +20,8 @@ from archo_tui.robot.stops import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.ledger import Ledger
 from archo_tui.station.queue import QueuedGoal
+from archo_tui.station.station import Face
+from tests.console.states import STATES
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.console import console
@@ -26,6 +30,7 @@ from tests.support.quiet import ended, until
 from tests.support.robot import robot
 from tests.support.shells import served, typed
 from tests.support.shells import until as really
+from tests.support.stub import StubRobot, stub_station
 
 
 class Hesitant(Node):
@@ -206,3 +211,20 @@ def test_ours_on_its_way_comes_before_another_clients_until_it_is_seen_or_refuse
     ledger.take(seen)
     ledger.drop()
     assert ledger.running_goal(seen) == seen.goal
+
+
+async def test_a_goal_that_a_screen_did_not_begin_to_send_is_not_on_its_way_for_the_next() -> None:
+    class Ends:
+        """A face that ends before it begins what it is given."""
+
+        def carry_out(self, work: partial[Coroutine[Any, Any, None]]) -> None:
+            """Begin nothing."""
+
+    station = stub_station(StubRobot(STATES["normal"]))
+    face = cast("Face", Ends())
+    station.run_on(face)
+    station.drive([QueuedGoal(SHELF, {"shelf_number": 12})])
+    assert station.running_goal is not None
+    station.run_off()
+    station.run_on(face)
+    assert station.running_goal is None

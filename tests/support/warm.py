@@ -147,7 +147,8 @@ def serve(descriptor: int) -> None:
     clients: dict[int, socket.socket] = {}  # by process
 
     while _is_alive(run):
-        ready, _, _ = select.select([listener, woken, *clients.values()], [], [], 1.0)
+        watched: list[socket.socket | int] = [listener, woken, *clients.values()]
+        ready, _, _ = select.select(watched, [], [], 1.0)
         for pid, client in [*clients.items()]:
             if client in ready:  # it has gone
                 with contextlib.suppress(ProcessLookupError):
