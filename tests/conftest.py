@@ -76,9 +76,10 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         if item.path.stem in _POSIX:
             item.add_marker(pytest.mark.posix)
     if not config.getoption("--night"):
-        left = [item for item in items if item.get_closest_marker("night")]
+        marks = {"night"} if config.getoption("--engine") == "embedded" else {"night", "waits"}
+        left = [item for item in items if any(map(item.get_closest_marker, marks))]
         config.hook.pytest_deselected(items=left)
-        items[:] = [item for item in items if not item.get_closest_marker("night")]
+        items[:] = [item for item in items if item not in set(left)]
 
 
 def pytest_collection_finish() -> None:

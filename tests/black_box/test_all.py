@@ -22,6 +22,7 @@ from tests.support.waiting import DEADLINE
 SLOW = ("-p", "publish_period:=1.0")
 
 
+@pytest.mark.waits
 async def test_all_is_written_at_the_end(tmp_path: Path) -> None:
     path = tmp_path / "shift"
     async with console(*FAST, *SLOW, record=path) as op:

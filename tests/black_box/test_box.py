@@ -63,6 +63,7 @@ async def test_a_stop_is_recorded_with_what_was_before_and_follows() -> None:
         await op.until(lambda: wanted in [event.text for event in op.app.view.snapshot.events])
 
 
+@pytest.mark.waits
 async def test_an_arrival_and_a_cancel_are_nothing_to_record() -> None:
     async with console(*LONG) as op:
         await op.press("g", *"12", "enter")
@@ -117,6 +118,7 @@ async def test_what_is_not_complete_at_the_end_is_written_too() -> None:
     assert op.session.unrecorded == ""
 
 
+@pytest.mark.waits
 async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -145,6 +147,7 @@ async def test_what_happens_while_a_file_is_written_is_in_the_next_one(
     assert "YOU: release stop: Released; nothing resumes by itself" in said(second)
 
 
+@pytest.mark.waits
 async def test_a_full_disk_is_an_alarm_that_goes_when_there_is_room(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

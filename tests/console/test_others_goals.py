@@ -262,6 +262,7 @@ async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does(
         assert "by another client" not in op.text
 
 
+@pytest.mark.waits
 async def test_what_no_console_did_is_by_another_client() -> None:
     async with shared(*FAST) as (op, other):
         client = other.create_client(EmergencyStop, "emergency_stop")

@@ -199,6 +199,7 @@ def test_a_link_that_grows_slower_is_judged_by_its_first_pace() -> None:
     assert period.seconds == 1.0
 
 
+@pytest.mark.waits
 async def test_a_robot_that_speaks_every_30_s_is_not_lost() -> None:
     slow = publisher(Float32, "battery_level", Float32(data=50.0), period=30.0)
     async with robot(slow) as it:
@@ -209,6 +210,7 @@ async def test_a_robot_that_speaks_every_30_s_is_not_lost() -> None:
             assert conditions(it.snapshot, clock.seconds() + 29.0) == {}
 
 
+@pytest.mark.waits
 async def test_a_new_pace_that_the_operator_sets_is_measured_anew() -> None:
     async with console("-p", "drain_max:=0.0", "-p", "drain_min:=0.0") as op:
         await op.at(clock.seconds() + 10)
@@ -250,6 +252,7 @@ async def test_a_stop_of_another_type_is_greyed_and_says_so() -> None:
         assert "std_srvs/srv/SetBool" in op.app.view.snapshot.faults["emergency_stop"]
 
 
+@pytest.mark.waits
 async def test_two_publishers_are_named_in_the_panel_and_an_alarm_when_they_stay() -> None:
     def second(**options: Any) -> Node:
         return battery(percentage=60.0)(cli_args=["--ros-args", "-r", "__node:=second"], **options)
@@ -285,6 +288,7 @@ async def test_clients_of_nodes_that_have_gone_are_destroyed() -> None:
         assert len(services._clients) <= before
 
 
+@pytest.mark.waits
 async def test_a_node_that_never_answers_is_asked_less_and_less() -> None:
     async with robot(battery(percentage=50.0)) as it:
         asked: list[float] = []

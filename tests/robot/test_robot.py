@@ -305,6 +305,7 @@ async def test_a_stop_without_an_answer_is_not_forgotten() -> None:
         release.set()
 
 
+@pytest.mark.waits
 async def test_a_cancelled_goal_may_be_silent_while_the_robot_brakes_and_then_is_lost() -> None:
     class Halting(Node):
         def __init__(self, **options: Any) -> None:
@@ -332,6 +333,7 @@ async def test_a_cancelled_goal_may_be_silent_while_the_robot_brakes_and_then_is
         assert refused.text.startswith("nothing is heard of the goal to shelf 3: cancel it")
 
 
+@pytest.mark.waits
 async def test_a_goal_that_was_lost_is_followed_again_when_it_is_heard() -> None:
     class Slow(Node):
         """Says where it is every 20 s."""
@@ -474,6 +476,7 @@ async def test_a_battery_that_is_published_with_best_effort_is_heard() -> None:
         await until(lambda: it.snapshot.battery.percentage == 44.5)
 
 
+@pytest.mark.waits
 async def test_requests_that_nobody_answers_are_forgotten() -> None:
     made: list[Node] = []
 

@@ -159,6 +159,7 @@ async def test_a_stop_that_is_always_answered_late_is_confirmed(seconds: tuple[f
         await until(lambda: any(e.text.startswith(told) for e in it.snapshot.events))
 
 
+@pytest.mark.waits
 async def test_a_stop_that_is_refused_late_says_why_and_is_not_sent_again() -> None:
     made: list[Brake] = []
     async with robot(making(made, Brake, "a", "no", 2.5)) as it:
@@ -228,6 +229,7 @@ async def test_a_goal_is_not_sent_to_an_action_with_two_servers() -> None:
         assert [drive.shelves for drive in made] == [[], []]
 
 
+@pytest.mark.waits
 async def test_a_server_that_does_not_know_the_goal_is_not_believed_beside_another() -> None:
     made: list[Drive] = []
     async with robot(making(made, Drive, "a")) as it:

@@ -58,6 +58,7 @@ async def test_nodes_that_were_heard_once_and_were_stopped_are_lost() -> None:
         assert "battery GOOD, 87.5 %, old, " in await state(person, 5.0)
 
 
+@pytest.mark.waits
 async def test_what_is_heard_once_is_old_after_30_s_though_its_node_is_there() -> None:
     async with operated(Teller) as person:
         assert "battery GOOD, 42.0 %\n" in await state(person, 28.0)
@@ -67,6 +68,7 @@ async def test_what_is_heard_once_is_old_after_30_s_though_its_node_is_there() -
 
 
 @pytest.mark.parametrize("maker", [partial(Teller, 10.0), partial(Teller, qos=LATCHED)])
+@pytest.mark.waits
 async def test_who_speaks_rarely_or_says_what_holds_is_not_silent(maker: Any) -> None:
     async with operated(maker) as person:
         # in real time long enough for one silence of 10 s

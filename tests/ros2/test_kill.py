@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.ros2.conftest import Processes
 from tests.support.archo import go
 from tests.support.console import LONG, console
@@ -12,6 +14,7 @@ MOTOR = "archo_bringup.motor_controller"
 SLOW = ("-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")  # a way of 11 s
 
 
+@pytest.mark.waits
 async def test_a_robot_killed_three_times_loses_its_goal_and_holds_the_queue_each_time(
     processes: Processes,
 ) -> None:
