@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from io import StringIO, TextIOBase, TextIOWrapper
 
 from archo_tui import __version__
-from archo_tui.collector import end_of_limit, limit_pauses
 from archo_tui.errors import ArchoError
 from archo_tui.plain.lines import is_stop_text
 from archo_tui.robot_file.reserved import VERBS
@@ -268,7 +267,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     finally:
         if isinstance(sys.stdout, _Closed):
             sys.stdout = None
-        end_of_limit()
         gc.enable()
         if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
             signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -587,7 +585,6 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
         # what it draws
         sys.setswitchinterval(0.0002)
     gc.disable()  # all that is imported and made at the start stays; TerminalApp enables it again
-    limit_pauses()
     from archo_tui.hosting.node_output import HarmlessOutput
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
