@@ -9,9 +9,9 @@ import pytest
 
 from archo_tui.keyed_app import HELD
 from archo_tui.robot.outcome import Code, Outcome
-from tests.console.states import STATES
 from tests.support.console import key_event, screen_text, send
 from tests.support.quiet import Quiet
+from tests.support.states import STATES
 from tests.support.stub import stub_app
 
 

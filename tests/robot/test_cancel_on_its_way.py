@@ -21,7 +21,6 @@ from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.ledger import Ledger
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Face
-from tests.console.states import STATES
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.console import console
@@ -30,6 +29,7 @@ from tests.support.quiet import ended, until
 from tests.support.robot import robot
 from tests.support.shells import served, typed
 from tests.support.shells import until as really
+from tests.support.states import STATES
 from tests.support.stub import StubRobot, stub_station
 
 
@@ -213,7 +213,7 @@ def test_ours_on_its_way_comes_before_another_clients_until_it_is_seen_or_refuse
     assert ledger.running_goal(seen) == seen.goal
 
 
-async def test_a_goal_that_a_screen_did_not_begin_to_send_is_not_on_its_way_for_the_next() -> None:
+async def test_a_goal_that_a_screen_did_not_send_is_forgotten_by_the_next() -> None:
     class Ends:
         """A face that ends before it begins what it is given."""
 
