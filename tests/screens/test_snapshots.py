@@ -21,7 +21,7 @@ from tests.support.clock import NOW, TIME
 from tests.support.console import send
 from tests.support.night import corners
 from tests.support.pictures import differs, steady
-from tests.support.quiet import Quiet
+from tests.support.quiet import Quiet, outside
 from tests.support.states import ARRIVED, CANCELLED, NORMAL, STATES, board, ended, past
 from tests.support.stub import StandingClock, StubRobot, stub_app
 
@@ -96,6 +96,7 @@ async def pictures(
     found = {}
     async with app.run_test(size=first) as pilot:
         quiet = Quiet(app)
+        await outside(lambda: not app.has_sent, "what was sent before: nothing")
         app.theme = theme
         clock.passed = 0.0
         app.tick()
@@ -350,6 +351,7 @@ async def test_what_an_assistant_asks_looks_as_accepted(
     app = stub_app(NORMAL, StandingClock(), size=SIZES[size])
     async with app.run_test(size=SIZES[size]):
         quiet = Quiet(app)
+        await outside(lambda: not app.has_sent, "what was sent before: nothing")
         asker = Asker("AI", "assistant 4711")
         goal = QueuedGoal(SHELF, {"shelf_number": 12})
         app.station._face = app
