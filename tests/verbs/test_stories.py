@@ -156,10 +156,14 @@ async def test_an_alarm_is_told_with_when_it_came_and_went_and_how_it_stands() -
         assert re.search(over, person.said)
         assert "\nalarm over, shelved: STOPPED: look for the cause\n" in person.said
         person.type("stop\n")
-        await until(lambda: station.view.alarms)
-        person.type("ack\nalarms\nrelease --yes\n")
-        await until(lambda: not station.view.alarms)
+        await until(lambda: station.view.alarms and not station.view.alarms[0].is_over)
+        person.type("ack\n")
+        await until(lambda: station.view.alarms[0].acknowledged)
+        person.type("alarms\n")
+        await person.until(", acknowledged: STOPPED")
         assert re.search(f"\nstopped, since {time}, acknowledged: STOPPED", person.said)
+        person.type("release --yes\n")
+        await until(lambda: not station.view.alarms)
 
 
 @asynccontextmanager
