@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 from io import StringIO, TextIOBase, TextIOWrapper
 
 from archo_tui import __version__
+from archo_tui.collector import ShortPauses
 from archo_tui.errors import ArchoError
 from archo_tui.plain.lines import is_stop_text
 from archo_tui.robot_file.reserved import VERBS
@@ -246,7 +247,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     given = sys.argv[1:] if argv is None else argv
     words, ros_args = split_ros_args(given)
     try:
-        code = _obey(words, ros_args)
+        with ShortPauses():
+            code = _obey(words, ros_args)
         if code == _AGAIN:
             os.execv(sys.executable, [sys.executable, *_itself(), *given])
         if sys.stdout is not None:

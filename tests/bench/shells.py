@@ -17,18 +17,19 @@ import threading
 import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from archo_tui import engine
 
 engine.activate("embedded", hosting=True)
 
 from archo_bringup.battery_monitor import BatteryMonitor  # noqa: E402
+from archo_bringup.motor_controller import MotorController  # noqa: E402
 
 from archo_tui.app import ArchoApp  # noqa: E402
 from archo_tui.keyed_app import HELD  # noqa: E402
 from archo_tui.remote import place  # noqa: E402
 from archo_tui.session import Options, Session  # noqa: E402
-from tests.bench.stop_in_flood import Stopped  # noqa: E402
 from tests.support.console import send  # noqa: E402
 
 _STOPS = 25
@@ -52,6 +53,16 @@ while True:
         pass
     time.sleep(0.01)
 """
+
+
+class Stopped(MotorController):
+    """The motor's node, which notes when it is told to stop."""
+
+    heard: list[float] = []
+
+    def emergency_stop(self, request: Any, response: Any) -> Any:
+        self.heard.append(time.perf_counter())
+        return super().emergency_stop(request, response)
 
 
 def _stop(path: str) -> float:

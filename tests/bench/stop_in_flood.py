@@ -1,80 +1,75 @@
-"""STOP in a flood of log lines: `python -m tests.bench.stop_in_flood`.
+"""STOP beside floods and a busy machine: `python -m tests.bench.stop_in_flood [KIND ...]`.
 
-One node logs 10,000 lines a second, no two alike; ctrl+x is pressed 50 times. Prints how long each
-press took to the node's callback, in ms: the design asks for 100 at worst, on a quiet machine.
+The console runs in a pseudo terminal, and ctrl+x is written to it 30 times, each time amid other
+keys in one write. Prints how long each took to the callback of the robot's service, in ms.
+
+KIND is `lines` (one node logs 10,000 lines a second, no two alike), `messages` (one publishes
+10,000 readings a second) or `loops` (three other processes loop); all three when none is named.
+The design asks for 100 ms at worst beside `lines` and `messages`, 300 beside `loops`, on two cores.
 """
 
 from __future__ import annotations
 
-import asyncio
+import os
 import statistics
+import subprocess
+import sys
+import tempfile
 import time
-from typing import Any
+from pathlib import Path
 
-from archo_tui import engine
+from archo_tui.keyed_app import HELD
+from tests.support.terminal import Terminal
 
-engine.activate("embedded", hosting=True)
-
-from archo_bringup.motor_controller import MotorController  # noqa: E402
-from rclpy.node import Node  # noqa: E402
-
-from archo_tui.app import ArchoApp  # noqa: E402
-from archo_tui.keyed_app import HELD  # noqa: E402
-from archo_tui.session import Options, Session  # noqa: E402
-from tests.support.console import send  # noqa: E402
-
-_PRESSES = 50
-_RATE, _BURSTS = 10_000, 100  # lines and bursts a second
+_PRESSES = 30
+_BURST = "12\x1834"  # ctrl+x behind keys that lead to panels, and before others
+_NODES = str(Path(__file__).with_name("stop_nodes.py"))
+_LOOPS = 3
+_BARS = {"lines": 100, "messages": 100, "loops": 300}  # ms at worst
 
 
-class Flood(Node):
-    """Logs far too much."""
-
-    def __init__(self, **options: Any) -> None:
-        super().__init__("flood", **options)
-        self.lines = 0
-        self.create_timer(1 / _BURSTS, self._burst)
-
-    def _burst(self) -> None:
-        for _ in range(_RATE // _BURSTS):
-            self.lines += 1
-            letters = "".join(chr(97 + int(digit)) for digit in str(self.lines))
-            self.get_logger().warning(f"line {letters}")
-
-
-class Stopped(MotorController):
-    """Notes when it is told to stop."""
-
-    heard: list[float] = []
-
-    def emergency_stop(self, request: Any, response: Any) -> Any:
-        self.heard.append(time.perf_counter())
-        return super().emergency_stop(request, response)
-
-
-async def _press(session: Session) -> list[float]:
-    app, took = ArchoApp(session.station), []
-    async with app.run_test(size=(120, 36)):
-        while len(app.view.snapshot.offered) < 4:
-            await asyncio.sleep(0.1)
-        await asyncio.sleep(2.0)
+def press(kind: str, heard: Path) -> list[float]:
+    """Press STOP beside a flood; return how long each press took to the robot, in ms."""
+    os.environ |= {"FLOOD": kind, "HEARD": str(heard)}
+    heard.touch()
+    loop = [sys.executable, "-c", "while True: pass"]
+    loops = [subprocess.Popen(loop) for _ in range(_LOOPS if kind == "loops" else 0)]
+    terminal, took = Terminal("--node", _NODES, "--no-remote", fresh=True), []
+    try:
+        terminal.until("IDLE")
+        _read(terminal, 2.0)
         for number in range(_PRESSES):
-            begin = time.perf_counter()
-            send(app, "ctrl+x")
-            while len(Stopped.heard) <= number:
-                await asyncio.sleep(0.001)
-            took.append(1000 * (Stopped.heard[number] - begin))
-            await asyncio.sleep(HELD + 0.1)  # the key is let go of
+            begin = time.monotonic()
+            terminal.write(_BURST)
+            while len(times := heard.read_text().splitlines()) <= number:
+                terminal.read(0.001)
+            took.append(1000 * (float(times[number]) - begin))
+            _read(terminal, HELD + 0.1)  # the key is let go of
+    finally:
+        terminal.kill(9)
+        terminal.exit_code()
+        terminal.close()
+        for process in loops:
+            process.kill()
+            process.wait()
     return took
+
+
+def _read(terminal: Terminal, seconds: float) -> None:
+    """Take what is drawn for so long."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        terminal.read(0.02)
+        terminal.output = terminal.output[-1000:]
 
 
 def main() -> None:
     """Run and print."""
-    with Session(Options(node_makers=(Stopped, Flood))) as session:
-        took = asyncio.run(_press(session))
-        (flood,) = (h.node for h in session.host.nodes if isinstance(h.node, Flood))
-        print(f"{flood.lines} lines; {len(took)} presses")
-    print(f"ms: median {statistics.median(took):.1f}, worst {max(took):.1f}")
+    for kind in sys.argv[1:] or _BARS:
+        with tempfile.TemporaryDirectory() as folder:
+            took = press(kind, Path(folder, "heard"))
+        said = f"median {statistics.median(took):.1f}, worst {max(took):.1f}"
+        print(f"{kind}, ms: {said} (bar: {_BARS[kind]})", flush=True)
 
 
 if __name__ == "__main__":

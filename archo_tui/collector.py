@@ -1,0 +1,50 @@
+"""Short pauses of Python's garbage collector, which holds up every thread, STOP's too."""
+
+from __future__ import annotations
+
+import gc
+import time
+from typing import Any
+
+_LONG = 0.02  # s of the processor; STOP has 0.1 s in all
+_FULL = 2  # the generation of a full collection
+
+
+class ShortPauses:
+    """A policy of the collector that keeps each full collection short, however much is kept.
+
+    In a flood the black box holds half a million objects, and looking through them takes 0.2 s.
+    What a long full collection has kept is left out of the following ones (`gc.freeze`); it is
+    still freed by reference count. When half of it has been freed, the flood is over: the rest
+    is looked through again, so that a cycle that was kept then, a closed dialog for example,
+    is freed too.
+    """
+
+    def __init__(self) -> None:
+        self._begun = 0.0  # when the last full collection began, in s of its thread
+        self._frozen = 0  # objects that are left out since the last long one, or 0
+        self._base = 0  # of these, how many were left out before: they do not come from a flood
+
+    def __enter__(self) -> None:
+        """Begin to watch collections."""
+        gc.callbacks.append(self._on_collection)
+
+    def __exit__(self, *_: object) -> None:
+        """Leave collections alone, and nothing out of them on account of a flood."""
+        gc.callbacks.remove(self._on_collection)
+        if self._frozen:
+            gc.unfreeze()
+
+    def _on_collection(self, phase: str, info: dict[str, Any]) -> None:
+        if info["generation"] < _FULL:
+            return
+        if phase == "start":
+            if self._frozen and gc.get_freeze_count() < (self._base + self._frozen) / 2:
+                gc.unfreeze()
+                self._frozen = self._base = 0
+            self._begun = time.thread_time()
+        elif time.thread_time() - self._begun > _LONG:
+            if not self._frozen:
+                self._base = gc.get_freeze_count()
+            gc.freeze()
+            self._frozen = gc.get_freeze_count()
