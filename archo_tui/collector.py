@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import gc
 import time
-from typing import Any
 
 _LONG = 0.02  # s of the processor; STOP has 0.1 s in all
 _FULL = 2  # the generation of a full collection
@@ -35,7 +34,7 @@ class ShortPauses:
         if self._frozen:
             gc.unfreeze()
 
-    def _on_collection(self, phase: str, info: dict[str, Any]) -> None:
+    def _on_collection(self, phase: str, info: dict[str, int]) -> None:
         if info["generation"] < _FULL:
             return
         if phase == "start":

@@ -47,6 +47,8 @@ FAULTS = [
     Fault("plain/plain.py", "await self._until(lambda: stops.overtaken, rest)", "await self._clock.sleep(rest)", "tests/plain/test_plain_stops.py"),
     Fault("commands/robot.py", " and not stops.overtaken:", ":", CONSOLE + "/test_stop_seams.py"),
     Fault("station/station.py", "            self._elsewhere = self.robot.stops.elsewhere\n            self.ask_no_more()", "            pass", CONSOLE + "/test_stop_seams.py"),
+    Fault("robot/followed.py", "            if self.is_taken:", "            if True:", "tests/robot/test_answered_late.py"),
+    Fault("robot/goals.py", "one.is_unwanted or not one.is_taken", "one.is_unwanted", "tests/robot/test_answered_late.py"),
     Fault("station/undo.py", " | self._set_since(last, node, values)", "", "tests/parameters/test_undo.py"),
     Fault("remote/finder.py", "    if len(found) == 1 and not silent:", "    found = [one for one in found if not one.fault]\n    if len(found) == 1:", WHICH),
     Fault("remote/finder.py", "_exchange(found, first, is_over, SOON)", "_exchange(found, b'', lambda one: bool(one.hello), SOON)", WHICH),

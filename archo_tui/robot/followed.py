@@ -29,6 +29,7 @@ FARTHEST = 1e6  # a remainder beyond that is not a reading
 FIRST_FEEDBACK = 15.0  # s without a word, where none is due, until a served goal counts as lost
 ASK_AGAIN = 5.0  # s without a word of a goal itself, until its server is asked whether it knows it
 NOBODY_SERVES = 1.0  # s that nobody serves its action, and it is not heard of, until it is over
+NEVER_TAKEN = 20.0  # s in which a server that does not know a goal may still decide to take it
 SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
 
 ENDS = {
@@ -39,6 +40,7 @@ ENDS = {
 _NO_REASON = "the robot gave no reason"
 _GONE = "the robot may still be moving"
 _FORGOTTEN = "the robot no longer knows this goal (was it restarted?)"
+_NOT_TAKEN = f"the robot does not know this goal: it did not take it in {NEVER_TAKEN:g} s"
 
 
 class Followed:
@@ -77,6 +79,11 @@ class Followed:
     def is_unwanted(self) -> bool:
         """True when it is to be cancelled as soon as its server takes it."""
         return self.is_void or self.is_cancelled
+
+    @property
+    def is_taken(self) -> bool:
+        """True when its server is known to have accepted it."""
+        return self.goal.started is not None
 
     def accepted(self, handle: Any) -> None:
         """The server took it, in time or later."""
@@ -170,8 +177,11 @@ class Followed:
 
     def _on_result(self, answer: Any) -> None:
         if answer.status == GoalStatus.STATUS_UNKNOWN:
-            self.forgotten()
-            return
+            if self.is_taken:
+                self.forgotten()
+            elif self._clock.monotonic() - self.goal.sent > NEVER_TAKEN:
+                self.end(Phase.ABORTED, _NOT_TAKEN)
+            return  # else its server has not decided yet, and is asked again
         phase, result = ENDS.get(answer.status, Phase.ABORTED), answer.result
         succeeded = getattr(result, "success", None)
         if isinstance(succeeded, bool) and succeeded != (phase == Phase.ARRIVED):

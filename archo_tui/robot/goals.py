@@ -234,7 +234,8 @@ class Goals:
             handle = done.result()
             if handle is not None and one.goal.is_running:
                 self._answered(one, handle)
-            elif handle is not None and handle.accepted and one.is_unwanted:  # long given up
+            elif handle is not None and handle.accepted and (one.is_unwanted or not one.is_taken):
+                self._say("WARN", f"{one.goal.name} was accepted after its end: cancelling it")
                 handle.cancel_goal_async()
             answered.set_result(True)
             self._wake()
