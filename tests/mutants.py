@@ -172,7 +172,7 @@ FAULTS = [
     Fault("robot/events.py", "_READING.sub(\"#\", text)", "re.sub(r\"[0-9.]+\", \"#\", text)", ROBOT + "/test_events.py"),
     Fault("robot/events.py", "LIMIT = 1000", "LIMIT = 100_000", ROBOT),
     Fault("robot/events.py", "text, source = harmless(event.text), ", "text, source = event.text, ", ROBOT + " " + CONSOLE),
-    Fault("robot/followed.py", "SILENCE = 3.0", "SILENCE = 300.0", ROBOT),
+    Fault("robot/followed.py", "SILENCE = 3.0", "SILENCE = 300.0", ROBOT + "/test_followed.py"),
     Fault("robot/goals.py", "            one.is_cancelled = True\n        if one.goal.phase == Phase.SENT:", "            pass\n        if one.goal.phase == Phase.SENT:", ROBOT + "/test_cancel_on_its_way.py"),
     Fault("robot/goals.py", "        if one.is_cancelled:\n            return Outcome(Code.CANCELLED, NEVER_LEFT)", "", ROBOT + "/test_cancel_on_its_way.py"),
     Fault("station/ledger.py", "goal.mine and goal.number > self.before", "goal.number > self.before", ROBOT + "/test_cancel_on_its_way.py"),
