@@ -70,6 +70,20 @@ async def test_a_palette_that_is_clicked_away_while_help_opens_over_it_goes_with
         await stop_works(op)
 
 
+async def test_a_dialog_whose_answer_comes_while_help_is_over_it_goes_with_help() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        palette = op.app.screen
+        await op.press("f1")
+        await op.until(lambda: isinstance(op.app.screen, Help))
+        palette.dismiss()
+        await op.settle()
+        assert "Keys" in op.text
+        await op.press("escape")
+        await op.until(lambda: op.app.screen is op.app.main)
+        await stop_works(op)
+
+
 async def test_pages_of_a_palette_with_nothing_in_it_are_turned_in_vain() -> None:
     async with console(*FAST) as op:
         op.send("ctrl+p", "pagedown", "pageup")
