@@ -80,6 +80,14 @@ class Input:
         return bool(self._waiting) or self.has_ended
 
     @property
+    def is_cancel_next(self) -> bool:
+        """True when the line that has waited longest is `cancel`."""
+        with self._lock:
+            end = max(self._waiting.find(b"\n"), 0)
+            _, _, text = self._waiting[:end].partition(b" ")
+        return text.split() == [b"cancel"]
+
+    @property
     def is_quiet(self) -> bool:
         """True when nothing is there to be read, and what was read is kept."""
         if self._descriptor is None or self.has_ended or self._closed:

@@ -37,6 +37,7 @@ _SHOWN_LEVELS = ("YOU", "SHELL", "AI", "PEER", "WARN", "ERROR", "FATAL")
 _BEHIND = 0.3  # s that an answer to an assistant comes behind the line before it: no paste's does
 _SLOW = 2.0  # s for the reader to catch up before the next line; once, if it does not read at all
 _LAST = 0.5  # s after a signal for a STOP to be answered, and for what is not written yet
+_AT_ONCE = 0.2  # s in which nearly all lines are answered, before a cancel behind one goes ahead
 _YES, _NO = ("y", "yes"), ("n", "no")
 
 
@@ -67,6 +68,7 @@ class Plain:
         self._goal: Goal | None = None
         self._failed = False  # a line, or a goal
         self._stopped = self._confirmed = 0  # the last STOPs that were sent, and confirmed
+        self._is_asking = False
         self._patience = _SLOW
         self._overflows = 0  # of the input, that were said
         self._tasks: set[asyncio.Future[None]] = set()
@@ -155,8 +157,7 @@ class Plain:
     async def _serve(self) -> None:
         while (line := await self._line()) is not None and line.text.split() != ["quit"]:
             if line.fault or line.text.split():  # else blanks of some other script
-                with self._robot.stops.at(line.stops):
-                    await self._run(line)
+                await self._run_until_cancel(line)
         await self._hold(lambda: self._input.is_quiet)  # a stop may have come with the last line
         await self._hold(lambda: self._is_over() or self._is_in_doubt)
         if self._goal is not None and not self._is_over():
@@ -220,6 +221,29 @@ class Plain:
         self._output.put(
             "".join(f"{in_ascii(line) if self._ascii else line}\n" for line in lines).encode()
         )
+
+    @property
+    def _has_cancel(self) -> bool:
+        """True when the next line is `cancel`, no answer to a question, and there is a goal."""
+        has_goal = self._station.running_goal is not None
+        return has_goal and self._input.is_cancel_next and not self._is_asking
+
+    async def _run_until_cancel(self, line: Line) -> None:
+        """Carry out a line; a `cancel` directly behind it does not wait for its answer."""
+        with self._robot.stops.at(line.stops):
+            running = asyncio.ensure_future(self._run(line))
+        running.add_done_callback(lambda _: self._changed.set())
+        try:
+            await self._until(running.done, _AT_ONCE)
+            while True:
+                await self._hold(lambda: running.done() or self._has_cancel)
+                if running.done() or (cancel := self._input.take()) is None:
+                    break
+                with self._robot.stops.at(cancel.stops):
+                    await self._run(cancel)
+            await running
+        finally:
+            running.cancel()
 
     async def _run(self, line: Line) -> None:
         if line.fault:
@@ -302,8 +326,12 @@ class Plain:
             raise ArchoError(f"{text} (add {YES} to do it)")
         gate = self._robot.stops.gate()
         self._say(f"{text} [y/N]")
-        await self._hold(lambda: gate.is_shut or self._input.has_news)
-        line = await self._line() if self._input.has_news else None
+        self._is_asking = True
+        try:
+            await self._hold(lambda: gate.is_shut or self._input.has_news)
+            line = await self._line() if self._input.has_news else None
+        finally:
+            self._is_asking = False
         await self._hold(lambda: self._input.is_quiet)  # a terminal gives line by line: STOP behind
         answer = "" if line is None else line.text.strip().lower()
         if line is not None and (line.fault or answer not in ("", *_YES, *_NO)):

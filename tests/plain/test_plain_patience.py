@@ -76,6 +76,35 @@ async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> No
         assert seconds() - began < 0.5
 
 
+async def test_a_cancel_does_not_wait_until_the_robot_has_taken_the_goal() -> None:
+    made: list[Hesitant] = []
+
+    def make(**options: Any) -> Node:
+        made.append(Hesitant(**options))
+        return made[0]
+
+    async with operated(make) as person:
+        person.type("go 12\ncancel\nnodes\n")
+        await until(lambda: made and made[0].seen)
+        station = person._plain._station
+        await until(lambda: station.robot._goals._ours and station.robot._goals._ours.is_cancelled)
+        assert "hesitant up" not in person.said  # what follows keeps its place
+        made[0].answer()
+        await person.until("goal CANCELLED")
+        await person.until("hesitant up")
+
+
+async def test_a_cancel_that_answers_a_question_is_a_no_and_then_a_cancel() -> None:
+    async with operated(at_terminal=True) as person:
+        person.type("go 12\n")
+        await person.until("goal MOVING")
+        person.type("reset\n")
+        await person.until("[y/N]")
+        person.type("cancel\n")
+        await person.until("failed: reset: not done: the answer was not yes")
+        await person.until("goal CANCELLED")
+
+
 async def test_that_a_goal_without_an_answer_is_waited_for_is_said() -> None:
     made: list[Hesitant] = []
 
