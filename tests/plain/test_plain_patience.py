@@ -86,8 +86,9 @@ async def test_a_cancel_does_not_wait_until_the_robot_has_taken_the_goal() -> No
     async with operated(make) as person:
         person.type("go 12\ncancel\nnodes\n")
         await until(lambda: made and made[0].seen)
-        station = person._plain._station
+        station, began = person._plain._station, seconds()
         await until(lambda: station.robot._goals._ours and station.robot._goals._ours.is_cancelled)
+        assert seconds() - began < 1.0
         assert "hesitant up" not in person.said  # what follows keeps its place
         made[0].answer()
         await person.until("goal CANCELLED")
