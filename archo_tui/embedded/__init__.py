@@ -19,6 +19,14 @@ from .import_hook import InterfaceFinder
 HERE = Path(__file__).parent
 
 
+class RclpyLoader(importlib.machinery.SourceFileLoader):
+    """The loader of a module of rclpy that answers for names which it does not define itself."""
+
+    def exec_module(self, module: ModuleType) -> None:
+        module.__getattr__ = absent.lookup_in(module.__name__)  # type: ignore[method-assign]
+        super().exec_module(module)
+
+
 class RclpyFinder:
     """Answers `import rclpy` with the embedded package; submodules follow from its `__path__`."""
 
@@ -26,11 +34,16 @@ class RclpyFinder:
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
         absent.check_module(fullname)
-        if fullname != "rclpy":
+        if not absent.answers_for(fullname):
             return None
-        folder = HERE / "rclpy"
+        folder = HERE.joinpath(*fullname.split("."))
+        is_package = folder.is_dir()
+        file = folder / "__init__.py" if is_package else folder.with_suffix(".py")
         return importlib.util.spec_from_file_location(
-            "rclpy", folder / "__init__.py", submodule_search_locations=[str(folder)]
+            fullname,
+            file,
+            loader=RclpyLoader(fullname, str(file)),
+            submodule_search_locations=[str(folder)] if is_package else None,
         )
 
 

@@ -5,8 +5,11 @@ docs/embedded_engine.md lists them.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
-from typing import NoReturn
+from typing import Any
+
+from archo_tui.embedded.reexported import REEXPORTED, home_of
 
 MODULES = {
     f"rclpy.{name}"
@@ -26,10 +29,18 @@ MODULES = {
 NAMES: dict[str, tuple[str, ...]] = {  # of modules that are here
     "rclpy.clock": ("ClockChange", "JumpHandle", "JumpThreshold", "TimeJump"),
     "rclpy.event_handler": (
+        "QoSEventHandler",
         "QoSLivelinessChangedInfo",
         "QoSLivelinessLostInfo",
         "QoSOfferedDeadlineMissedInfo",
         "QoSRequestedDeadlineMissedInfo",
+    ),
+    "rclpy.logging": ("initialize", "shutdown"),
+    "rclpy.signals": (
+        "SignalHandlerGuardCondition",
+        "get_current_signal_handlers_options",
+        "install_signal_handlers",
+        "uninstall_signal_handlers",
     ),
     "rclpy.qos": ("QoSCompatibility", "qos_check_compatible"),
 }
@@ -46,11 +57,22 @@ def check_module(name: str) -> None:
         raise ImportError(message(name), name=name)
 
 
-def lookup_in(module: str) -> Callable[[str], NoReturn]:
-    """Return the `__getattr__` of a module, which raises ImportError for what it leaves out."""
+def answers_for(module: str) -> bool:
+    """Return True for a module that re-exports names, or leaves some out."""
+    return module in REEXPORTED or module in NAMES
 
-    def lookup(name: str) -> NoReturn:
-        if name in NAMES[module]:
+
+def lookup_in(module: str) -> Callable[[str], Any]:
+    """Return the `__getattr__` of a module.
+
+    It returns what the module re-exports, and raises ImportError for what it leaves out.
+    """
+
+    def lookup(name: str) -> Any:
+        home, made_as = home_of(module, name)
+        if home:
+            return getattr(importlib.import_module(home), made_as)
+        if name in NAMES.get(module, ()):
             raise ImportError(message(f"{module}.{name}"))
         raise AttributeError(f"module {module!r} has no attribute {name!r}")
 

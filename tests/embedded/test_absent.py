@@ -45,6 +45,29 @@ def test_a_name_that_is_left_out_is_named_where_it_is_imported(module: str, name
     assert f"`{name}`" in PAGE.read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize(
+    ("module", "name"),
+    [
+        ("rclpy", "Parameter"),
+        ("rclpy.node", "SetParametersResult"),
+        ("rclpy.node", "ParameterMsg"),
+        ("rclpy.node", "get_logger"),
+        ("rclpy.executors", "Client"),
+    ],
+)
+def test_a_name_that_a_module_only_imports_can_be_imported_from_there(
+    module: str, name: str
+) -> None:
+    found: dict[str, Any] = {}
+    exec(f"from {module} import {name}", found)
+    assert found[name].__name__ == name.removesuffix("Msg")
+
+
+def test_what_is_left_out_is_named_where_another_module_imports_it() -> None:
+    with pytest.raises(ImportError, match=r"no rclpy\.waitable: real ROS 2 has it"):
+        exec("from rclpy.node import Waitable")
+
+
 def test_a_misspelt_name_is_python_s_own_error() -> None:
     with pytest.raises(ImportError, match="cannot import name 'QoSProfil'"):
         exec("from rclpy.qos import QoSProfil")

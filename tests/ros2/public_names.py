@@ -1,4 +1,8 @@
-"""Prints the public names of `rclpy`, and of its classes, as JSON; `embedded` for the engine's."""
+"""Prints the public names of `rclpy`, and of its classes, as JSON; `embedded` for the engine's.
+
+`reexported`: instead, the names that its modules have only because they import them. `imports`:
+those of the names on standard input, `module.name`, that the embedded engine does not answer for.
+"""
 
 from __future__ import annotations
 
@@ -55,9 +59,39 @@ def names() -> set[str]:
     return found
 
 
+def reexported() -> set[str]:
+    """`rclpy.node.ReentrantCallbackGroup`, and so on: functions, classes and interfaces of ROS."""
+    found = set()
+    for module in modules():
+        for name, value in vars(module).items():
+            home = getattr(value, "__module__", None) or ""
+            is_ros = home.split(".")[0] in ("rclpy", "rcl_interfaces")
+            is_kind = inspect.isclass(value) or inspect.isfunction(value)
+            if name[0] != "_" and is_ros and is_kind and home != module.__name__:
+                found.add(f"{module.__name__}.{name}")
+    return found
+
+
+def is_answered(full: str) -> bool:
+    """True when that can be imported, or the error says that real ROS 2 has it."""
+    module, _, name = full.rpartition(".")
+    try:
+        getattr(importlib.import_module(module), name)
+    except ImportError as error:
+        return "real ROS 2 has it" in str(error)
+    except AttributeError:
+        return False
+    return True
+
+
 if __name__ == "__main__":
-    if sys.argv[1:] == ["embedded"]:
+    wanted = "".join(sys.argv[1:])
+    if wanted in ("embedded", "imports"):
         from archo_tui import engine
 
         engine.activate("embedded")
-    print(json.dumps(sorted(names())))
+    if wanted == "imports":
+        found = {full for full in json.load(sys.stdin) if not is_answered(full)}
+    else:
+        found = reexported() if wanted == "reexported" else names()
+    print(json.dumps(sorted(found)))

@@ -42,9 +42,15 @@ USED = re.compile(
 )
 
 
-def public(python: str, *words: str) -> set[str]:
+# protocols for type checkers
+TYPES_ONLY = re.compile(r"\.(\w+Handle|DestroyableType|TimeJumpDictionary|DurationType)$")
+
+
+def public(python: str, *words: str, given: str = "") -> set[str]:
     command = [python, "-W", "ignore", "-m", "tests.ros2.public_names", *words]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=False, input=given
+    )
     assert done.returncode == 0, done.stderr
     return set(json.loads(done.stdout.splitlines()[-1]))
 
@@ -65,3 +71,9 @@ def test_every_public_name_is_there_or_in_the_list_of_the_page() -> None:
         assert words in section, words
         if words != "content filters":  # which Jazzy's rclpy lacks
             assert any(re.search(pattern, name) for name in missing), f"{words} is emulated by now"
+
+
+def test_what_a_module_only_imports_can_be_imported_from_there_or_is_named() -> None:
+    real = {name for name in public(sys.executable, "reexported") if not TYPES_ONLY.search(name)}
+    assert "rclpy.node.SetParametersResult" in real
+    assert public(sys.executable, "imports", given=json.dumps(sorted(real))) == set()

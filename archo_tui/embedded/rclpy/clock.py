@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import weakref
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rclpy import _time_source
 from rclpy.clock_type import ClockType
@@ -15,9 +15,6 @@ from rclpy.time import Time
 from rclpy.utilities import get_default_context
 
 from archo_tui.embedded import absent
-
-if not TYPE_CHECKING:
-    __getattr__ = absent.lookup_in(__name__)
 
 __all__ = [
     "Clock",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rclpy import _event_handlers as handlers
 from rclpy._event_handlers import EventHandler
@@ -24,9 +24,6 @@ from rclpy.logging import get_logger
 from rclpy.qos import qos_policy_name_from_kind
 
 from archo_tui.embedded import absent
-
-if not TYPE_CHECKING:
-    __getattr__ = absent.lookup_in(__name__)
 
 __all__ = [
     "EventHandler",

@@ -9,14 +9,9 @@ from __future__ import annotations
 import warnings
 from copy import copy
 from enum import Enum, EnumMeta, IntEnum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rclpy.duration import Duration
-
-from archo_tui.embedded import absent
-
-if not TYPE_CHECKING:
-    __getattr__ = absent.lookup_in(__name__)
 
 _NO_TIME = Duration()
 _BEST_TIME = Duration(nanoseconds=9223372036854775806)  # rmw's "best available"

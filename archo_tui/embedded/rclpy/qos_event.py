@@ -2,10 +2,5 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rclpy.event_handler import *  # noqa: F403
 from rclpy.event_handler import __all__ as __all__
-
-if not TYPE_CHECKING:
-    from rclpy.event_handler import __getattr__ as __getattr__
