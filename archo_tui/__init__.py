@@ -6,8 +6,38 @@ import sys
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from archo_tui.remote.api import Robot
+    from typing import Any
 
+    from archo_tui.remote.api import (
+        Aborted,
+        Cancelled,
+        Goal,
+        GoalHandle,
+        Misused,
+        NotDone,
+        RanOut,
+        Refused,
+        Robot,
+        Status,
+        Unreached,
+    )
+
+__all__ = [
+    "Aborted",
+    "Cancelled",
+    "Goal",
+    "GoalHandle",
+    "Misused",
+    "NotDone",
+    "RanOut",
+    "Refused",
+    "Robot",
+    "Status",
+    "Unreached",
+    "__version__",
+    "connect",
+    "stop",
+]
 __version__ = "0.1.0"
 
 if sys.version_info < (3, 10):  # noqa: UP036  # pip sees to it, but nobody asks pip to run a .pyz
@@ -16,11 +46,64 @@ if sys.version_info < (3, 10):  # noqa: UP036  # pip sees to it, but nobody asks
     sys.exit(2)
 
 
-def connect(to: str = "") -> Robot:
-    """The robot of the console that runs here; `to` chooses by process number or namespace.
+# what is loaded when it is first named, and not with every start
+_LATE = (
+    *("NotDone", "Refused", "Misused", "Aborted", "Cancelled", "RanOut", "Unreached"),
+    *("Robot", "GoalHandle", "Goal", "Status"),
+)
 
-    Raises archo_tui.remote.api.Unreached when none runs, or several.
+
+def connect(to: str = "") -> Robot:
+    """Return the robot of the console that runs here: `with archo_tui.connect() as robot: ...`.
+
+    The console is chosen as `archo-tui VERB` chooses it: none is, while another that could be
+    meant runs too or does not answer. It takes 1 s at most.
+
+    Args:
+        to: The process, the namespace or the socket's name of one among several consoles:
+            `4711`, `/north`. Empty: the variable ARCHO_TUI_CONSOLE, else the only one.
+
+    Returns:
+        The robot. Its methods may be called from any thread; leaving its `with` block cancels
+        the goals that it has sent and that still run.
+
+    Raises:
+        Unreached: None runs, several do, or one that could be meant does not answer. All errors
+            are in `archo_tui`: NotDone is their base, its subclasses Refused, Misused, Aborted,
+            Cancelled, RanOut and Unreached.
     """
     from archo_tui.remote.api import Robot
 
     return Robot(to)
+
+
+def stop(to: str = "") -> None:
+    """Send STOP to every console that could be meant, as `archo-tui stop` does.
+
+    It needs no connection: a console that is suspended carries it out when it wakes, and several
+    are all stopped. It takes 15 s at most.
+
+    Args:
+        to: As in `connect`; empty: each console that runs here.
+
+    Raises:
+        Unreached: None runs, or one did not confirm it: its robot may be moving.
+        Refused: A robot did not confirm it.
+    """
+    from archo_tui.remote.api import stop
+
+    stop(to)
+
+
+def __getattr__(name: str) -> Any:
+    """Load an error or a type of `connect()`."""
+    if name not in _LATE:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from archo_tui.remote import api
+
+    return getattr(api, name)
+
+
+def __dir__() -> list[str]:
+    """List the errors and types of `connect()`, too."""
+    return sorted((*globals(), *_LATE))

@@ -16,7 +16,7 @@ from archo_tui import __version__
 from archo_tui.collector import ShortPauses
 from archo_tui.errors import ArchoError
 from archo_tui.plain.lines import is_stop_text
-from archo_tui.robot_file.reserved import VERBS
+from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
 
 TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
 if TYPE_CHECKING:
@@ -55,6 +55,14 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise ArchoError(f"{message} (see {self.prog} --help)")
+
+
+class _Behind(argparse.Action):
+    """An option of a verb that stands before it: kept as it was typed, to be put behind it."""
+
+    def __call__(self, _: Any, options: Namespace, value: Any, option: str | None = None) -> None:
+        given = [value] if isinstance(value, str) else []
+        options.behind = [*options.behind, str(option), *given]
 
 
 class _Formatter(argparse.HelpFormatter):
@@ -96,6 +104,12 @@ def parser(*, for_words: bool = True) -> argparse.ArgumentParser:
     )
     if for_words:
         made.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+        for name in (*VERB_VALUES, *VERB_FLAGS):
+            nargs = 0 if name in VERB_FLAGS else None
+            hidden = argparse.SUPPRESS
+            made.add_argument(
+                name, action=_Behind, nargs=nargs, dest="behind", default=[], help=hidden
+            )
     made.add_argument_group(
         "verbs (archo-tui VERB --help says more)",
         f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own; a console must run",
@@ -305,7 +319,19 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
 
         _no_loss()
         return shell.run(words, SUBCOMMANDS)
-    options = parser().parse_args(words)
+    try:
+        options = parser().parse_args(words)
+        if options.behind and not options.command:
+            raise ArchoError(f"{options.behind[0]} is for a verb: archo-tui VERB --help says which")
+    except ArchoError as error:
+        at = next((number for number, word in enumerate(words) if is_stop_text(word)), None)
+        if at is None:
+            raise
+        from archo_tui.remote import shell
+
+        _no_loss()
+        _complain(f"{error}: STOP is said all the same")
+        return shell.run(words[at:], SUBCOMMANDS)
     if not options.command:
         return _run(options, ros_args)
     name, *rest = options.command
@@ -323,31 +349,40 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
 
 
 def _speak(options: Namespace, words: Sequence[str]) -> int:
-    """A verb behind options of the console: only where it is looked for can be said so."""
+    """Send a verb that stands behind options of the console.
+
+    Of these only `--engine` and `--namespace` mean something to it: where it is looked for.
+    """
     from archo_tui.remote.shell import run
 
     plain = parser().parse_args([])
     given = [
         name.replace("_", "-")
         for name, value in vars(options).items()
-        if name not in ("command", "namespace", "engine") and value != getattr(plain, name)
+        if name not in ("command", "behind", "namespace", "engine")
+        and value != getattr(plain, name)
     ]
-    if given:
-        raise ArchoError(f"--{given[0]} is for the console, not for {options.command[0]}")
+    typed = [*options.command, *options.behind]
     made = parser()
     made.set_defaults(engine="", namespace="")
     said = made.parse_args(words)  # what was typed, and not what is taken where nothing is
-    if options.engine not in ("embedded", "ros2"):
-        raise ArchoError(f"--engine {options.engine}: there are embedded and ros2")
     meant = {"engine": said.engine, "to": said.namespace}
-    if options.engine == "embedded":
-        return run(options.command, SUBCOMMANDS, meant=meant)
+    wrong = f"--{given[0]} is for the console, not for {typed[0]}" if given else ""
+    if options.engine not in ("embedded", "ros2"):
+        wrong = f"--engine {options.engine}: there are embedded and ros2"
+        meant["engine"] = ""
+    if wrong and not is_stop_text(typed[0]):
+        raise ArchoError(wrong)
+    if wrong:
+        _complain(f"{wrong}: STOP is said all the same")
+    if options.engine != "ros2":
+        return run(typed, SUBCOMMANDS, meant=meant)
     from archo_tui.remote.once import attached
     from archo_tui.session import Options, Session
 
     there = Options(engine=options.engine, namespace=options.namespace, attach=True)
     attach = lambda: attached(lambda: Session(there))  # noqa: E731
-    return run(options.command, SUBCOMMANDS, attach, {**meant, "domain": _domain()})
+    return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()})
 
 
 def _domain() -> int:

@@ -198,7 +198,7 @@ def options() -> set[str]:
         add_options(made[-1])
     found = {option for parser in made for option in parser._option_string_actions}
     found |= {argument.name for verb in VERBS.values() for argument in verb.arguments}
-    return found | {*verbs_from_shells._FLAGS, *verbs_from_shells._VALUES, YES}
+    return found | {YES}
 
 
 @each_page

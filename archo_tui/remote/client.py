@@ -23,6 +23,10 @@ class Unreached(Exception):
     """No console, or several."""
 
 
+class Silent(Unreached):
+    """The console said nothing for as long as it was waited for."""
+
+
 class Connection:
     """One console: first it is connected to without waiting, later requests wait for it."""
 
@@ -141,7 +145,7 @@ class Connection:
                     return
 
     def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield what else is said. Raises Unreached at its end, or after `within` seconds."""
+        """Yield what else is said. Raises Unreached at its end, Silent after `within` seconds."""
         assert self.socket is not None
         end = None if within is None else time.monotonic() + within
         try:
@@ -154,7 +158,7 @@ class Connection:
                     break
                 self._rest += chunk
         except TimeoutError:
-            raise Unreached(UNANSWERED) from None
+            raise Silent(UNANSWERED) from None
         except (OSError, ValueError):  # as if it had ended
             pass
         finally:

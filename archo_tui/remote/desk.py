@@ -11,7 +11,7 @@ from typing import Any
 
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.remote.assistants import Assistants
-from archo_tui.remote.follow import follow
+from archo_tui.remote.follow import follow, follow_goal
 from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
 from archo_tui.remote.server import Guest
 from archo_tui.remote.waits import LOOK, RanOut, timeout_of, wait_for
@@ -227,19 +227,31 @@ class Desk:
         values, yes = parse(verb, self._station, rest)
         person = request.get("person") is True
         ask = None if yes else partial(self._ask, visit, number, person)
-        visit.is_waiting, asker = request.get("wait") is True, visit.asker
+        asker = visit.asker
         outcome = await speak(self._station, verb, values, partial(self._until, asker), ask)
         self._station.look()
         if asker.ends:
             visit.sent = asker.ends
         if visit.is_waiting and outcome.ok and asker.ends:
             visit.client.tell({"id": number, "said": outcome.text})
-            outcome = await _ended(asker.ends)
+            feedback = request.get("feedback") is True
+            outcome = await self._ended(visit, number, feedback=feedback)
         result = {**_result(number, outcome), "tells": verb.tells}
         told = verb.data(self._station, values) if outcome.ok else None
         if visit.is_waiting and asker.goal is not None:
             told = as_data.goal(asker.goal, self._station.clock.monotonic())
         return result if told is None else {**result, "data": told}
+
+    async def _ended(self, visit: _Visit, number: Any, *, feedback: bool) -> Outcome:
+        """Wait until all goals of a client have ended; with `feedback`, tell it their states."""
+        if not feedback:
+            return await _ended(visit.asker.ends)
+        work = follow_goal(self._station, visit.asker, visit.client.tell, number)
+        following = asyncio.ensure_future(work)
+        try:
+            return await _ended(visit.asker.ends)
+        finally:
+            following.cancel()
 
     @staticmethod
     def _arrived(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
@@ -289,7 +301,8 @@ class _Visit:
         if not self.is_assistant:  # which is one from its first word on, and the same to its end
             self.is_assistant = request.get("assistant") is True
             self.asker = _asker(self.client, assistant=self.is_assistant)
-        self.is_waiting = False  # for the end of its goals
+        # for the end of its goals, before they are sent: it may be gone by then
+        self.is_waiting = request.get("wait") is True
         self.leaves = request.get("leave") is True  # and they go on without it
         is_wait = isinstance(words, list) and words[:1] == ["wait"]
         self.only_looks = is_wait or bool(request.get("follow"))  # it commands nothing

@@ -14,7 +14,7 @@ import time
 
 from archo_tui.remote import place
 from archo_tui.remote.client import Connection, Unreached
-from archo_tui.remote.protocol import LOST, NOT_MEANT, is_meant, line
+from archo_tui.remote.protocol import GONE, LOST, NOT_MEANT, is_meant, line
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -61,11 +61,12 @@ def find(asked: Mapping[str, Any], faults: list[str] | None = None) -> list[Conn
 def choose(asked: Mapping[str, Any]) -> Connection:
     """Return the one console that is meant, which has said hello.
 
-    Raises Unreached when there is none, when there are several, and while one that could be meant
-    does not answer: else a verb would drive another robot.
+    A console that only watches is passed over where another one of the same robot can act. Raises
+    Unreached when there is none, when there are several, and while one that could be meant does
+    not answer: else a verb would drive another robot.
     """
     asked, faults = _with_variable(asked), []  # type: ignore[var-annotated]
-    found = find(asked, faults)
+    found = _able_to_act(find(asked, faults))
     silent = [console for console in found if console.fault]
     if len(found) == 1 and not silent:
         found[0].wait()
@@ -77,6 +78,42 @@ def choose(asked: Mapping[str, Any]) -> Connection:
     if not found:
         raise Nobody(nobody(asked, faults))
     raise Unreached(_several(asked, found))
+
+
+def _able_to_act(found: list[Connection]) -> list[Connection]:
+    """Return the consoles without those that watch a robot on which another one can act.
+
+    The others are closed. A robot is told by its engine, domain and namespace.
+    """
+
+    def robot(console: Connection) -> tuple[Any, ...]:
+        return tuple(console.who.get(name) for name in ("engine", "domain", "namespace"))
+
+    acting = {robot(one) for one in found if one.who and not one.who.get("watching")}
+    chosen = [one for one in found if not (one.who.get("watching") and robot(one) in acting)]
+    for console in found:
+        if console not in chosen:
+            console.close()
+    return chosen
+
+
+def reach(path: str, within: float = SOON) -> Connection:
+    """Return a further connection to a console that was chosen before.
+
+    Args:
+        path: Its socket.
+        within: Seconds in which it says hello.
+
+    Raises:
+        Unreached: It has gone, or says nothing.
+    """
+    console = Connection(path, place.card(path))
+    _exchange([console], b"", lambda one: bool(one.hello), within)
+    if console.is_dead or console.fault:
+        console.close()
+        raise Unreached(GONE if console.is_dead or console.has_gone else console.fault)
+    console.wait()
+    return console
 
 
 def stop(

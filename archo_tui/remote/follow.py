@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NoReturn
 
+from archo_tui.robot.asker import Asker
 from archo_tui.station.station import Station
-from archo_tui.verbs.as_data import event, state
+from archo_tui.verbs.as_data import event, goal, state
 
 PERIOD = 0.2  # s between two looks: 5 a second, as the screen
 
@@ -24,4 +25,24 @@ async def follow(station: Station, tell: Callable[[dict[str, Any]], None], numbe
         if told["line"] != line:
             line = told["line"]
             tell({"id": number, "state": told})
+        await station.clock.sleep(PERIOD)
+
+
+async def follow_goal(
+    station: Station, asker: Asker, tell: Callable[[dict[str, Any]], None], number: Any
+) -> NoReturn:
+    """Tell the state of the goal that is driven for `asker` whenever it changed.
+
+    Args:
+        station: The station that drives it.
+        asker: The client that waits for its goals.
+        tell: Sends a message to that client.
+        number: The `id` of its request.
+    """
+    shown = None
+    while True:
+        found = station.goal_of(asker)
+        if found is not None and found != shown:
+            shown = found
+            tell({"id": number, "goal": goal(found, station.clock.monotonic())})
         await station.clock.sleep(PERIOD)

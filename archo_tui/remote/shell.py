@@ -21,7 +21,7 @@ from archo_tui.remote.protocol import (
     has_half,
     is_stop,
 )
-from archo_tui.robot_file.reserved import VERBS
+from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -43,9 +43,7 @@ if TYPE_CHECKING:
             """Say something more to what is being carried out."""
 
 
-_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
 _VERBS_OF = {"--line": "status", "--follow": "events"}  # that have no others
-_VALUES = ("--to", "--timeout")
 _CONFIRMED = 3.0  # s in which a goal that is called off is seen to end
 _ANSWERED = 2.0  # s more in which a console that lives says so
 
@@ -66,9 +64,9 @@ class _Words:
                     continue
                 raise ValueError(f"not UTF-8: {word!r}")
             name, equals, value = word.partition("=")
-            if word in _FLAGS:
+            if word in VERB_FLAGS:
                 self.flags.add(word)
-            elif name in _VALUES:
+            elif name in VERB_VALUES:
                 self.values[name] = value if equals else next(given, "")
                 if not (self.values[name] or self.stops):
                     raise ValueError(f"{name} needs a value")

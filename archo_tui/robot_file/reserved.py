@@ -14,6 +14,9 @@ VERBS = (
     *("params", "get", "set", "undo", "save", "load"),
     *("nodes", "start", "halt", "copy", "log_level", "send_goal", "call"),
 )
+# the options that a shell may put before or behind a verb
+VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
+VERB_VALUES = ("--to", "--timeout")
 RESERVED = frozenset(
     {
         *VERBS,

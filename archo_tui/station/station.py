@@ -324,13 +324,22 @@ class Station:
             return str(error)
         return ""
 
-    def _look_at_ends(self) -> None:
-        """Tell whoever waits for it how a goal has ended."""
+    def goal_of(self, asker: Asker) -> Goal | None:
+        """Return the state of the goal that is driven for this asker; None: none is."""
+        befores = [before for wanted, before in self._underway if wanted.asker is asker]
+        return self._goal_after(befores[0]) if befores else None
+
+    def _goal_after(self, before: int) -> Goal | None:
+        """Return the first goal of this console whose number is over `before`."""
         snapshot = self._snapshot
         ours = [goal for goal in (snapshot.goal, *snapshot.history) if goal and goal.mine]
+        since = [goal for goal in ours if goal.number > before]
+        return min(since, key=lambda goal: goal.number, default=None)
+
+    def _look_at_ends(self) -> None:
+        """Tell whoever waits for it how a goal has ended."""
         for wanted, before in list(self._underway):
-            since = [goal for goal in ours if goal.number > before]
-            goal = min(since, key=lambda goal: goal.number, default=None)
+            goal = self._goal_after(before)
             outcome = None if goal is None else goal.outcome
             if goal is not None and outcome is not None:
                 self._underway.remove((wanted, before))

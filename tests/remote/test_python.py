@@ -1,9 +1,17 @@
-"""`archo_tui.connect()`: every method, and the error that each end is."""
+"""`archo_tui.connect()`: every method, the error that each end is, and what is given up."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+import json
+import os
+import pydoc
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,22 +19,21 @@ import pytest
 from rclpy.node import Node
 
 import archo_tui
+from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unreached
 from archo_tui.errors import ArchoError
-from archo_tui.remote.api import (
-    Aborted,
-    Cancelled,
-    Misused,
-    NotDone,
-    RanOut,
-    Refused,
-    Robot,
-    Unreached,
-)
+from archo_tui.remote import api, client, finder, place
+from archo_tui.remote.api import Robot
+from archo_tui.remote.desk import Desk
+from tests.support import warm
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed
-from tests.support.shells import heard, served, typed
+from tests.support.script import SLOW, Script
+from tests.support.shells import heard, reached, served, typed, until
+from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
+
+REPORTING = ("-p", "feedback_period:=0.05")
 
 
 async def does(work: Callable[[Robot], Any]) -> Any:
@@ -46,18 +53,9 @@ async def test_the_state_is_typed_and_measured() -> None:
         assert 0 < status.battery.percentage <= 100
         assert (status.battery.source, status.motion.word) == ("measured", "IDLE")
         assert (status.goal, status.alarms, status.queue.waiting) == (None, [], [])
-        goal = await does(lambda robot: robot.go(12, 7))
+        goal = await does(lambda robot: robot.go(12, 7).wait())
         assert (goal.name, goal.code, goal.values) == ("shelf 7", "arrived", {"shelf_number": 7})
         assert (await does(lambda robot: robot.status())).goal.code == "arrived"
-
-
-async def test_parameters_are_read_and_set_in_their_types() -> None:
-    def change(robot: Robot) -> Any:
-        robot.set("motor_controller", "max_speed", 0.5)
-        return robot.get("motor_controller", "max_speed")
-
-    async with served(ros_args=FAST):
-        assert await does(change) == 0.5
 
 
 class Named(Node):
@@ -66,100 +64,347 @@ class Named(Node):
     def __init__(self, **given: Any) -> None:
         super().__init__("named", **given)
         self.declare_parameter("names", ["one"])
+        self.declare_parameter("speed", 0.8)
 
 
-async def test_a_list_of_texts_is_set_as_it_is_whatever_its_letters() -> None:
+async def test_parameters_are_set_and_read_in_their_types() -> None:
+    names = ["\N{ROBOT FACE}", "caf\N{LATIN SMALL LETTER E WITH ACUTE}"]
+
     def change(robot: Robot) -> Any:
-        robot.set("named", "names", ["\N{ROBOT FACE}", "caf\N{LATIN SMALL LETTER E WITH ACUTE}"])
-        return robot.get("named", "names")
+        robot.set("named", "names", names)
+        robot.set("named", "speed", 0.5)
+        return robot.get("named", "names"), robot.get("named", "speed", timeout=DEADLINE)
 
     async with served(Named):
-        assert await does(change) == ["\N{ROBOT FACE}", "caf\N{LATIN SMALL LETTER E WITH ACUTE}"]
-
-
-async def test_a_goal_that_is_not_waited_for_can_be_waited_for_later() -> None:
-    def drive(robot: Robot) -> None:
-        assert robot.go(12, wait=False) is None
-        robot.wait("arrived")
-        robot.wait("idle")
-        robot.wait("arrived")  # it has long been there
-        robot.wait("ready", timeout=1)
-
-    async with served(ros_args=FAST):
-        await does(drive)
-
-
-async def test_after_the_events_were_left_the_next_call_is_answered() -> None:
-    def listen(robot: Robot) -> list[str]:
-        robot.go(12, wait=False)
-        found = []
-        for event in robot.events():
-            found.append(event["text"])
-            if event["text"].startswith("Arrived"):
-                break
-        assert robot.status().goal is not None
-        return found
-
-    async with served(ros_args=FAST):
-        assert "Arrived at shelf 12" in await does(listen)
+        assert await does(change) == (names, 0.5)
 
 
 @pytest.mark.parametrize(
-    ("work", "error", "code"),
+    ("work", "error", "said"),
     [
-        (lambda robot: robot.go(99), Refused, "refused"),
-        (lambda robot: robot.go("there"), Misused, "misuse"),
-        (lambda robot: robot.cancel(), Refused, "refused"),
-        (lambda robot: robot.do("jump"), Misused, "misuse"),
-        (lambda robot: robot.wait("battery", 101, timeout=0), RanOut, "ran_out"),
-        (lambda robot: robot.wait("idle", timeout=float("nan")), Misused, "misuse"),
-        (lambda robot: archo_tui.connect("1"), Unreached, "unreached"),
+        (lambda robot: robot.go(99), Refused, "shelf 99 is not in 1 .. 40"),
+        (lambda robot: robot.go("there"), Misused, "there"),
+        (lambda robot: robot.go(5, kind="stop"), Misused, "use robot.stop()"),
+        (lambda robot: robot.go(5, kind="Stop!"), Misused, "use robot.stop()"),
+        (lambda robot: robot.go(kind="status"), Misused, "it sends no goals"),
+        (lambda robot: robot.go(12, timeout="30 s"), Misused, "not a time in s: 30 s"),
+        (lambda robot: robot.cancel(), Refused, "no goal is running"),
+        (lambda robot: robot.do("jump"), Misused, "jump"),
+        (lambda robot: robot.do("release"), Misused, "nothing to release|add --yes|no stop"),
+        (lambda robot: robot.wait("battery", 101, timeout=0), RanOut, "not yet"),
+        (lambda robot: robot.wait("idle", timeout=float("nan")), Misused, "not a time in s"),
+        (lambda robot: archo_tui.connect("1"), Unreached, "no console 1"),
     ],
 )
 async def test_each_end_is_an_error_of_its_own(
-    work: Callable[[Robot], Any], error: type[NotDone], code: str, unlimited: Path
+    work: Callable[[Robot], Any], error: type[NotDone], said: str, unlimited: Path
 ) -> None:
-    async with served(robot=unlimited, ros_args=FAST):
-        with pytest.raises(error) as raised:
+    async with served(robot=unlimited, ros_args=FAST) as person:
+        if said.startswith("nothing to release"):
+            await does(lambda robot: robot.stop())
+        with pytest.raises(error, match=said) as raised:
             await does(work)
-        assert raised.value.code == code
         assert isinstance(raised.value, ArchoError)
+        assert error.__name__ in archo_tui.__all__
+        assert "goal MOVING" not in person.said
 
 
-async def moving(person: Typed) -> asyncio.Task[Any]:
-    drive = asyncio.ensure_future(does(lambda robot: robot.go(12)))
-    await heard(person, "MOVING to 12")
-    return drive
+@asynccontextmanager
+async def driving(*args: Any, **given: Any) -> AsyncIterator[tuple[Typed, Robot, Any]]:
+    """A console, its robot in Python, and a goal with a long way."""
+    async with served(ros_args=(*LONG, *REPORTING)) as person:
+        robot = await asyncio.to_thread(archo_tui.connect)
+        goal = await asyncio.to_thread(lambda: robot.go(*(args or (12,)), **given))
+        yield person, robot, goal
+        await asyncio.to_thread(robot.close)
+
+
+def left(goal: Any) -> float:
+    """Return the metres left of what the robot has reported; infinite where it has not."""
+    state = goal.feedback()
+    return float("inf") if state is None or state.remaining is None else float(state.remaining)
+
+
+async def test_a_handle_reports_waits_and_cancels() -> None:
+    async with driving(12, 7) as (person, robot, goal):
+        await until(lambda: left(goal) < 1000.0)
+        first = goal.feedback()
+        assert (first.name, first.code, first.mine) == ("shelf 12", None, True)
+        await until(lambda: 0.0 < left(goal) < first.remaining)
+        with pytest.raises(RanOut, match="the goal still runs"):
+            await asyncio.to_thread(goal.wait, 0.01)
+        assert not goal.done()
+        status: Any = await asyncio.to_thread(robot.status)
+        assert (status.goal.code, status.queue.waiting) == (None, ["7"])
+        await asyncio.to_thread(goal.cancel)
+        assert goal.done()
+        with pytest.raises(Cancelled):
+            goal.wait()
+        await asyncio.to_thread(goal.cancel)  # once more changes nothing
+        assert "CANCELLED" in person.said or "cancelled" in person.said
+        assert (await asyncio.to_thread(robot.status)).queue.waiting == []
 
 
 async def test_a_goal_that_ends_otherwise_raises() -> None:
-    async with served(ros_args=LONG) as person:
-        drive = await moving(person)
+    async with driving() as (_, robot, goal):
         await typed("cancel")
         with pytest.raises(Cancelled, match="Cancelled mid-route"):
-            await drive
-    async with served(ros_args=LONG) as person:
-        drive = await moving(person)
-        await does(lambda robot: robot.stop())
+            await asyncio.to_thread(goal.wait)
+        goal = await asyncio.to_thread(robot.go, 5)
+        await asyncio.to_thread(robot.stop, "a person is in the way", at=3)
         with pytest.raises(Aborted):
-            await drive
-        with pytest.raises(Misused, match="add --yes to do it"):
-            await does(lambda robot: robot.do("release"))
+            await asyncio.to_thread(goal.wait)
+        with pytest.raises(Refused):
+            await asyncio.to_thread(robot.go, 5)
 
 
-async def test_leaving_the_with_block_by_an_error_cancels_what_it_waits_for() -> None:
-    async with served(ros_args=LONG) as person:
-        robot = await asyncio.to_thread(archo_tui.connect)
-        drive = asyncio.ensure_future(asyncio.to_thread(robot.go, 12))
-        await heard(person, "MOVING to 12")
-        connected, _ = robot._connection.handed_over()
-        connected.shutdown(2)
-        with pytest.raises(Unreached, match="the robot may still be moving"):
-            await drive
-        robot.close()
+async def test_a_goal_with_a_time_is_cancelled_when_that_is_over() -> None:
+    async with driving(12, timeout=1) as (person, _, goal):
+        with pytest.raises(RanOut, match="not within 1 s"):
+            await asyncio.to_thread(goal.wait)
         await heard(person, "CANCELLED")
+
+
+async def test_leaving_cancels_what_still_runs_and_what_is_called_then_is_refused() -> None:
+    async with driving() as (person, robot, goal):
+        events = await asyncio.to_thread(robot.events)
+        await asyncio.to_thread(robot.close)
+        assert goal.done()
+        await heard(person, "CANCELLED")
+        with pytest.raises(NotDone):
+            await asyncio.to_thread(list, events)
+        with pytest.raises(Misused, match="connect"):
+            await asyncio.to_thread(robot.status)
+        await asyncio.to_thread(robot.stop)
+        await heard(person, "STOP: confirmed")
+
+
+async def test_what_the_program_leaves_to_the_console_goes_on() -> None:
+    async with served(ros_args=LONG) as person:
+        await does(lambda robot: robot.do("go", "12"))
+        await heard(person, "MOVING to 12")
+        status = await does(lambda robot: robot.status())
+        assert (status.goal.code, status.motion.moving) == (None, True)
+
+
+# ctrl+c and threads
+
+
+async def test_any_exception_in_a_wait_cancels_the_goal(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with driving() as (person, robot, goal):
+
+        def interrupted(*_: Any) -> bool:
+            raise KeyboardInterrupt
+
+        with monkeypatch.context() as patch:
+            patch.setattr(goal._has_ended, "wait", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                goal.wait()
+        await heard(person, "CANCELLED")
+        await until(goal.done)
+        begun = time.monotonic()
+        with pytest.raises(Refused, match="no goal is running"):
+            await asyncio.to_thread(robot.cancel)
+        assert time.monotonic() - begun < DEADLINE
+
+
+async def test_calls_of_many_threads_and_within_a_loop_over_events_are_answered() -> None:
+    async with driving() as (_, robot, goal):
+
+        def within() -> list[str]:
+            found = []
+            for event in robot.events(timeout=DEADLINE):
+                found.append(event["text"])
+                assert robot.status().goal is not None
+                if "log" in event["text"]:
+                    break
+            return found
+
+        looping = asyncio.ensure_future(asyncio.to_thread(within))
+        waiting = asyncio.ensure_future(asyncio.to_thread(goal.wait))
+        many = [asyncio.to_thread(robot.get, "motor_controller", "max_speed") for _ in range(8)]
+        assert set(await asyncio.gather(*many)) == {0.8}
+        while not looping.done():
+            await asyncio.to_thread(robot.do, "log_level", "motor_controller", "debug")
+            await asyncio.to_thread(robot.do, "log_level", "motor_controller", "info")
+        assert await looping
+        await asyncio.to_thread(robot.stop)
+        with pytest.raises(Aborted):
+            await waiting
+        assert len(robot._handles) == 1
+
+
+async def test_events_end_with_their_time_and_lack_none_that_came_behind_the_call() -> None:
+    async with served(ros_args=FAST):
+
+        def listened(robot: Robot) -> list[str]:
+            events = robot.events(timeout=1.5)
+            robot.go(12).wait()
+            return [event["text"] for event in events]
+
+        assert "Arrived at shelf 12" in await does(listened)
+
+
+REPL = """
+import json, sys, threading, archo_tui
+robot = archo_tui.connect()
+for line in sys.stdin:
+    try:
+        told = repr(eval(line))
+    except BaseException as error:
+        sys.last_value = error  # as the REPL does, with all that its frames hold
+        told = f"{type(error).__name__}: {error}"
+    print(json.dumps(told), flush=True)
+"""
+
+
+@pytest.fixture
+def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Processes look nowhere else."""
+    monkeypatch.setenv(place.ONLY, str(tmp_path / "sockets"))
+
+
+@pytest.mark.usefixtures("one_folder")
+def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() -> None:
+    script = Script(*SLOW, fresh=True)
+    script.type("status\n")
+    script.until("\ngoal No goal yet")
+    python = subprocess.Popen(
+        warm.python("-c", REPL), stdin=-1, stdout=-1, text=True, env=os.environ | {}
+    )
+    assert python.stdin is not None
+    assert python.stdout is not None
+
+    def enter(line: str) -> None:
+        assert python.stdin is not None
+        python.stdin.write(f"{line}\n")
+        python.stdin.flush()
+
+    def told() -> str:
+        assert python.stdout is not None
+        return str(json.loads(python.stdout.readline()))
+
+    try:
+        for call in ("robot.go(12).wait()", "robot.do('go', '12', wait=True)"):
+            seen = script.said.count("goal CANCELLED")
+            moved = script.said.count("goal MOVING to 12")
+            enter(call)
+            _until(script, lambda n=moved: script.said.count("goal MOVING to 12") > n)  # type: ignore[misc]
+            python.send_signal(signal.SIGINT)
+            assert told().startswith("KeyboardInterrupt")
+            _until(script, lambda n=seen: script.said.count("goal CANCELLED") > n)  # type: ignore[misc]
+            enter("robot.cancel()")
+            assert told() == "Refused: no goal is running"
+        script.signal(signal.SIGSTOP)
+        enter("robot.status()")
+        assert "does not answer: is it suspended?" in told()
+        enter("archo_tui.connect()")
+        assert "does not answer: is it suspended?" in told()
+        enter("archo_tui.stop()")
+        assert "not confirmed: the robot may be moving; the console does not answer" in told()
+        enter("robot.stop()")
+        assert "not confirmed: the robot may be moving; the console does not answer" in told()
+        script.signal(signal.SIGCONT)
+        script.until("STOP: confirmed")
+        python.kill()
+    finally:
+        python.kill()
+        python.communicate()
+        script.close()
+
+
+def _until(script: Script, holds: Callable[[], bool]) -> None:
+    end = time.monotonic() + DEADLINE
+    while not holds():
+        script._read()
+        assert time.monotonic() < end, script.said
+        time.sleep(0.01)
+
+
+async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    has_left, gone = threading.Event(), Desk.gone
+
+    def left(desk: Desk, client: Any) -> None:
+        gone(desk, client)
+        has_left.set()
+
+    monkeypatch.setattr(Desk, "gone", left)
+    async with served(ros_args=LONG) as person:
+        await typed("wait", "ready")
+        has_left.clear()
+        with reached() as program:
+            request = {"id": 1, "words": ["go", "12"], "wait": True, "timeout": 60}
+            program.send(json.dumps(request).encode() + b"\n")
+        assert has_left.wait(DEADLINE)  # the loop of the console finds both at once
+        await typed("wait", "idle")
+        assert "go to shelf 12: accepted" not in person.said
+        assert (await does(lambda robot: robot.status())).goal is None
+
+
+async def test_what_is_sent_after_its_time_is_not_sent() -> None:
+    async with served(ros_args=LONG) as person:
+        with pytest.raises(RanOut):
+            await does(lambda robot: robot.do("go", "12", timeout=0))
+        assert (await does(lambda robot: robot.status())).goal is None
+        assert "go to shelf 12: accepted" not in person.said
+
+
+# consoles that hang or go
+
+
+async def test_a_console_that_falls_silent_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(api, "_SILENCE", 0.5)
+    asked: list[float] = []
+    reach = finder.reach
+
+    def reached(path: str, within: float = 1.0) -> Any:
+        asked.append(within)
+        if len(asked) > 2:
+            raise client.Unreached("the console of pid 7 does not answer: is it suspended?")
+        return reach(path, within)
+
+    async with driving() as (person, robot, goal):
+        monkeypatch.setattr(finder, "reach", reached)
+        with pytest.raises(Unreached, match="is it suspended"):
+            await asyncio.to_thread(robot.wait, "idle")  # which says nothing for so long
+        assert asked == [1.0, 0.5, 0.5]  # while it answers, it is waited for
+        assert not goal.done()  # it reports
+        await asyncio.to_thread(goal.cancel)
+        await heard(person, "CANCELLED")
+
+
+async def test_a_stop_reaches_the_console_that_came_in_the_place_of_another() -> None:
+    async with served(ros_args=LONG):
+        robot = await asyncio.to_thread(archo_tui.connect)
+    with pytest.raises(Unreached, match="no console"):
+        await asyncio.to_thread(robot.stop)
+    with pytest.raises(Unreached, match="gone"):
+        await asyncio.to_thread(robot.status)
+    with pytest.raises(Unreached, match="no console runs here"):
+        await asyncio.to_thread(archo_tui.stop)
+    async with served(ros_args=LONG) as person:
+        await asyncio.to_thread(robot.do, "stop", "now")
+        await heard(person, "STOP: confirmed")
+        await asyncio.to_thread(archo_tui.stop, str(os.getpid()))
+        await until(lambda: person.said.count("STOP: confirmed") == 2)
 
 
 def test_without_a_console_nothing_is_reached() -> None:
     with pytest.raises(Unreached, match="no console runs here"):
         archo_tui.connect()
+
+
+def test_help_explains_each_argument_that_is_public() -> None:
+    assert "/north" in pydoc.render_doc(archo_tui.connect)
+    for kind in (api.Robot, api.GoalHandle):
+        for name, method in vars(kind).items():
+            if name.startswith("_") or not callable(method):
+                continue
+            names = method.__code__.co_varnames[1 : method.__code__.co_argcount]
+            for argument in names:
+                assert f"{argument}: " in (method.__doc__ or ""), (name, argument)
+    with pytest.raises(AttributeError):
+        archo_tui.nothing  # noqa: B018
+    assert set(archo_tui.__all__) - {"__version__", "connect", "stop"} <= set(dir(archo_tui))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import tempfile
 from collections.abc import Iterator
 
@@ -87,6 +88,43 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
         await stopped(console)
         assert await asyncio.to_thread(main, ["stop", "--help"]) == 0
         assert console.asked == []
+
+
+@pytest.mark.parametrize(
+    ("line", "words", "complaint"),
+    [
+        ("--to PID stop", ["stop"], ""),
+        ("--to=PID --timeout 3 Stop! now", ["stop"], "archo-tui: Stop!: ignored: now\n"),
+        ("--engine embedded --json --to PID stop", ["stop"], ""),
+        ("--to PID --engine embedded status", ["status"], ""),
+        ("--to PID go 12", ["go", "12"], ""),
+        ("--to stop", ["stop"], "archo-tui: --to is for a verb: .*: STOP is said all the same\n"),
+        ("--timeout stop", ["stop"], "archo-tui: --timeout is for a verb: .*\n"),
+        (
+            "--watch stop",
+            ["stop"],
+            "archo-tui: --watch is for the console, not for stop: STOP .*\n",
+        ),
+        ("--engine rso2 stop", ["stop"], "archo-tui: --engine rso2: there are .*: STOP .*\n"),
+        ("--enigne ros2 stop please", ["stop"], "(?s).*: STOP is said all the same\n.*ignored: .*"),
+        ("--to 99999 go 12", None, "archo-tui: no console 99999 runs here .*\n"),
+        ("--to PID", None, "archo-tui: --to is for a verb: archo-tui VERB --help says which\n"),
+        ("--to PID --plain go 12", None, "archo-tui: --plain is for the console, not for go\n"),
+    ],
+)
+async def test_options_of_a_verb_stand_before_it_and_none_keeps_a_stop_away(
+    line: str, words: list[str] | None, complaint: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with fake_console() as console:
+        console.answer("stop", "done", "confirmed")
+        console.answer("status", "done", "fine")
+        console.answer("go", "done", "fine")
+        given = line.replace("PID", str(console.hello["pid"])).split()
+        code = await asyncio.to_thread(main, given)
+        assert console.words() == ([] if words is None else [words])
+        said = capsys.readouterr().err.removesuffix("confirmed\n").removesuffix("fine\n")
+        assert re.fullmatch(complaint, said), said
+        assert (code == 0) == (words is not None)
 
 
 async def test_a_reason_stops_the_robot_and_is_said_to_be_ignored() -> None:

@@ -270,6 +270,24 @@ async def test_a_suspended_console_that_is_not_meant_is_in_nobodys_way() -> None
         assert north.words() == [["status"], ["stop"]]
 
 
+async def test_a_verb_goes_to_the_console_that_can_act_and_a_stop_to_both() -> None:
+    async with answering("/") as acting, answering("/", 8, watching=True) as watching:
+        assert [await asyncio.to_thread(verb) for verb in VERBS] == [0, 0, 0]
+        assert (acting.words(), watching.words()) == ([["status"]] * 2, [])
+        assert (await typed("status", "--to", "8")).code == 0  # it is named
+        assert await asyncio.to_thread(stop_by_shell) == 0
+        assert (acting.words()[-1], watching.words()) == (["stop"], [["status"], ["stop"]])
+        with listening("/", 9, watching=True):  # suspended, and in nobody's way
+            assert (await typed("status")).code == 0
+        with listening("/", 9):
+            assert (await typed("status")).code == 3
+    async with answering("/north") as north, answering("/south", 8, watching=True):
+        assert (await typed("status")).code == 3  # another robot may be meant
+        assert north.words() == []
+    async with answering("/", watching=True):
+        assert (await typed("status")).code == 0
+
+
 async def test_two_consoles_of_one_number_are_told_apart_and_end_apart() -> None:
     async with answering("/north", 1) as north:
         async with answering("/south", 1) as south:
