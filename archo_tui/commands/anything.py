@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from archo_tui.commands.base import Command, Console, Speak, write_file
+from archo_tui.commands.base import Command, Console, Speak, Work, write_file
 from archo_tui.commands.robot import SendGoal
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Outcome
@@ -16,7 +16,12 @@ from archo_tui.robot_file.model import FormField, GoalKind, Service
 from archo_tui.robot_file.reserved import free
 from archo_tui.robot_file.save import dump
 from archo_tui.verbs.anything import type_of
+from archo_tui.verbs.base import Verb
+from archo_tui.verbs.called import verbs_by_service
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
+
+if TYPE_CHECKING:
+    from archo_tui.screens.choose import Choice
 
 
 class _AnyOf(Speak):
@@ -27,14 +32,18 @@ class _AnyOf(Speak):
         raise NotImplementedError
 
     def run(self, console: Console) -> None:
-        from archo_tui.screens.choose import Choice, Choose
+        from archo_tui.screens.choose import Choose
 
-        found = self.found(console)
-        choices = [
-            Choice(name, partial(self._form, console, name), ", ".join(found[name]))
-            for name in sorted(found)
-        ]
+        names = sorted(self.found(console))
+        choices = [choice for name in names for choice in self.choices(console, name)]
         console.open(Choose(self.help, choices))
+
+    def choices(self, console: Console, name: str) -> list[Choice]:
+        """Return the rows of one name."""
+        from archo_tui.screens.choose import Choice
+
+        types = ", ".join(self.found(console)[name])
+        return [Choice(name, partial(self._form, console, name), types)]
 
     async def _form(self, console: Console, name: str) -> None:
         from archo_tui.screens.message_form import MessageForm
@@ -92,6 +101,27 @@ class AnyGoal(_AnyOf):
 
 class AnyService(_AnyOf):
     key = "C"
+
+    def choices(self, console: Console, name: str) -> list[Choice]:
+        from archo_tui.screens.choose import Choice
+
+        verbs = verbs_by_service(console.verbs, console.view.snapshot).get(name, [])
+        return [
+            Choice(name, partial(self._speak, console, verb), verb.title, words=verb.id)
+            for verb in verbs
+        ] or super().choices(console, name)
+
+    @staticmethod
+    def _speak(console: Console, verb: Verb) -> Work | None:
+        """Do what the verb of the robot file does: with its question, and its refusal."""
+        if verb.urgent:
+            console.action_command(verb.id)
+            return None
+        refusal = verb.refusal(console.station)
+        if refusal:
+            console.say(refusal)
+            return None
+        return console.speak(verb, {})
 
     def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         return console.view.snapshot.services

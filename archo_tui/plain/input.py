@@ -13,7 +13,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from archo_tui.clock import Clock
-from archo_tui.plain.lines import LONGEST, TOO_LONG, LineCutter, is_stop
+from archo_tui.plain.lines import LONGEST, TOO_LONG, LineCutter, is_stop, words_of
 from archo_tui.robot.stops import Stops
 
 _SHOWN = 40  # bytes of a wrong line that are shown
@@ -149,7 +149,7 @@ class Input:
         stops = self._stops.count
         entries = []
         for line in lines:
-            if is_stop(line):
+            if is_stop(line) or (b"call" in line and self._stops.is_call(words_of(line))):
                 stops = self._stops.read()
                 self.unanswered.append(stops)
             elif line == TOO_LONG:

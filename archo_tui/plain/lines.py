@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 
 LONGEST = 64 * 1024  # bytes of a line that is taken
 TOO_LONG = b"\n"  # in place of a line that is longer; no line can be that
@@ -25,6 +26,14 @@ def is_stop_text(text: str) -> bool:
     if "stop" not in text.lower():
         return False
     return _STOP.match(text) is not None or _STOP.match(_KEY.sub("", text)) is not None
+
+
+def words_of(line: bytes) -> list[str]:
+    """Return the words of a line, as a shell splits it; none while a quote is not closed."""
+    try:
+        return shlex.split(line.decode(errors="replace"))
+    except ValueError:
+        return []
 
 
 class LineCutter:

@@ -24,7 +24,8 @@ from archo_tui.station.requests import EXPIRES, READ
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Question, Verb
-from archo_tui.verbs.parse import YES, named, parse
+from archo_tui.verbs.called import choose_verb
+from archo_tui.verbs.parse import YES, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
 from archo_tui.words import spoken
@@ -273,7 +274,8 @@ class Plain:
             return Outcome(Code.DONE, "")
         if word in ("allow", "deny"):
             return await self._answer(word, rest)
-        station, verb = self._station, named(self._verbs, word)
+        station = self._station
+        verb, rest = choose_verb(self._verbs, station, word, rest)
         values, yes = parse(verb, station, rest)
         outcome = await speak(station, verb, values, self._until, None if yes else self._ask)
         self._take(self._robot.snapshot)  # a goal is known before the end is looked for

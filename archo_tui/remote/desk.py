@@ -21,6 +21,7 @@ from archo_tui.robot.stops import NOT_SENT, Spared, Void
 from archo_tui.station.station import CALLED_OFF, Station
 from archo_tui.verbs import as_data, verbs
 from archo_tui.verbs.base import Question, Verb
+from archo_tui.verbs.called import choose_verb
 from archo_tui.verbs.parse import YES, named, parse
 from archo_tui.verbs.speak import speak
 
@@ -219,9 +220,10 @@ class Desk:
             sent = visit.sent if rest == ["arrived"] else []
             waited = self._arrived(sent) if sent else None
             return _result(number, await wait_for(self._station, self.verbs, rest, request, waited))
-        verb = named(self.verbs, word)
         if "--help" in rest:
+            verb = named(self.verbs, word)
             return {**_result(number, Outcome(Code.DONE, verb.explained)), "data": verb.options}
+        verb, rest = choose_verb(self.verbs, self._station, word, rest)
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
         values, yes = parse(verb, self._station, rest)

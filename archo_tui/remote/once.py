@@ -64,8 +64,10 @@ class Attached:
     def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
         """Yields all that is said to it, the result last; `within` as in `rest`."""
         self._number += 1
-        request = {"id": self._number, **asked}
         stops = self._station.robot.stops
+        if stops.is_call(asked["words"]):
+            asked["words"] = ["stop"]
+        request = {"id": self._number, **asked}
         self._desk.serve(self, request, stops.read() if is_stop(asked) else stops.count)
         yield from self.rest(within)
 

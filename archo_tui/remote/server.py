@@ -27,7 +27,7 @@ from typing import Any, Protocol
 
 from archo_tui.plain import lines
 from archo_tui.remote import place
-from archo_tui.remote.protocol import NOT_MEANT, is_meant, is_stop, line, message
+from archo_tui.remote.protocol import NOT_MEANT, is_meant, is_stop, line, message, words_of
 from archo_tui.robot.stops import Stops
 
 MOST_CLIENTS = 16  # a further one may send STOP and nothing else
@@ -122,7 +122,7 @@ class Client:
         if data == lines.TOO_LONG:
             self.refuse(None, "misuse", "a line of more than 64 kB")
             return
-        request = _stop_in(data)
+        request = _stop_in(data, stops)
         if request is not None and not is_meant(request, self._server.hello):
             self.refuse(data, NOT_MEANT, "this STOP is meant for another console")
         elif request is not None:
@@ -205,15 +205,27 @@ def _read(data: bytes) -> dict[str, Any] | None:
     return {**request, "id": None} if is_stop(request) else None
 
 
-def _stop_in(data: bytes) -> dict[str, Any] | None:
-    """Return the request when a line is a STOP, be it one that is typed and no JSON."""
+def _stop_in(data: bytes, stops: Stops) -> dict[str, Any] | None:
+    """Return the request when a line is a STOP.
+
+    It may be typed and no JSON, or `call` the service of the robot's STOP.
+    """
     text = data.replace(b"\0", b"").lower()
-    if b"stop" not in text and b"\\u" not in text:  # nearly no line has it, and this is fast
+    if not any(word in text for word in (b"stop", b"call", b"\\u")):  # nearly no line has one
         return None
     request = _read(data)
-    if request is None and lines.is_stop(data):
-        request = {"words": ["stop"]}
-    return request if request is not None and is_stop(request) else None
+    if request is None:
+        return {"words": ["stop"]} if lines.is_stop(data) else None
+    if stops.is_call(_words(request)):
+        return {**request, "words": ["stop"]}
+    return request if is_stop(request) else None
+
+
+def _words(request: dict[str, Any]) -> list[str]:
+    try:
+        return words_of(request)
+    except ValueError:
+        return []
 
 
 def _is_answer(data: bytes) -> bool:
@@ -334,7 +346,7 @@ class Server:
             pass  # it was dropped, or has gone
         finally:
             for data in cutter.take(b"\n"):  # what is not ended is no request, but may be a STOP
-                if _stop_in(data) is not None:
+                if _stop_in(data, self.stops) is not None:
                     client.take(data)
             self._open.pop(client, None)
             client.leave()

@@ -92,7 +92,7 @@ class Robot:
         self.watching = watching
         self.file = file
         self._clock, self._happened = clock, happened
-        self.stops = Stops()
+        self.stops = stops = Stops()
         self._mailbox = Mailbox()
         self._log = EventLog()
         self._dirty = self._streams = False  # whether a snapshot is to go up, soon or later
@@ -120,6 +120,8 @@ class Robot:
         self._limits = Limits(file)
         self._nodes = Nodes(node, self._services)
         self._services.answered = self._on_answer
+        if file.stop is not None:
+            stops.known_as(file.stop.service, self._offers.full(file.stop.service))
         commands = {word for one in file.commands for word in (one.id, one.off_word) if word}
         self._others = Others(commands, self._verbs_by_service())
         self._stopping = Stopping(
@@ -433,7 +435,11 @@ class Robot:
         answer = await self._services.call(srv_type, name, request, gate=gate)
         if answer is None:
             return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s")
-        return message_classes.outcome_of(answer)
+        outcome = message_classes.outcome_of(answer)
+        more = messages.text(answer) if message_classes.says_more(answer) else ""
+        if more and outcome.code is Code.NOT_CONFIRMED:
+            more = f"{outcome.text}: {more}"
+        return outcome._replace(text=more or outcome.text)
 
     async def _do(
         self,

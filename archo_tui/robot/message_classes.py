@@ -51,29 +51,35 @@ def fields(message_class: Any) -> set[str]:
     return set(message_class.get_fields_and_field_types()) - {EMPTY}
 
 
-def _verdict(answer: Any) -> bool | None:
-    """`success` of a service's answer, else its only bool; None where it has none."""
+def _read(answer: Any) -> tuple[str, str]:
+    """Return the fields of a service's answer that say yes or no, and why; empty: it has none.
+
+    They are `success`, else its only bool, and `message`, else its only string.
+    """
     kinds = answer.get_fields_and_field_types()
     bools = [name for name, kind in kinds.items() if kind == "boolean"]
-    name = "success" if "success" in bools else bools[0] if len(bools) == 1 else ""
-    return bool(getattr(answer, name)) if name else None
+    texts = [name for name, kind in kinds.items() if kind == "string"]
+    verdict = "success" if "success" in bools else bools[0] if len(bools) == 1 else ""
+    words = "message" if "message" in texts else texts[0] if len(texts) == 1 else ""
+    return verdict, words
 
 
 def refuses(answer: Any) -> bool:
     """True when a service's answer says no."""
-    return _verdict(answer) is False
+    verdict, _ = _read(answer)
+    return bool(verdict) and not getattr(answer, verdict)
+
+
+def says_more(answer: Any) -> bool:
+    """Return True when a service's answer has fields that `outcome_of` leaves out."""
+    return bool(fields(answer) - set(_read(answer)))
 
 
 def outcome_of(answer: Any) -> Outcome:
-    """What a service's answer says: `success`, else its only bool; and its words.
-
-    They are `message`, else its only string.
-    """
-    kinds, done = answer.get_fields_and_field_types(), _verdict(answer)
-    if done is None:
+    """Return whether a service's answer says yes, and its words."""
+    verdict, words = _read(answer)
+    if not verdict:
         return Outcome(Code.NOT_CONFIRMED, "answered, not confirmed")
-    texts = [name for name, kind in kinds.items() if kind == "string"]
-    words = "message" if "message" in texts else texts[0] if len(texts) == 1 else ""
-    said = getattr(answer, words, "")
+    done, said = bool(getattr(answer, verdict)), getattr(answer, words, "")
     code = Code.DONE if done else Code.REFUSED
     return Outcome(code, said if isinstance(said, str) and said else ("done" if done else "failed"))

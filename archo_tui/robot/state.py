@@ -412,6 +412,10 @@ class Snapshot(NamedTuple):
         """The goal, while it runs."""
         return self.goal if self.goal is not None and self.goal.is_running else None
 
+    def full(self, name: str) -> str:
+        """Return the full name of what the robot file names so."""
+        return name if name.startswith("/") else in_namespace(self.namespace, name)
+
     def unavailable(self, name: str) -> str:
         """Why a service or action of the robot file cannot be used, or an empty string."""
         return self.faults.get(name, "") if name in self.offered else not_offered(name)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import NamedTuple
@@ -30,11 +30,20 @@ class Stops:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
+        self._services: frozenset[str] = frozenset()  # names of the STOP's service
         self.count = 0
         self.answered = 0  # of these, when the answer to the last one came, or did not in time
         self.elsewhere = 0  # that other consoles told of
         self.overtaken = False  # something else was asked for since the last one left
         self._carried: ContextVar[int | None] = ContextVar("stops", default=None)
+
+    def known_as(self, service: str, full: str) -> None:
+        """Set what the service of the STOP is called: in the robot file, and on the graph."""
+        self._services = frozenset((service, full, full.lstrip("/")))
+
+    def is_call(self, words: Sequence[str]) -> bool:
+        """Return True for `call SERVICE` of the STOP's own service: it is a STOP, too."""
+        return len(words) > 1 and words[0] == "call" and words[1] in self._services
 
     def read(self) -> int:
         """A STOP was read, whoever will carry it out; returns its number."""

@@ -17,10 +17,14 @@ from archo_tui.station.station import Station
 
 
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
-    """What is meant by a name that may lack its first `/`, or the robot's namespace."""
+    """Return what is meant by a name that may lack its first `/`, or the robot's namespace.
+
+    A name without `/` is looked for in the robot's namespace first, as ROS does.
+    """
     bare = name.lstrip("/")
-    inside = in_namespace(snapshot.namespace, bare)
-    return next((full for full in (name, f"/{bare}", inside) if full in found), inside)
+    inside, outside = in_namespace(snapshot.namespace, bare), f"/{bare}"
+    order = (outside, inside) if name.startswith("/") else (inside, outside)
+    return next((full for full in order if full in found), inside)
 
 
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
@@ -46,7 +50,7 @@ async def fields_of(
     if leaves is None:
         raise ValueError(check.missing(name, type_name))
     if len(words) == 1 and words[0].startswith("{"):
-        return _mapping(words[0])
+        return mapping(words[0])
     by_path = {leaf.path: leaf for leaf in leaves}
     found: dict[str, Any] = {}
     for word in words:
@@ -60,7 +64,8 @@ async def fields_of(
 _SHOWN = 40  # characters of a wrong word that are shown
 
 
-def _mapping(text: str) -> dict[str, Any]:
+def mapping(text: str) -> dict[str, Any]:
+    """Return the fields of `{field: value, ...}`. Raises ValueError."""
     try:
         values = bounded_yaml.load(text)
     except YamlFault as fault:

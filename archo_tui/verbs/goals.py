@@ -122,9 +122,9 @@ class SendGoal(Verb):
 
 
 def kind_of(snapshot: Snapshot, action: str) -> GoalKind | None:
-    """The goal of the robot file that has this action, by its full name."""
-    names = ((kind, kind.action.lstrip("/")) for kind in snapshot.file.goals)
-    return next((k for k, name in names if in_namespace(snapshot.namespace, name) == action), None)
+    """Return the goal of the robot file that has this action, by its full name."""
+    goals = snapshot.file.goals
+    return next((kind for kind in goals if snapshot.full(kind.action) == action), None)
 
 
 class Cancel(Verb):

@@ -18,7 +18,7 @@ class Give(Verb):
     acts = True
 
     def __init__(self, given: Service, on: bool = True) -> None:
-        self.given, self._on = given, on
+        self.given, self.is_on = given, on
         self.id = given.id if on else given.off_word
         self.title = given.title if on else given.off or f"{given.title} off"
         if given.toggle:  # the file's help is of a key, which does both
@@ -40,7 +40,7 @@ class Give(Verb):
         return Question(title, f"{now}{title} now?", "Leave it", title.split()[0])
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        return await station.robot.command(self.given, self._on)
+        return await station.robot.command(self.given, self.is_on)
 
 
 class Call(Verb):

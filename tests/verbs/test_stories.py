@@ -347,7 +347,7 @@ async def test_names_are_typed_with_or_without_the_namespace() -> None:
         namespace="/wh",
     )
     assert said.count(f"wh/{SPEED} is 0.8, double") == 3, said
-    assert said.count("YOU console: call wh/reset_encoder: success true") == 3
+    assert said.count("YOU console: reset encoder: Encoder reset to zero") == 3
     assert "YOU console: start /wh/dashboard: " in said
     assert [line for line in said.splitlines() if "failed" in line] == [
         line for line in said.splitlines() if line.endswith("/wh/nosuch has no parameter x")

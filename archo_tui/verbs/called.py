@@ -1,0 +1,100 @@
+"""`call` on what the robot file names: the verb that stands for that service."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from archo_tui.robot import forms
+from archo_tui.robot.state import Leaf, Snapshot
+from archo_tui.robot_file.model import FormField
+from archo_tui.station.station import Station
+from archo_tui.verbs.anything import full_name, mapping
+from archo_tui.verbs.base import Verb
+from archo_tui.verbs.goals import Go, kind_of
+from archo_tui.verbs.parse import YES, named
+from archo_tui.verbs.services import Call, Give
+from archo_tui.verbs.stop import Release, StopNow
+
+_ACTION_PART = "/_action/"  # between an action's name and the services that it is made of (rclpy)
+
+
+def choose_verb(
+    verbs: Mapping[str, Verb], station: Station, word: str, words: Sequence[str]
+) -> tuple[Verb, list[str]]:
+    """Return the verb that is meant, and the words that are its own.
+
+    `call SERVICE` on a service of the robot file is the verb that calls this service: so it asks,
+    refuses and checks as that verb does.
+
+    Raises:
+        ValueError: No verb is meant, or several are; the text says which.
+    """
+    verb, rest = named(verbs, word), list(words)
+    without_yes = [each for each in rest if each != YES]
+    if not isinstance(verb, Call) or not without_yes:
+        return verb, rest
+    service, *fields = without_yes
+    snapshot = station.robot.snapshot
+    own = verbs_by_service(verbs, snapshot)
+    service = full_name(snapshot, service, {*snapshot.services, *own})
+    _refuse_part_of_action(verbs, snapshot, service)
+    if service not in own:
+        return verb, rest
+    meant = _pick(own[service], service, fields)
+    return meant, [YES] if meant.may_ask and YES in rest else []
+
+
+def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str, list[Verb]]:
+    """Return the verbs that call a service of the robot file, by the full name of the service."""
+    found: dict[str, list[Verb]] = {}
+    for verb in verbs.values():
+        if isinstance(verb, (StopNow, Release, Give)) and verb.service:
+            found.setdefault(snapshot.full(verb.service), []).append(verb)
+    return found
+
+
+def _pick(found: Sequence[Verb], service: str, fields: Sequence[str]) -> Verb:
+    stop = next((verb for verb in found if isinstance(verb, StopNow)), None)
+    if stop is not None:  # whatever stands behind it
+        return stop
+    toggles = [verb for verb in found if isinstance(verb, Give) and verb.given.toggle]
+    if len(found) == 2 and len(toggles) == 2 and toggles[0].given == toggles[1].given:
+        return _pick_way(toggles, service, fields)
+    if len(found) > 1:
+        raise ValueError(f"{service} is called by several: type {_either(found)}")
+    if any(field != "{}" for field in fields):
+        raise ValueError(f"{service} takes no field, not {' '.join(fields)}")
+    return found[0]
+
+
+def _pick_way(toggles: Sequence[Give], service: str, fields: Sequence[str]) -> Give:
+    """Return the way of a toggle that its field says."""
+    (path,) = toggles[0].given.toggle
+    if len(fields) == 1 and fields[0].startswith("{"):
+        given = mapping(fields[0])
+    else:
+        given = dict(field.partition("=")[::2] for field in fields)
+    for name in given:
+        if name != path:
+            raise ValueError(f"{service} takes {path}=..., not {name}")
+    if path not in given or len(fields) > 1:
+        ways = " or ".join(f"{path}={str(verb.is_on).lower()} ({verb.id})" for verb in toggles)
+        raise ValueError(f"{service} needs {ways}")
+    value = forms.parse(Leaf(path, "boolean", False), FormField(), str(given[path]))
+    return next(verb for verb in toggles if verb.is_on is value)
+
+
+def _either(found: Sequence[Verb]) -> str:
+    return " or ".join(verb.id for verb in found)
+
+
+def _refuse_part_of_action(verbs: Mapping[str, Verb], snapshot: Snapshot, service: str) -> None:
+    """Raise ValueError for the services by which an action takes and cancels goals."""
+    action, _, part = service.partition(_ACTION_PART)
+    if part == "cancel_goal":
+        raise ValueError(f"{service} is a part of the action {action}: type cancel")
+    if part == "send_goal":
+        kind = kind_of(snapshot, action)
+        goals = [verb for verb in verbs.values() if isinstance(verb, Go) and verb.kind == kind]
+        ways = goals[0].id if goals else f"send_goal {action}"
+        raise ValueError(f"{service} is a part of the action {action}: type {ways}")
