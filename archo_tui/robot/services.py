@@ -15,7 +15,8 @@ from rclpy.task import Future
 from archo_tui.clock import Clock
 from archo_tui.robot.stops import Gate
 
-LATE = 20.0  # s that a late answer to what an operator sent is heard of
+LATE = 20.0  # s that a late answer to a STOP is heard of
+MOST_UNANSWERED = 1000  # requests of an operator whose answers are still heard of, however late
 DEADLINE = 2.0  # s; "no answer in 2 s"
 _EARLY = 1e-3  # s that a timer may fire before its time and still count
 
@@ -47,6 +48,8 @@ class Services:
         self._node, self._clock = node, clock
         self._clients: dict[tuple[str, Any], Any] = {}
         self._pending: list[tuple[float, int, Any, Any]] = []  # a heap: the next deadline first
+        # of what an operator sent, by turn: a release that is answered late undoes a later STOP
+        self._unanswered: dict[int, tuple[Any, Any]] = {}
         self._steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
         self._timer = node.create_timer(DEADLINE, self._sweep, clock=self._steady)
         self._timer.cancel()
@@ -94,25 +97,30 @@ class Services:
         turn = self.turn()
         future = client.call_async(request)
         if gate is not None:
+            self._hear_however_late(turn, future, client)
             told = lambda _: self.answered(turn)  # noqa: E731
-            return future.result() if await self._in_time(future, client, DEADLINE, told) else None
+            return future.result() if await self._in_time(future, DEADLINE, told) else None
         self.watch(future, client)
         answer = await future
         if once and answer is not None and self._clients.pop((name, srv_type), None) is not None:
             self._node.destroy_client(client)
         return answer
 
+    def _hear_however_late(self, turn: int, future: Any, client: Any) -> None:
+        """Keep a request until it is answered; of too many the oldest is given up."""
+        self._unanswered[turn] = future, client
+        future.add_done_callback(lambda _: self._unanswered.pop(turn, None))
+        if len(self._unanswered) > MOST_UNANSWERED:
+            oldest, its_client = self._unanswered.pop(next(iter(self._unanswered)))
+            its_client.remove_pending_request(oldest)
+            oldest.cancel()
+
     def turn(self) -> int:
         """The next number in the order in which requests leave."""
         return next(self._turns)
 
-    async def _in_time(
-        self, future: Any, client: Any, wait: float, told: Callable[[bool], None]
-    ) -> bool:
-        """True when the call ends within `wait` s.
-
-        `told(is_late)` is called when it does, within LATE.
-        """
+    async def _in_time(self, future: Any, wait: float, told: Callable[[bool], None]) -> bool:
+        """Return True when the call ends within `wait` s; `told(is_late)` is called when it does."""
         in_time: Future[bool] = Future(executor=self._node.executor)
 
         def on_answer(done: Any) -> None:
@@ -126,7 +134,6 @@ class Services:
 
         future.add_done_callback(on_answer)
         self.watch(in_time, wait=wait)
-        self.watch(future, client, LATE)
         return bool(await in_time)
 
     async def call_all(
@@ -140,13 +147,14 @@ class Services:
     ) -> list[Any]:
         """What so many servers of one name answered to one call within `wait` s.
 
-        `late(answers)` is called when the last of them comes after that.
+        `late(answers)` is called when the last of them comes after that, within LATE.
         """
         client = self.client(srv_type, name)
         future = client.call_async(request)
         answers = hold_open(future, servers)
         told = lambda is_late: late(answers) if is_late else None  # noqa: E731
-        await self._in_time(future, client, wait, told)
+        self.watch(future, client, LATE)
+        await self._in_time(future, wait, told)
         return list(answers)
 
     def watch(self, future: Any, client: Any = None, wait: float = DEADLINE) -> None:

@@ -149,6 +149,9 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     word = ("▶ MOVING" if motion.moving else "● IDLE", PLAIN)
     if motion.moving is None:
         word = ("? not reported", OLD)
+    if snapshot.latch is Latch.HELD and motion.stopped is False and not motion.moving:
+        text = "✗ STOP CONFIRMED, not reported by the robot"
+        word = (text if len(text) <= width else "✗ STOP CONFIRMED", BAD)
     stop = snapshot.file.stop
     no_stop = "" if stop is None else snapshot.unavailable(stop.service)
     return (word, (f"   no STOP: {no_stop}", BAD)) if no_stop else (word,)

@@ -8,8 +8,10 @@ from archo_interfaces.msg import MotorStatus
 from archo_interfaces.srv import EmergencyStop
 from rclpy.node import Node
 
+from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
 from archo_tui.station.alarms import OUTLIVED, UNCONFIRMED
+from archo_tui.words.state import motion_word, plain
 from tests.robot.test_several_servers import Brake, Drive, alarms, making
 from tests.support import clock
 from tests.support.archo import go
@@ -107,3 +109,20 @@ async def test_no_goal_is_sent_behind_a_stop_that_is_not_confirmed() -> None:
         assert (await ended(go(it, 6))).ok
         assert drives[0].shelves == [6]
         assert (await ended(it.cancel())).ok
+
+
+async def test_a_confirmed_stop_that_the_robot_never_reports_is_not_called_idle() -> None:
+    wheels: list[Wheels] = []
+    async with robot(making([], Brake, "brake"), making(wheels, Wheels)) as it:
+        await until(lambda: it.snapshot.motion.moving)
+        wheels[0].moving = False
+        await until(lambda: word(it) == "● IDLE")
+        assert (await ended(it.emergency_stop())).ok
+        await later(3.0)
+        assert word(it) == "✗ STOP CONFIRMED, not reported by the robot"
+        assert (await ended(it.release_emergency_stop())).ok
+        await until(lambda: word(it) == "● IDLE")
+
+
+def word(it: Robot) -> str:
+    return plain(motion_word(it.snapshot, clock.seconds(), 80))

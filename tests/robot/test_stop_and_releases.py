@@ -13,6 +13,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from archo_tui.robot import services
 from archo_tui.robot.client import Robot
 from tests.support import clock
 from tests.support.quiet import ended, until
@@ -97,3 +98,18 @@ async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None
         later = clock.seconds() + 1.0
         await until(lambda: clock.seconds() >= later)
         assert not made[0].latched
+
+
+async def test_a_stop_is_sent_again_however_late_the_release_before_it_is_answered() -> None:
+    made: list[Busy] = []
+    async with robot(making(made)) as it:
+        await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
+        task = asyncio.ensure_future(by_its_key(it))
+        await until(task.done)
+        it.stops.read()
+        assert (await ended(it.emergency_stop())).ok
+        later = clock.seconds() + 5 * services.LATE
+        await until(lambda: clock.seconds() >= later)
+        made[0].wake()
+        await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))
+        assert made[0].latched
