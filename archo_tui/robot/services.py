@@ -120,7 +120,10 @@ class Services:
         return next(self._turns)
 
     async def _in_time(self, future: Any, wait: float, told: Callable[[bool], None]) -> bool:
-        """Return True when the call ends within `wait` s; `told(is_late)` is called when it does."""
+        """Return True when the call ends within `wait` s.
+
+        `told(is_late)` is called when it ends.
+        """
         in_time: Future[bool] = Future(executor=self._node.executor)
 
         def on_answer(done: Any) -> None:

@@ -200,6 +200,10 @@ class TerminalApp(App[None]):
         """True while the terminal does not show what was drawn; another driver cannot tell."""
         return getattr(self._driver, "is_stuck", False)
 
+    def on_paste_stalled(self) -> None:
+        text = "A paste has begun and not ended: what is typed is its text. Escape, alone, ends it."
+        self.notify(text, severity="warning", markup=False)
+
     def on_paste_cut(self) -> None:
         text = "The paste was cut off: nothing of it was taken. Paste it again."
         self.notify(text, severity="warning", markup=False)

@@ -16,7 +16,7 @@ from archo_tui.terminal.answers import FOR_TEXTUAL
 from archo_tui.terminal.decoding import Decoder
 from archo_tui.terminal.keys import alt_key, keys_of
 from archo_tui.terminal.mouse import apart, last_moves
-from archo_tui.terminal.paste import Paste, PasteCut
+from archo_tui.terminal.paste import Paste, PasteStalled
 from archo_tui.terminal.sequences import ESCAPE, PASTE_BEGIN, PASTE_END, PAUSE, Sequences
 
 
@@ -30,6 +30,7 @@ class Keyboard:
         self._decoder = Decoder()
         self._sequences = Sequences()
         self._paste: Paste | None = None
+        self._late_end = ""  # what follows, if the escape that ended a paste began its end mark
         self._heard = 0.0  # monotonic s
 
     @property
@@ -42,18 +43,29 @@ class Keyboard:
         messages = self.late(now)
         text = self._decoder.decode(data, after_a_pause=now - self._heard >= PAUSE)
         self._heard = now
-        return messages + self._read(last_moves(text), now)
+        return messages + self._read(self._without_late_end(last_moves(text)), now)
 
     def late(self, now: float) -> list[Message]:
         """What silence tells; to be called while nothing comes."""
         messages: list[Message] = []
         if self._paste is not None:
-            if self._paste.breaks(now):
-                messages.append(PasteCut())
+            if self._paste.stalls(now):
+                messages.append(PasteStalled())
             if over := self._paste.late(now):
                 self._paste = None
                 messages += over.messages + self._read(over.rest, self._heard)
+                self._late_end = PASTE_END[1:] if over.rest == ESCAPE else ""
         return messages + self._messages(self._sequences.late(now))
+
+    def _without_late_end(self, text: str) -> str:
+        """Drop what is left of an end mark that came so slowly that its escape was the key."""
+        if not text or not self._late_end:
+            return text
+        while text and text[0] == self._late_end[:1]:
+            text, self._late_end = text[1:], self._late_end[1:]
+        if text:
+            self._late_end = ""
+        return text
 
     def _read(self, text: str, now: float) -> list[Message]:
         messages: list[Message] = []
