@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import itertools
 import os
 import re
 import shutil
@@ -16,6 +17,7 @@ from typing import NamedTuple
 from archo_tui.recording import bag
 
 ALARM_AT = 0.9  # of the budget
+FLOOR = 100_000_000  # bytes that are left free on the disk, whatever happens
 _UNFINISHED = "."  # how the names of those begin that are being written
 _LONGEST = 60  # characters of what happened, in a name
 _TRIED = 100_000  # bytes that a disk must have room for, before the trouble is over
@@ -32,6 +34,7 @@ class Recording(NamedTuple):
     why: str  # what happened, in the order in which it did
     kept: bool  # by hand: it does not go when room is needed
     bytes: int
+    number: int = 0  # in the order in which they were written; 0: another tool has written it
 
     @property
     def name(self) -> str:
@@ -40,7 +43,11 @@ class Recording(NamedTuple):
 
 
 def listed(folder: Path) -> list[Recording]:
-    """All recordings, the oldest first; what is none is left out. Raises OSError."""
+    """List all recordings, the oldest first; what is none is left out. Raises OSError.
+
+    The order is that of writing: a computer whose clock was set back, or that has none, gives a
+    new recording an old date.
+    """
     found = []
     with suppress(FileNotFoundError):
         for path in folder.iterdir():
@@ -48,18 +55,43 @@ def listed(folder: Path) -> list[Recording]:
             if ours and not path.name.startswith(_UNFINISHED):
                 with suppress(OSError, ValueError):
                     found.append(_read(path))
-    return sorted(found, key=lambda one: (one.start, one.name))
+    return sorted(found, key=lambda one: (one.number, one.start, one.name))
 
 
 def _read(path: Path) -> Recording:
     said = bag.about(path)
     size = sum(file.lstat().st_size for file in path.iterdir())
-    return Recording(path, *said, size)
+    return Recording(path, *said[:5], size, said.number)
 
 
 def delete(recording: Recording) -> None:
     """Raises OSError."""
     shutil.rmtree(recording.folder)
+
+
+def next_number(folder: Path) -> int:
+    """Return the number of a recording that is written now. Raises OSError."""
+    return 1 + max((one.number for one in listed(folder)), default=0)
+
+
+def check_free(folder: Path) -> None:
+    """Raise OSError while so little is free that the rest of the system needs it."""
+    if shutil.disk_usage(folder).free < FLOOR:
+        raise OSError(errno.ENOSPC, f"less than {FLOOR / 1e6:.0f} MB are free", str(folder))
+
+
+def begin(wanted: Path) -> Path:
+    """Make the folder of that name, or with a number behind it. Raises OSError.
+
+    It is for a bag that is written piece by piece, and seen from the first one on.
+    """
+    check_free(wanted.parent)
+    for number in itertools.count(1):
+        made = wanted if number == 1 else wanted.with_name(f"{wanted.name}_{number}")
+        with suppress(FileExistsError):
+            made.mkdir(mode=0o700)
+            break
+    return made
 
 
 def add(folder: Path, at: float, what: str, fill: Callable[[Path], None]) -> Path:
@@ -69,11 +101,12 @@ def add(folder: Path, at: float, what: str, fill: Callable[[Path], None]) -> Pat
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
     folder.mkdir(mode=0o700, exist_ok=True)
+    check_free(folder)
     word = re.sub(r"\W+", "_", what, flags=re.ASCII).strip("_")[:_LONGEST]
-    return write(folder / f"{datetime.fromtimestamp(at):%Y-%m-%d_%H-%M-%S}_{word}", fill)
+    return _write(folder / f"{datetime.fromtimestamp(at):%Y-%m-%d_%H-%M-%S}_{word}", fill)
 
 
-def write(wanted: Path, fill: Callable[[Path], None]) -> Path:
+def _write(wanted: Path, fill: Callable[[Path], None]) -> Path:
     """A bag of that name, or with a number behind it where there is one. Raises OSError."""
     made = wanted.with_name(f"{_UNFINISHED}{wanted.name}.{os.getpid()}")
     made.mkdir(mode=0o700)
@@ -118,6 +151,7 @@ def try_out(folder: Path) -> None:
     """Raises OSError while nothing can be written."""
     made = folder / f"{_UNFINISHED}try.{os.getpid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
+    check_free(folder)
     try:
         made.write_bytes(bytes(_TRIED))
         _sync(made)
@@ -125,10 +159,18 @@ def try_out(folder: Path) -> None:
         made.unlink(missing_ok=True)
 
 
-def make_room(folder: Path, budget: int) -> tuple[int, list[Recording]]:
+def make_room(
+    folder: Path, budget: int, written: Path | None = None
+) -> tuple[int, list[Recording]]:
     """Delete the oldest that nobody kept until the rest is within the budget. Raises OSError.
 
-    Returns the bytes that are left, and what went. Leftovers of a process that was killed go too.
+    Args:
+        folder: Where the recordings are.
+        budget: Bytes that all of them may take together.
+        written: The one that was written just now, which stays, as the newest does.
+
+    Returns:
+        The bytes that are left, and what went. Leftovers of a process that was killed go too.
     """
     for path in folder.iterdir():
         with suppress(FileNotFoundError):  # another console has finished it
@@ -137,10 +179,10 @@ def make_room(folder: Path, budget: int) -> tuple[int, list[Recording]]:
     known = listed(folder)
     size = sum(one.bytes for one in known)
     gone = []
-    for one in known[:-1]:  # never the newest: it was just written
+    for one in known[:-1]:
         if size <= budget:
             break
-        if not one.kept:
+        if not (one.kept or one.folder == written):
             with suppress(FileNotFoundError):  # another console has done it
                 delete(one)
             size -= one.bytes

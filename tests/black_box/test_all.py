@@ -3,7 +3,13 @@
 from __future__ import annotations
 
 import errno
+import os
+import shutil
+import signal
 import subprocess
+import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -11,25 +17,27 @@ from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
 from archo_tui import cli
+from archo_tui.errors import ArchoError
 from archo_tui.paths import state_file
 from archo_tui.recording import bag, store
 from archo_tui.recording.box import BlackBox
+from archo_tui.replay.bag_file import BagFile
 from tests.support import clock, warm
 from tests.support.console import FAST, console
 from tests.support.stub import StandingClock
-from tests.support.waiting import DEADLINE
+from tests.support.waiting import DEADLINE, Waited
 
 SLOW = ("-p", "publish_period:=1.0")
 
 
 @pytest.mark.waits
-async def test_all_is_written_at_the_end(tmp_path: Path) -> None:
+async def test_at_the_end_it_is_a_whole_bag(tmp_path: Path) -> None:
     path = tmp_path / "shift"
     async with console(*FAST, *SLOW, record=path) as op:
         await op.press("g", *"12", "enter")
         await op.until("✓ ARRIVED")
         await op.at(clock.seconds() + 20)
-        assert not path.exists()
+        assert not (path / bag.METADATA).exists()
     said = bag.about(path)
     assert said.why == "all of it"
     assert said.seconds > 20
@@ -84,7 +92,7 @@ def test_it_fails_when_what_was_asked_for_is_not_written(tmp_path: Path) -> None
         console.stdin.write("status\n")
         console.stdin.flush()
         assert console.stdout.readline()  # it has begun
-        folder.rmdir()
+        shutil.rmtree(folder)
         _, said = console.communicate(timeout=DEADLINE)
     assert "recording not written: No such file or directory" in said
     assert console.returncode == 1
@@ -96,7 +104,7 @@ def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
     def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(bag, "write", full)
+    monkeypatch.setattr(bag.BagWriter, "flush", full)
     path = tmp_path / "disk" / "shift"
     path.parent.mkdir()
     box = BlackBox(tmp_path, StandingClock(), lambda *_: None, lambda *_: {}, all_to=path)
@@ -105,3 +113,87 @@ def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
     box.end()
     assert box.close(DEADLINE) == f"recording not written: No space left on device: {path}"
     assert list(path.parent.iterdir()) == []
+
+
+def test_what_came_is_on_the_disk_within_a_second_and_each_part_is_the_robots(
+    tmp_path: Path,
+) -> None:
+    path, clock = tmp_path / "shift", StandingClock()
+    attached = lambda *_: {"robot.yaml": "name: ARCHO", "journal.jsonl": "x"}  # noqa: E731
+    box = BlackBox(tmp_path, clock, lambda *_: None, attached, all_to=path)
+    for second in range(5):
+        clock.passed = float(second)
+        box.hear("/said", String(data=str(second)))
+        box.look()
+        until(lambda: _count(path) == second + 1)  # noqa: B023
+    assert BagFile(path).robot == "name: ARCHO"
+    box.end()
+    assert box.close(DEADLINE) == ""
+    assert BagFile(path).counts == 5
+
+
+@pytest.mark.posix
+def test_a_console_that_is_killed_leaves_what_was_heard_until_then(tmp_path: Path) -> None:
+    path = tmp_path / "shift"
+    command = [sys.executable, "-m", "archo_tui", "--plain", "--record", str(path)]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe) as console:
+        assert console.stdin
+        console.stdin.write(b"go 12\n")
+        console.stdin.flush()
+        assert console.stdout
+        while b"accepted" not in console.stdout.readline():
+            pass
+        before = _count(path)
+        until(lambda: _count(path) > before)
+        before = _count(path)
+        until(lambda: _count(path) > before)  # and with it all that came before that second
+        os.kill(console.pid, signal.SIGKILL)
+    assert not (path / bag.METADATA).exists()
+    done = subprocess.run(
+        warm.python("-m", "archo_tui", "replay", "--text", str(path)),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0
+    assert "go to shelf 12: accepted" in done.stdout
+
+
+def _count(path: Path) -> int:
+    """How many messages are there by now; a file that was only just begun has none."""
+    try:
+        return BagFile(path).counts
+    except ArchoError:
+        return 0
+
+
+def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, clock, told = tmp_path / "shift", StandingClock(), list[tuple[str, str]]()
+    box = BlackBox(tmp_path / "r", clock, lambda *_: None, lambda *_: {}, all_to=path)
+    with monkeypatch.context() as patch:
+        patch.setattr(store, "FLOOR", 10**18)
+        box.hear("/said", String(data="x"))
+        box.trigger("STOP", written=lambda *told_so: told.append(told_so))
+        for clock.passed in (0.0, 6.0):
+            box.look()
+            until(lambda: "less than 1000000000000 MB are free" in box.trouble)
+        until(lambda: told)
+    assert told[0][1].startswith("less than ")
+    assert (list(tmp_path.glob("shift*")), store.listed(tmp_path / "r")) == ([], [])
+    clock.passed = 20.0
+    box.look()
+    until(lambda: not box.trouble)
+    box.end()
+    assert box.close(DEADLINE) == ""
+    assert bag.about(path).messages == 1
+
+
+def until(holds: Callable[[], object]) -> None:
+    """Wait for another thread."""
+    waited = Waited(DEADLINE)
+    while not holds():
+        assert not waited.too_long()
+        time.sleep(0.01)

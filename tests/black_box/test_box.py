@@ -15,12 +15,14 @@ from random import Random
 from typing import Any
 
 import pytest
+from rcl_interfaces.msg import Log
 from rclpy.node import Node
 from rosbags.highlevel import AnyReader
 
 from archo_tui.paths import state_file
 from archo_tui.recording import bag, store
 from archo_tui.recording.listing import line
+from archo_tui.recording.ring import Heard
 from archo_tui.recording.store import Recording
 from tests.support import clock, warm
 from tests.support.console import FAST, LONG, Console, console
@@ -353,3 +355,26 @@ async def test_a_stop_of_a_robot_that_is_stopped_already_is_recorded_too() -> No
         await op.press("ctrl+x")
         first, second = await recorded(op, 2)
         assert (first.why, second.why) == ("STOP", "STOP")
+
+
+def test_the_one_just_written_stays_whatever_the_clock_says(tmp_path: Path) -> None:
+    folder = tmp_path / "recordings"
+
+    def numbered(made: Path) -> None:
+        (made / "x_0.mcap").write_bytes(b"x" * 1000)
+        about = {"why": "a test", "number": str(store.next_number(folder))}
+        message = Heard(int(at * 1e9), "/rosout", Log())
+        bag.write(made, [message], about)
+
+    kept = []
+    for at, name in ((5000.0, "a"), (5001.0, "b"), (10.0, "c"), (11.0, "d")):  # the clock is reset
+        made = store.add(folder, at, name, numbered)
+        size = next(one.bytes for one in store.listed(folder) if one.folder == made)
+        store.make_room(folder, 2 * size + size // 2, made)
+        kept.append("".join(one.name[-1] for one in store.listed(folder)))
+    assert kept == ["a", "ab", "bc", "cd"]
+    foreign = tmp_path / "recordings" / "of_another_tool"  # with a date, and no number
+    foreign.mkdir()
+    bag.write(foreign, [Heard(2 * 10**18, "/rosout", Log())], {})
+    assert next(one.name for one in store.make_room(folder, 1, made)[1]) == "of_another_tool"
+    assert [one.folder for one in store.listed(folder)] == [made]
