@@ -18,6 +18,7 @@ NEVER_LEFT = "cancelled before it was sent"
 APART = 1.0  # s between a STOP and the next but one, when they are all that is asked for
 UNCONFIRMED = "the STOP is not confirmed: release it first, or give it up"
 UNCERTAIN = "the STOP is no longer certain: release it, or stop again"
+_HELP = ["--help"]
 HELD = "held: STOP"  # of the queue: the robot is stopped, or is to be
 
 
@@ -42,8 +43,12 @@ class Stops:
         self._services = frozenset((service, full, full.lstrip("/")))
 
     def is_call(self, words: Sequence[str]) -> bool:
-        """Return True for `call SERVICE` of the STOP's own service: it is a STOP, too."""
-        return len(words) > 1 and words[0] == "call" and words[1] in self._services
+        """Return True for `call SERVICE` of the STOP's own service: it is a STOP, too.
+
+        Whatever stands behind the service, but for exactly `--help`, which explains.
+        """
+        verb, *rest = [word for word in words if word != "--yes"] or [""]
+        return verb == "call" and bool(rest) and rest[0] in self._services and rest[1:] != _HELP
 
     def read(self) -> int:
         """A STOP was read, whoever will carry it out; returns its number."""

@@ -38,9 +38,11 @@ def choose_verb(
     own = verbs_by_service(verbs, snapshot)
     service = full_name(snapshot, service, {*snapshot.services, *own})
     _refuse_part_of_action(verbs, snapshot, service)
-    if service not in own:
+    if service not in own or fields == ["--help"]:  # which `call` refuses, and calls nothing
         return verb, rest
     meant = _pick(own[service], service, fields)
+    if meant.urgent and not station.robot.stops.is_call([word, *words]):
+        station.robot.stops.read()  # only the graph tells that its name means the STOP
     return meant, [YES] if meant.may_ask and YES in rest else []
 
 

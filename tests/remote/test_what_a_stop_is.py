@@ -15,6 +15,7 @@ from archo_tui.assistant.tools import call, tools
 from archo_tui.cli import main
 from archo_tui.plain import lines
 from archo_tui.remote import place, protocol, server
+from archo_tui.robot.stops import Stops
 from tests.assistant.support import FakeConsole, assistant, fake_console, parameters
 from tests.assistant.test_its_connection import INITIALIZE
 from tests.support.shells import until
@@ -42,13 +43,15 @@ def mouths(text: str) -> dict[str, bool]:
     words = json.dumps({"id": 1, "words": [text]}).encode()
     split = json.dumps({"id": 1, "words": text.split()}).encode()
     escaped = "".join(f"\\u{ord(char):04x}" for char in text)
+    stops = Stops()
     return {
         "typed": lines.is_stop(text.encode()),
         "request": protocol.is_stop({"words": text.split()}),
-        "socket": server._stop_in(words) is not None,
-        "socket, word by word": server._stop_in(split) is not None,
-        "socket, escaped": server._stop_in(b'{"words": ["%s"]}' % escaped.encode()) is not None,
-        "socket, no JSON": server._stop_in(text.encode()) is not None,
+        "socket": server._stop_in(words, stops) is not None,
+        "socket, word by word": server._stop_in(split, stops) is not None,
+        "socket, escaped": server._stop_in(b'{"words": ["%s"]}' % escaped.encode(), stops)
+        is not None,
+        "socket, no JSON": server._stop_in(text.encode(), stops) is not None,
     }
 
 

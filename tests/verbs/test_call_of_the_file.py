@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from archo_tui.plain.lines import words_of
+from archo_tui.remote.server import _stop_in
 from archo_tui.robot.stops import Stops
 from archo_tui.robot_file.model import Service
 from archo_tui.verbs import verbs
 from archo_tui.verbs.called import choose_verb
-from tests.console.states import STATES
 from tests.support.archo import ARCHO, FORMS
 from tests.support.console import LONG, console
 from tests.support.plain import operated
 from tests.support.script import Script
 from tests.support.shells import heard, raw, served, typed
+from tests.support.states import STATES
 from tests.support.stub import StubRobot, stub_station
 
 
@@ -49,6 +52,7 @@ def chosen(line: str, namespace: str = "/", file: Any = ARCHO, **graph: Any) -> 
         ("call set_charging data=5", "data: not true or false: 5"),
         ("call set_charging data=true more=1", "/set_charging takes data=..., not more"),
         ("call other x=1", "call other x=1"),
+        ("call emergency_stop --help", "call emergency_stop --help"),
         (
             "call /move_to_shelf/_action/send_goal goal.shelf_number=99",
             "/move_to_shelf/_action/send_goal is a part of the action /move_to_shelf: type go",
@@ -100,13 +104,52 @@ async def test_a_release_asks_and_what_it_answers_is_told() -> None:
         assert "YOU console: release stop: Released; nothing resumes by itself" in person.said
 
 
-def test_a_call_of_the_stop_is_one_where_lines_are_read() -> None:
+CALLS_OF_STOP = [
+    ["call", "emergency_stop"],
+    ["call", "north/emergency_stop", "x=1"],
+    ["call", "/north/emergency_stop", "--help", "now"],
+    ["call", "--yes", "emergency_stop"],
+]
+CALLS_OF_OTHERS = [
+    ["call", "/emergency_stop"],  # another robot's, perhaps
+    ["call", "emergency_stop", "--help"],
+    ["call", "--help", "emergency_stop"],
+    ["call", "stop"],
+    ["call"],
+    ["params", "emergency_stop"],
+]
+
+
+def read_as_stop(words: list[str]) -> set[bool]:
+    """Which of the three that read lines take these words for a STOP."""
     stops = Stops()
     stops.known_as("emergency_stop", "/north/emergency_stop")
-    names = "emergency_stop", "north/emergency_stop", "/north/emergency_stop"
-    assert all(stops.is_call(["call", name, "x=1"]) for name in names)
-    others = ["call", "/emergency_stop"], ["call"], ["params", "emergency_stop"], ["call", "stop"]
-    assert not any(stops.is_call(words) for words in others)
+    line = json.dumps({"id": 1, "words": words})
+    escaped = line.replace("call", "c\\u0061ll").replace("emergency", "\\u0065mergency")
+    return {
+        stops.is_call(words_of(" ".join(words).encode())),
+        *(_stop_in(text.encode(), stops) is not None for text in (line, escaped)),
+    }
+
+
+@pytest.mark.parametrize("words", CALLS_OF_STOP, ids=" ".join)
+def test_a_call_of_the_stop_is_a_stop_where_lines_are_read(words: list[str]) -> None:
+    assert read_as_stop(words) == {True}
+
+
+@pytest.mark.parametrize("words", CALLS_OF_OTHERS, ids=" ".join)
+def test_another_call_is_no_stop_where_lines_are_read(words: list[str]) -> None:
+    assert read_as_stop(words) == {False}
+
+
+def test_a_name_that_only_the_graph_resolves_is_counted_as_a_stop_once() -> None:
+    robot: Any = StubRobot(STATES["motor stopped"]._replace(namespace="/north"))
+    robot.stops.known_as("emergency_stop", "/north/emergency_stop")
+    known = verbs(ARCHO, FORMS)
+    for name, counted in (("/emergency_stop", 1), ("emergency_stop", 0)):  # which is read before
+        before = robot.stops.count
+        verb, _ = choose_verb(known, stub_station(robot), "call", [name])
+        assert (verb.id, robot.stops.count - before) == ("stop", counted), name
 
 
 @pytest.mark.posix
@@ -122,6 +165,12 @@ async def test_from_a_shell_it_overtakes_what_waits_and_the_others_are_asked_abo
     async with served(ros_args=LONG) as person:
         person.type("go 12\n")
         await heard(person, "MOVING to 12")
+        helped = await typed("call", "emergency_stop", "--help")
+        assert (helped.code, helped.out.partition("\n")[0]) == (
+            0,
+            "call SERVICE [FIELD=VALUE ...]: Call any service on the graph",
+        )
+        assert "STOP" not in person.said
         asked = await typed("call", "/reset_encoder")
         assert (asked.code, "add --yes to do it" in asked.err) == (2, True)
         done = await typed("call", "reset_encoder", "--yes")
