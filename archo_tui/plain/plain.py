@@ -23,7 +23,7 @@ from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.requests import EXPIRES, READ
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
-from archo_tui.verbs.base import Question, Verb
+from archo_tui.verbs.base import Question, Values, Verb
 from archo_tui.verbs.called import choose_verb
 from archo_tui.verbs.parse import YES, parse
 from archo_tui.verbs.speak import speak
@@ -70,6 +70,7 @@ class Plain:
         self._failed = False  # a line, or a goal
         self._stopped = self._confirmed = 0  # the last STOPs that were sent, and confirmed
         self._is_asking = False
+        self._slow = 0  # lines whose outcome takes seconds, and has not come
         self._patience = _SLOW
         self._overflows = 0  # of the input, that were said
         self._tasks: set[asyncio.Future[None]] = set()
@@ -160,6 +161,7 @@ class Plain:
             if line.fault or line.text.split():  # else blanks of some other script
                 await self._run_until_cancel(line)
         await self._hold(lambda: self._input.is_quiet)  # a stop may have come with the last line
+        await self._hold(lambda: not self._slow)
         await self._hold(lambda: self._is_over() or self._is_in_doubt)
         if self._goal is not None and not self._is_over():
             self._say(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
@@ -277,6 +279,11 @@ class Plain:
         station = self._station
         verb, rest = choose_verb(self._verbs, station, word, rest)
         values, yes = parse(verb, station, rest)
+        if verb.begun:
+            self._out(verb.begun)
+            self._slow += 1
+            self._start(self._speak_slowly(verb, values))
+            return Outcome(Code.DONE, "")
         outcome = await speak(station, verb, values, self._until, None if yes else self._ask)
         self._take(self._robot.snapshot)  # a goal is known before the end is looked for
         if verb.tells_with(values) and outcome.ok:
@@ -286,6 +293,18 @@ class Plain:
             self._say(f"queue: {spoken.queue(waiting, station.queue.held)}")
         self._failed = self._failed or verb.id == "skip"  # one goal less that arrives
         return outcome
+
+    async def _speak_slowly(self, verb: Verb, values: Values) -> None:
+        """Carry out a verb whose outcome takes seconds: the lines behind it do not wait."""
+        try:
+            outcome = await speak(self._station, verb, values, self._until, None)
+        finally:
+            self._slow -= 1
+        if outcome.ok:
+            self._out(outcome.text)
+        else:
+            self._fail(f"{verb.id}: {outcome.text}")
+        self._changed.set()
 
     async def _answer(self, word: str, rest: list[str]) -> Outcome:
         """What an assistant asked for is decided, by a person. Raises ValueError."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -36,6 +38,7 @@ class Witness:
         self._before: View | None = None
         self._parts: tuple[object, ...] = ()
         self._told = 0.0  # monotonic s
+        self.kept = ""  # name of the last recording begun by hand that is on the disk
 
     @property
     def trouble(self) -> str:
@@ -59,9 +62,20 @@ class Witness:
         self._before = view
         self._box.look()
 
-    def keep(self) -> Outcome:
-        """Record the last minute, and what follows."""
-        self._box.trigger(KEPT, by_hand=True)
+    def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
+        """Begin to record the last minute, and what follows; `written` as in `Recorder`."""
+        loop = None if written is None else asyncio.get_running_loop()
+
+        def on_disk(name: str, failure: str) -> None:
+            self.kept = name or self.kept
+            said = Outcome(Code.DONE, f"recorded {name}")
+            if failure:
+                said = Outcome(Code.REFUSED, f"recording not written: {failure}")
+            if loop is not None and written is not None:
+                with suppress(RuntimeError):  # the console has ended, and its loop is closed
+                    loop.call_soon_threadsafe(written, said)
+
+        self._box.trigger(KEPT, by_hand=True, written=on_disk)
         said = f"the last {SPAN:g} s are recorded, and the next {AFTER:g} s"
         return Outcome(Code.DONE, said)
 

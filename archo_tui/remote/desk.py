@@ -306,7 +306,7 @@ class _Visit:
         # for the end of its goals, before they are sent: it may be gone by then
         self.is_waiting = request.get("wait") is True
         self.leaves = request.get("leave") is True  # and they go on without it
-        is_wait = isinstance(words, list) and words[:1] == ["wait"]
+        is_wait = isinstance(words, list) and words[:1] in (["wait"], ["keep"])
         self.only_looks = is_wait or bool(request.get("follow"))  # it commands nothing
         self.is_off = False  # was called off
 

@@ -15,6 +15,7 @@ PROTOCOL = 1
 LONGEST = 64 * 1024  # bytes of a line
 DONE, FAILED, MISUSED, UNREACHED, RAN_OUT, ENDED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 LOST = "lost"  # in place of an outcome's code: the console ends, or its screen was restarted
+NOT_REACHED = "unreached"  # in place of an outcome's code: a client's own word, never on a socket
 NOT_MEANT = "not_meant"  # in place of an outcome's code: this STOP is for another console
 GONE = "the console is gone; the robot may still be moving"
 EXITS = {
@@ -25,6 +26,7 @@ EXITS = {
     "ran_out": RAN_OUT,
     LOST: UNREACHED,
     NOT_MEANT: UNREACHED,
+    NOT_REACHED: UNREACHED,
     "cancelled": ENDED,
     "held": ENDED,
 }  # exit codes; of every other code it is FAILED

@@ -16,7 +16,7 @@ from archo_tui.remote.protocol import (
     FAILED,
     GONE,
     INTERRUPTED,
-    MISUSED,
+    NOT_REACHED,
     UNREACHED,
     has_half,
     is_stop,
@@ -141,20 +141,32 @@ def run(
         with contextlib.closing(console):
             return _ask(console, given, timeout, others)
     except ValueError as error:
-        _complain(str(error))
-        return MISUSED
+        return _fail("misuse", str(error), words)
     except Unreached as error:
         if given.stops:
-            _complain(str(error))
-            return UNREACHED
-        return _unreached(words[0], others, str(error), helps=helps)
+            return _fail(NOT_REACHED, str(error), words)
+        return _unreached(words, others, str(error))
 
 
-def _unreached(word: str, others: Iterable[str], why: str, *, helps: bool) -> int:
+def _fail(code: str, text: str, words: Sequence[str]) -> int:
+    """Say what did not succeed, as an object where `--json` is among the words.
+
+    Returns:
+        The exit code.
+    """
+    if "--json" in words:
+        _print_json({"code": code, "text": text})
+    else:
+        _complain(text)
+    return EXITS[code]
+
+
+def _unreached(words: Sequence[str], others: Iterable[str], why: str) -> int:
     """Say what can be said without a console; returns the exit code.
 
     A robot file may have verbs that nobody knows here: only one that is misspelled is misuse.
     """
+    word, helps = words[0], "--help" in words[1:]
     if helps or word not in (*VERBS, "wait"):
         from archo_tui.remote.verb_help import archos_verbs, of_archo
 
@@ -164,10 +176,8 @@ def _unreached(word: str, others: Iterable[str], why: str, *, helps: bool) -> in
             return 0
         near = "" if word in known else _nearest(word, (*known, "wait", *others))
         if near:
-            _complain(f"no command {word!r} (nearest: {near}), and {why}")
-            return MISUSED
-    _complain(why)
-    return UNREACHED
+            return _fail("misuse", f"no command {word!r} (nearest: {near}), and {why}", words)
+    return _fail(NOT_REACHED, why, words)
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
@@ -255,7 +265,7 @@ def _ask(console: Speaks, given: _Words, timeout: float | None, others: Iterable
     except _Interrupted:
         for number in (signal.SIGINT, signal.SIGTERM):  # the next one ends it at once
             signal.signal(number, signal.SIG_DFL)
-        return INTERRUPTED if asked.get("leave") else _give_up(console)
+        return INTERRUPTED if asked.get("leave") else _give_up(console, given)
 
 
 def _result(
@@ -301,11 +311,14 @@ def _end(result: dict[str, Any], given: _Words, others: Iterable[str] = ()) -> i
     return code
 
 
-def _give_up(console: Speaks) -> int:
-    """Call off what was asked for, and wait until that is confirmed."""
+def _give_up(console: Speaks, given: _Words) -> int:
+    """Call off what was asked for, and wait until that is confirmed; returns the exit code."""
     try:
         console.send({"give_up": True})
         for said in console.rest(_CONFIRMED):
+            if "code" in said and "--json" in given.flags:
+                _print_json(said)
+                break
             if "code" in said:
                 _complain(said["text"], prefix="")
                 break

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 # the console's own operator
 _LINES = {
     "stop": "stop: STOP: software stop, at once and latched; does not replace the hardware one",
-    "wait": "wait idle|arrived|ready|battery N: Wait until it is so",
+    "wait": "wait idle|arrived|ready|stopped|battery N: Wait until it is so",
 }
 _JSON = "--json", "one JSON object a line, the last one is the result"
 _TO = "--to CONSOLE", "where several consoles run: its process number or namespace"

@@ -1,4 +1,4 @@
-"""What a program can wait for: `wait idle`, `arrived`, `ready`, `battery 50`."""
+"""What a program can wait for: `wait idle`, `arrived`, `ready`, `stopped`, `battery 50`."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Goal
+from archo_tui.robot.state import Goal, Latch
 from archo_tui.robot.values import parse_number
 from archo_tui.station.alarms import CONTACT_LOST, EMPTY
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Verb
 
-WAITS = "idle, arrived, ready or battery N"
+WAITS = "idle, arrived, ready, stopped or battery N"
 LOOK = 0.05  # s between two looks
 _LONGEST = 1e9  # s
 _Look = Callable[[], Outcome | None]  # None: not yet
@@ -66,6 +66,10 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
             return None if _goes_nowhere(station) else Outcome(Code.DONE, "ready")
         return Outcome(Code.REFUSED, why) if robot.watching or "go" not in verbs else None
 
+    def stopped() -> Outcome | None:
+        done = _is_held(station) and not _may_move(station)
+        return Outcome(Code.DONE, "stopped") if done else None
+
     running = robot.snapshot.running_goal
 
     def arrived() -> Outcome | None:
@@ -74,8 +78,9 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
         goal = _same(station, running)
         return Outcome(Code.REFUSED, "the goal is not known") if goal is None else goal.outcome
 
-    if list(words) in (["idle"], ["ready"], ["arrived"]):
-        return {"idle": idle, "ready": ready, "arrived": arrived}[words[0]]
+    looks = {"idle": idle, "ready": ready, "arrived": arrived, "stopped": stopped}
+    if len(words) == 1 and words[0] in looks:
+        return looks[words[0]]
     if len(words) == 2 and words[0] == "battery":
         try:
             wanted = parse_number(words[1])
@@ -105,6 +110,14 @@ def _is_silent(station: Station) -> bool:
 def _may_move(station: Station) -> bool:
     """True while the robot says that it moves, or does not say."""
     return _is_silent(station) or bool(station.robot.snapshot.motion.moving)
+
+
+def _is_held(station: Station) -> bool:
+    """Return True while the robot reports a stop; of one that cannot: while it confirmed a STOP."""
+    snapshot, described = station.robot.snapshot, station.robot.file.motion
+    if described is not None and any(kind.stopped for kind in described.types.values()):
+        return snapshot.says_stopped
+    return snapshot.latch is Latch.HELD and snapshot.open_stop is None
 
 
 def _goes_nowhere(station: Station) -> bool:

@@ -82,7 +82,7 @@ class RecordedHost:
 class Unwritten:
     """Stands for the journal and the black box."""
 
-    failure = trouble = ""
+    failure = trouble = kept = ""
 
     def write(self, *_: Any, **__: Any) -> None:
         """Nothing happens in a replay."""
@@ -90,8 +90,8 @@ class Unwritten:
     def look(self, *_: Any) -> None:
         """Nothing happens in a replay."""
 
-    def keep(self) -> Outcome:
-        """It is kept already."""
+    def keep(self, *_: Any) -> Outcome:
+        """Refuse: it is kept already."""
         return Outcome(Code.REFUSED, "this is a recording")
 
 

@@ -98,8 +98,19 @@ class Recorder(Protocol):
     def look(self, view: View, changed: Sequence[Alarm]) -> None:
         """So it is now; these alarms have changed."""
 
-    def keep(self) -> Outcome:
-        """Record the last minute by hand."""
+    @property
+    def kept(self) -> str:
+        """The name of the last recording on the disk that was begun by hand; empty: none is."""
+
+    def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
+        """Begin to record the last minute by hand; call it on the loop.
+
+        Args:
+            written: Is called on the loop when the recording is on the disk, or cannot be written.
+
+        Returns:
+            What is recorded, or why nothing is: `written` is called only for the former.
+        """
 
 
 class Station:

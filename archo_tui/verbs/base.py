@@ -55,6 +55,7 @@ class Verb:
     survives_stop = False  # done also when a STOP was read after it
     tells = False  # its outcome is what was asked for, in lines
     may_ask = False
+    begun = ""  # what is said at once, of a verb whose outcome takes seconds; empty: of all others
     has_goals = False  # sends goals, whose ends can be waited for
     service = ""  # what somebody must offer, as in the robot file
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
+from typing import Any
+
 from archo_tui.recording.box import AFTER
 from archo_tui.recording.ring import SPAN
 from archo_tui.robot.outcome import Outcome
@@ -10,9 +13,22 @@ from archo_tui.verbs.base import Values, Verb
 
 
 class Keep(Verb):
+    """Records the last minute, and ends when the recording is on the disk."""
+
     id, title, tells = "keep", "Keep the last minute", True
     survives_stop = True  # it records just that
     help = f"Keep the last minute: record the last {SPAN:g} s and the next {AFTER:g} s"
+    begun = f"the last {SPAN:g} s are recorded, and the next {AFTER:g} s"
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        return station.recorder.keep()
+        written: asyncio.Future[Outcome] = asyncio.get_running_loop().create_future()
+
+        def on_disk(outcome: Outcome) -> None:
+            if not written.done():  # whoever asked has given it up
+                written.set_result(outcome)
+
+        begun = station.recorder.keep(on_disk)
+        return await written if begun.ok else begun
+
+    def data(self, station: Station, values: Values) -> Any:
+        return {"recording": station.recorder.kept}

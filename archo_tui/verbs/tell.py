@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import Any
 
 from archo_tui.clock import time_of_day
@@ -12,6 +14,7 @@ from archo_tui.station.alarms import advice, ways
 from archo_tui.station.history import SPANS, Quantity, readings
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
+from archo_tui.verbs.as_data import goal as goal_data
 from archo_tui.verbs.base import PATIENCE, Argument, Values, Verb
 from archo_tui.words.alarm import state as state_of
 from archo_tui.words.event import event_text
@@ -91,19 +94,44 @@ class Past(Verb):
         lines += map(ended, station.robot.snapshot.history)
         return Outcome(Code.DONE, "\n".join(filter(None, lines)) or "nothing yet")
 
+    def data(self, station: Station, values: Values) -> Any:
+        snapshot, now = station.robot.snapshot, station.clock.monotonic()
+        goals = [{**goal_data(found, now), "time": found.time} for found in snapshot.history]
+        hour = {
+            quantity: {
+                "unit": _unit(snapshot, quantity) or None,
+                "readings": [
+                    {"age": age, "value": value} for age, value in _readings(station, quantity)
+                ],
+            }
+            for quantity in _NAMES
+        }
+        return {**hour, "goals": goals}
+
 
 _NAMES: dict[Quantity, str] = {"charge": "charge", "speed": "speed", "left": "way left"}
 _PARTS = 60  # of a span, of which the oldest is told
 
 
+def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, float | None]]:
+    """Yield the value now and at the beginning of each span, with its age in s.
+
+    None stands for a value that was not heard, not reported, or no finite number.
+    """
+    now, history = station.clock.monotonic(), station.history
+    found = [(0.0, readings(station.robot.snapshot, now)[quantity])]
+    found += [(span, history.columns(quantity, span, _PARTS, now)[0]) for span in SPANS]
+    for age, value in found:
+        yield age, value if value is None or math.isfinite(value) else None
+
+
 def _hour(station: Station, quantity: Quantity) -> str:
     """`speed (m/s): now 0.80, 1 min ago 0.00`: what is known of it; empty: nothing is."""
-    now, history = station.clock.monotonic(), station.history
-    told = [("now", readings(station.robot.snapshot, now)[quantity])]
-    for span in SPANS:
-        then = history.columns(quantity, span, _PARTS, now)[0]
-        told.append((f"{span / 60:.0f} min ago", then))
-    known = [f"{when} {value:.2f}" for when, value in told if value is not None]
+    known = [
+        f"{f'{age / 60:.0f} min ago' if age else 'now'} {value:.2f}"
+        for age, value in _readings(station, quantity)
+        if value is not None
+    ]
     unit = _unit(station.robot.snapshot, quantity)
     name = f"{_NAMES[quantity]} ({unit})" if unit else _NAMES[quantity]
     return f"{name}: {', '.join(known)}" if known else ""

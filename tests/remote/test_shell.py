@@ -59,7 +59,7 @@ async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
         ("relaese", 2, "archo-tui: relaese: no command 'relaese' (nearest: release)"),
         ("cancel", 1, "archo-tui: cancel: no goal is running"),
         ("release", 1, "archo-tui: release: the robot is not stopped"),
-        ("wait", 2, "archo-tui: wait: wait needs idle, arrived, ready or battery N"),
+        ("wait", 2, "archo-tui: wait: wait needs idle, arrived, ready, stopped or battery N"),
         ("wait arrived", 1, "archo-tui: wait: no goal is running"),
         ("wait battery 101 --timeout 0", 4, "archo-tui: wait: not yet"),
         ("wait idle --timeout x", 2, "archo-tui: --timeout: not a time in s: x"),

@@ -50,6 +50,10 @@ async def test_a_healthy_robot_is_waited_for_no_more(words: str) -> None:
         ("battery empty", "ready"),
         ("motor stopped", "ready"),
         ("motor stop not confirmed", "ready"),
+        ("normal", "stopped"),
+        ("motor stop not confirmed", "stopped"),
+        ("contact lost", "stopped"),
+        ("nothing heard yet", "stopped"),
     ],
 )
 async def test_a_sick_robot_is_waited_for_on(state: str, words: str) -> None:

@@ -98,7 +98,7 @@ def stub_station(
     recorder: Any = SimpleNamespace(
         trouble="",
         look=lambda *_: None,
-        keep=lambda: Outcome(Code.DONE, "the last minute is recorded"),
+        keep=lambda *_: Outcome(Code.DONE, "the last minute is recorded"),
     )
     journal: Any = SimpleNamespace(write=lambda *_, **__: None, failure="")
     return Station(
