@@ -20,9 +20,10 @@ from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.hosting.watch import Watch, Watched
 from archo_tui.parameters import files
-from archo_tui.paths import journal_file, state_file
+from archo_tui.paths import config_file, journal_file, state_file
 from archo_tui.recording.box import BUDGET
 from archo_tui.remote.protocol import PROTOCOL
+from archo_tui.robot import secret_names
 from archo_tui.robot_file import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
 from archo_tui.station.journal import Flood, Journal
@@ -93,6 +94,7 @@ class Session:
         self.options, self._clock = options, clock or Clock()
         self.file = robot_files.load(options.robot or robot_files.default())
         self._own_files = [] if options.attach else files.default_files()
+        self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._overrides = files.load([*self._own_files, *options.params_files])
         interfaces = self._activate()
         self._init_rclpy()
@@ -211,6 +213,7 @@ class Session:
                 self._happened,
                 self.box.hear,
                 watching=self.options.watch,
+                secrets=self._secrets,
             )
             robot = self.robot
             self.host = Host(

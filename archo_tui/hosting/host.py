@@ -25,7 +25,6 @@ from archo_tui.hosting.workers import Workers, multi_threaded
 from archo_tui.robot import message_classes
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
-from archo_tui.robot.values import text_of
 
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
 END_TIMEOUT = 1.5  # s for all of them when the console ends
@@ -359,7 +358,7 @@ class Host:
             except Exception as error:
                 reason = in_one_line(error)
             if reason:
-                said = f"{name} {text_of(value)} was not set again: {reason}"
+                said = f"{name} was not set again: {reason}"  # its value may be a secret
                 self._on_event("WARN", hosted.name.lstrip("/"), said)
 
     def _left(self, old: HostedNode) -> str:

@@ -133,7 +133,7 @@ def state(view: View, *, whole: bool) -> State:
         nodes=tuple(node._replace(heard=at(node.heard)) for node in snapshot.nodes),
         hosted=view.hosted,
         offered=snapshot.offered,
-        parameters=snapshot.parameters,
+        parameters=tuple(parameter.masked for parameter in snapshot.parameters),
         faults=snapshot.faults,
         publishers=snapshot.publishers,
         twice=snapshot.twice,

@@ -23,6 +23,11 @@ class Asker:
         self.goal: Goal | None = None  # the last of them that ended
         self.has_left = False  # whatever it still asks for is not done
 
+    @property
+    def is_assistant(self) -> bool:
+        """True for a program that a model speaks through."""
+        return self.source.startswith(ASSISTANT)
+
 
 YOU = Asker("YOU", "console")
 _asking: ContextVar[Asker] = ContextVar("asking", default=YOU)

@@ -38,7 +38,8 @@ from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.offers import Offers
 from archo_tui.robot.others import CLIENT, CONSOLE, Others
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.parameters import Parameters
+from archo_tui.robot.parameters import Parameters, without_secrets
+from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import (
     WATCHING,
@@ -83,6 +84,7 @@ class Robot:
         heard: Heard = lambda *_: None,
         *,
         watching: bool = False,
+        secrets: SecretNames | None = None,
     ) -> None:
         """`happened(event)` is called on the ROS thread for each event, and when one repeats.
 
@@ -91,6 +93,7 @@ class Robot:
         """
         self.watching = watching
         self.file = file
+        self._secrets = secrets or SecretNames()
         self._clock, self._happened = clock, happened
         self.stops = stops = Stops()
         self._mailbox = Mailbox()
@@ -102,8 +105,12 @@ class Robot:
         self._consoles: set[str] | None = None  # the others, at the last look
         self._motion_ids: frozenset[bytes] = frozenset()  # of who tells how the robot moves
         self._motion_changed = float("-inf")  # when these were others than before, monotonic s
+
+        def heard_masked(topic: str, message: Any) -> None:
+            heard(topic, without_secrets(message, self._secrets))
+
         node = self._node = Listener(
-            own_name(), heard, context=context, start_parameter_services=False
+            own_name(), heard_masked, context=context, start_parameter_services=False
         )
         self._name = author(node.get_name())
         self._acts = node.create_publisher(String, acts.TOPIC, _ACTS)
@@ -113,7 +120,13 @@ class Robot:
             node, clock, self._services, self._goal_changed, self._say, self._goal_ended, watching
         )
         self._parameters = Parameters(
-            node, clock, self._services, self._mark, self._telemetry.measure_anew, self._on_change
+            node,
+            clock,
+            self._services,
+            self._mark,
+            self._telemetry.measure_anew,
+            self._on_change,
+            self._secrets,
         )
         self._graph = Graph(node, file)
         self._offers = Offers(node, file, self._graph)
@@ -319,11 +332,13 @@ class Robot:
 
     async def set_parameters(self, node: str, values: Mapping[str, Any]) -> Outcome:
         """Set parameters of one node, all or none, to values of the types that fit."""
-        command = ros2_command.set_parameters(node, values)
-        texts = ", ".join(f"{name} {text_of(value)}" for name, value in values.items())
+        shown = self._secrets.masked(values)
+        has_secret = any(map(self._secrets.fit, values))
+        command = "" if has_secret else ros2_command.set_parameters(node, values)
+        texts = ", ".join(f"{name} {text_of(value)}" for name, value in shown.items())
         return await self._do(
             "set",
-            {"node": node, "values": values},
+            {"node": node, "values": shown},
             f"set {node.lstrip('/')} {texts}",
             command,
             lambda gate: self._parameters.set(node, values, gate),
@@ -649,6 +664,8 @@ class Robot:
         self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))
 
     def _on_change(self, node: str, name: str, old: Any, new: Any) -> None:
+        if self._secrets.fit(name):
+            old = new = MASK
         self._others.parameter(node, name, old, new, self._clock.monotonic())
 
     def _warn(self, text: str) -> None:

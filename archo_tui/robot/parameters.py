@@ -6,7 +6,7 @@ from what was asked for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from operator import is_
 from typing import Any
 
@@ -22,6 +22,7 @@ from archo_tui.robot.listener import Listener
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import TYPES, as_python, value_field
 from archo_tui.robot.rounds import Rounds
+from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.stops import Gate
@@ -43,12 +44,14 @@ class Parameters:
         changed: Callable[[], None],
         set_anew: Callable[[str, Any, Any], None],
         told: Callable[[str, str, Any, Any], None],
+        secrets: SecretNames,
     ) -> None:
         """`set_anew(node, old, new)` is called when a value has changed.
 
         `told(node, name, old, new)` when its node says so, whoever did it.
         """
         self._told = told
+        self._secrets = secrets
         self._node, self._clock = node, clock
         self._set_anew = set_anew
         self._known: dict[str, int] = {}  # nodes of the last look, and how many of each
@@ -145,7 +148,7 @@ class Parameters:
                 return
             self._retry.pop(node, None)
             self._by_node[node] = {
-                name: _parameter(node, name, descriptor, got.get(name))
+                name: _parameter(node, name, descriptor, got.get(name), self._secrets.fit(name))
                 for name, descriptor in zip(names, described.descriptors, strict=False)
             }
             self._changed()
@@ -166,7 +169,7 @@ class Parameters:
 
         The outcome says what the node answers when it is asked for them afterwards.
         """
-        before = {name: text_of(self._value(node, name)) for name in values}
+        before = self._texts(node, values)
         try:
             parameters = [self._message(node, name, value) for name, value in values.items()]
         except ValueError as error:
@@ -181,17 +184,22 @@ class Parameters:
         if answer is None:
             return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {node}")
         if not answer.result.successful:
-            return Outcome(Code.REFUSED, answer.result.reason or "refused, no reason given")
+            reason = self._secrets.without(answer.result.reason, values)
+            return Outcome(Code.REFUSED, reason or "refused, no reason given")
         names = list(values)
         got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
         for name, value in zip(names, got.values if got is not None else (), strict=False):
             self._take(node, name, as_python(value))
-        said = ", ".join(
-            f"{name} is {text_of(self._value(node, name))}, was {before[name]}" for name in names
-        )
+        now = self._texts(node, values)
+        said = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in names)
         return Outcome(Code.DONE, said)
+
+    def _texts(self, node: str, names: Iterable[str]) -> dict[str, str]:
+        """Return the values as events have them."""
+        known = self._secrets.masked({name: self._value(node, name) for name in names})
+        return {name: text_of(value) for name, value in known.items()}
 
     def _message(self, node: str, name: str, value: Any) -> Any:
         """A parameter with a value of the type that it has here. Raises ValueError."""
@@ -233,7 +241,33 @@ class Parameters:
             self._set_anew(node, known.value, value)
 
 
-def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
+def without_secrets(message: Any, secrets: SecretNames) -> Any:
+    """Return a message that was received, with MASK in place of secret parameters in it."""
+    if not isinstance(message, ParameterEvent):
+        return message
+    parts = (message.new_parameters, message.changed_parameters, message.deleted_parameters)
+    if not any(secrets.fit(parameter.name) for part in parts for parameter in part):
+        return message
+    masked = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
+    new, changed, deleted = (
+        [
+            ParameterMessage(name=one.name, value=masked) if secrets.fit(one.name) else one
+            for one in part
+        ]
+        for part in parts
+    )
+    return ParameterEvent(
+        stamp=message.stamp,
+        node=message.node,
+        new_parameters=new,
+        changed_parameters=changed,
+        deleted_parameters=deleted,
+    )
+
+
+def _parameter(
+    node: str, name: str, descriptor: Any, value: Any, is_secret: bool = False
+) -> Parameter:
     low = high = None
     for allowed in (*descriptor.floating_point_range, *descriptor.integer_range):
         low, high = sorted((allowed.from_value, allowed.to_value))
@@ -247,4 +281,5 @@ def _parameter(node: str, name: str, descriptor: Any, value: Any) -> Parameter:
         low=low,
         high=high,
         read_only=descriptor.read_only,
+        is_secret=is_secret,
     )

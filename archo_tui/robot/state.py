@@ -19,6 +19,7 @@ from archo_tui.robot.acts import Act
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import UNMEASURED, Pace, is_silent
 from archo_tui.robot.readings import number
+from archo_tui.robot.secret_names import MASK
 from archo_tui.robot.values import same, text_of
 from archo_tui.robot_file.model import FormField, Gauge, GoalKind, Limit, Link, RobotFile
 
@@ -220,6 +221,14 @@ class Parameter(NamedTuple):
     low: float | None = None
     high: float | None = None
     read_only: bool = False
+    is_secret: bool = False  # by its name: only the operator sees the value
+
+    @property
+    def masked(self) -> Parameter:
+        """The same with MASK in place of a secret value."""
+        if not self.is_secret or self.value is None:
+            return self
+        return self._replace(value=MASK, initial=MASK)
 
     @property
     def is_changed(self) -> bool:

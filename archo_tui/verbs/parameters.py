@@ -12,6 +12,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.parameters import save_load
 from archo_tui.robot.acts import Act
+from archo_tui.robot.asker import asking
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.state import Parameter
@@ -76,11 +77,11 @@ class Get(_OfOne):
         parameter = self.found(station, values)
         if parameter is None:
             return self.missing(station, values)
-        return Outcome(Code.DONE, line(parameter))
+        return Outcome(Code.DONE, line(_for_asker(parameter)))
 
     def data(self, station: Station, values: Values) -> Any:
         parameter = self.found(station, values)
-        return None if parameter is None else as_data.parameter(parameter)
+        return None if parameter is None else as_data.parameter(_for_asker(parameter))
 
 
 class Set(_OfOne):
@@ -150,10 +151,17 @@ class Params(Verb):
         return are_reported(station)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        return Outcome(Code.DONE, "\n".join(map(line, station.robot.snapshot.parameters)))
+        shown = map(_for_asker, station.robot.snapshot.parameters)
+        return Outcome(Code.DONE, "\n".join(map(line, shown)))
 
     def data(self, station: Station, values: Values) -> Any:
-        return [as_data.parameter(found) for found in station.robot.snapshot.parameters]
+        shown = map(_for_asker, station.robot.snapshot.parameters)
+        return [as_data.parameter(found) for found in shown]
+
+
+def _for_asker(parameter: Parameter) -> Parameter:
+    """Return what may be shown to whoever asks: to an assistant no secret."""
+    return parameter.masked if asking().is_assistant else parameter
 
 
 def line(parameter: Parameter) -> str:

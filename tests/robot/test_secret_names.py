@@ -1,0 +1,103 @@
+"""Secret parameters: which names are, and who does not get to see the values."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.node import Node
+from rosbags.highlevel import AnyReader
+
+from archo_tui.errors import ArchoError
+from archo_tui.paths import config_file, journal_file, make_folder, state_file
+from archo_tui.recording import box, store
+from archo_tui.robot.secret_names import SecretNames, load
+from tests.support.shells import heard, raw, served, typed
+
+SECRET = [
+    *("password", "Password", "wifi.password", "WIFI_PASSWORD_2", "auth_tokens", "token_file"),
+    *("key", "api_key", "apiKey", "APIKey", "key2", "api_key.value", "client-secret", "keys"),
+]
+OPEN = [
+    *("monkey", "key_bindings", "keyframe", "key_rate.hz", "turkey", "tokenizer", "secretary"),
+    *("passwordless", "max_speed", ""),
+]
+
+
+@pytest.mark.parametrize("name", SECRET)
+def test_words_of_a_name_make_it_a_secret(name: str) -> None:
+    assert SecretNames().fit(name)
+
+
+@pytest.mark.parametrize("name", OPEN)
+def test_parts_of_words_do_not(name: str) -> None:
+    assert not SecretNames().fit(name)
+
+
+def test_a_file_adds_words(tmp_path: Path) -> None:
+    file = tmp_path / "secret_names.txt"
+    assert not load(file).fit("door_pin")  # nor is a file needed
+    file.write_text("# ours\nPIN  # of doors\nwifi ssid\nSchlüssel\n\n", encoding="utf-8")
+    names = load(file)
+    assert all(map(names.fit, ("door_pin", "wifi_ssid", "home.wifiSsid", "schlüssel", "token")))
+    assert not any(map(names.fit, ("spin", "ssid", "wifi_channel", "of", "ours")))
+
+
+def test_a_list_that_cannot_be_read_is_said(tmp_path: Path) -> None:
+    with pytest.raises(ArchoError, match=str(tmp_path)):
+        load(tmp_path)
+    (tmp_path / "latin").write_bytes(b"schl\xfcssel")
+    with pytest.raises(ArchoError, match="latin: not UTF-8"):
+        load(tmp_path / "latin")
+
+
+class Door(Node):
+    """Has a secret, and refuses one by quoting it."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("door", **options)
+        described = ParameterDescriptor(description="of the gate")
+        self.declare_parameter("api_key", "hunter2", described)
+        self.declare_parameter("pin", 4711)
+        self.declare_parameter("key_bindings", "qwerty")
+        self.add_on_set_parameters_callback(self.check)
+
+    def check(self, parameters: list[Any]) -> SetParametersResult:
+        bad = [one.value for one in parameters if one.value == "letmein"]
+        return SetParametersResult(successful=not bad, reason=f"weak: {bad[0]}" if bad else "")
+
+
+@pytest.mark.real_time
+async def test_only_the_operator_sees_a_secret(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(box, "AFTER", 0.2)
+    make_folder(config_file("secret_names.txt"))
+    config_file("secret_names.txt").write_text("pin\n")
+    async with served(Door) as person:
+        person.type("set door api_key s3same\nset door pin 8432\nset door key_bindings dvorak\n")
+        await heard(person, "key_bindings is dvorak, was qwerty")
+        assert "set door api_key ***: api_key is ***, was ***" in person.said
+        person.type("set door api_key letmein\n")
+        await heard(person, "weak: ***")
+        client = await raw()
+        await client.line()
+        told = ""
+        for number, words in enumerate((["params"], ["get", "door", "api_key"], ["events", "99"])):
+            client.send({"id": number, "assistant": True, "words": words})
+            told += json.dumps(await client.line())
+        client.close()
+        shown = await typed("get", "door", "api_key")
+        assert "api_key is s3same, was hunter2 at the start" in shown.out  # the operator's own
+        assert (await typed("keep")).code == 0
+        await person.end()
+    (recording,) = store.listed(state_file("recordings"))
+    with AnyReader([recording.folder]) as reader:
+        recorded = b"".join(data for _, _, data in reader.messages()).decode(errors="replace")
+    journal = journal_file().read_text()
+    for secret in ("s3same", "hunter2", "letmein", "8432", "4711"):
+        for where in (told, recorded, journal):
+            assert secret not in where, secret
+    for where in (told, recorded, journal):
+        assert "dvorak" in where
