@@ -115,7 +115,7 @@ def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
     assert list(path.parent.iterdir()) == []
 
 
-def test_what_came_is_on_the_disk_within_a_second_and_each_part_is_the_robots(
+def test_what_came_is_on_the_disk_within_a_second_in_each_part(
     tmp_path: Path,
 ) -> None:
     path, clock = tmp_path / "shift", StandingClock()

@@ -60,7 +60,7 @@ def test_the_text_is_bounded() -> None:
     assert keyboard.pastes == ["A" * PASTE_LIMIT]
 
 
-def test_a_paste_that_stalls_is_taken_whole_and_how_to_end_it_is_said_once() -> None:
+def test_a_paste_that_stalls_is_whole_and_its_way_out_is_said_once() -> None:
     keyboard = Typed().read(BEGIN + "12")
     assert keyboard.wait(1.9).names == []
     assert keyboard.wait(0.3).names == ["PasteStalled"]
