@@ -528,8 +528,8 @@ class Robot:
         """Wait for the robot; for a goal of your own use `GoalHandle.wait`.
 
         Args:
-            *what: `idle`, `ready`, `arrived` (the goal that runs now, whoever sent it), or
-                `battery` and a number of percent.
+            *what: `idle`, `ready`, `stopped`, `arrived` (the goal that runs now, whoever sent it),
+                or `battery` and a number of percent.
             timeout: Seconds; None: as long as the console answers. Nothing is cancelled after it.
 
         Raises:
