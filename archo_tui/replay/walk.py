@@ -190,7 +190,7 @@ def read(file: BinaryIO, piece: Piece, work: Work) -> bytes:
         return file.read(piece.size)
     head = file.read(FRAME.size)
     opcode, length = FRAME.unpack(head) if len(head) == FRAME.size else (0, 0)
-    size = piece.size - FRAME.size
-    if opcode != CHUNK or (length != size and not piece.cut):
+    size = piece.size - FRAME.size  # below 0 where a bag that is still written ended in the head
+    if opcode != CHUNK or size < 0 or (length != size and not piece.cut):
         raise Unreadable("damaged")
     return unpacked(file.read(size), work, cut=piece.cut)

@@ -24,7 +24,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.remote import api, client, finder, place
 from archo_tui.remote.api import Robot
 from archo_tui.remote.desk import Desk
-from tests.support import warm
+from tests.support import chosen, warm
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed
 from tests.support.script import SLOW, Script
@@ -376,7 +376,8 @@ async def test_a_console_that_falls_silent_is_given_up(monkeypatch: pytest.Monke
 
 
 async def test_a_stop_reaches_the_console_that_came_in_the_place_of_another() -> None:
-    async with served(ros_args=LONG):
+    domain = chosen.next_domain()
+    async with served(ros_args=LONG, domain_id=domain):
         robot = await asyncio.to_thread(archo_tui.connect)
     with pytest.raises(Unreached, match="no console"):
         await asyncio.to_thread(robot.stop)
@@ -384,7 +385,7 @@ async def test_a_stop_reaches_the_console_that_came_in_the_place_of_another() ->
         await asyncio.to_thread(robot.status)
     with pytest.raises(Unreached, match="no console runs here"):
         await asyncio.to_thread(archo_tui.stop)
-    async with served(ros_args=LONG) as person:
+    async with served(ros_args=LONG, domain_id=domain) as person:
         await asyncio.to_thread(robot.do, "stop", "now")
         await heard(person, "STOP: confirmed")
         await asyncio.to_thread(archo_tui.stop, str(os.getpid()))

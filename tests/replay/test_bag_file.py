@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from io import BytesIO
 from pathlib import Path
 from textwrap import dedent
 from typing import Any
@@ -25,6 +26,8 @@ from archo_tui.recording.definitions import definition
 from archo_tui.recording.ring import Heard
 from archo_tui.replay import chunks, held
 from archo_tui.replay.bag_file import BagFile
+from archo_tui.replay.mcap_index import Piece
+from archo_tui.replay.walk import read as read_piece
 from archo_tui.robot import message_classes
 from tests.replay.bags import (
     MAGIC,
@@ -558,3 +561,10 @@ def test_a_profile_of_nobody_with_messages_of_ros_2_is_read(tmp_path: Path) -> N
     path = written(tmp_path / "a.mcap", [("/b", BatteryStatus(percentage=5.0))], profile="")
     assert contents(path) == [("/b", BatteryStatus(percentage=5.0))]
     assert BagFile(path).types == {"/b": type_name(BatteryStatus)}
+
+
+def test_a_chunk_that_was_begun_while_the_bag_was_read_is_left_out() -> None:
+    file = BytesIO(chunks.FRAME.pack(6, 100) + b"x" * 100)
+    begun = Piece(0, 0, place=0, size=0, is_chunk=True, cut=True)  # the file ended there then
+    with pytest.raises(chunks.Unreadable):
+        read_piece(file, begun, chunks.Work())

@@ -7,10 +7,11 @@ import os
 
 ENGINE = "embedded"
 
-# DDS allows for little more than 100 domains; each of four workers has its part of them
+# DDS allows for little more than 100 domains; each of six workers has its part of them
 _WORKER = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
-_FIRST = 1 + 25 * (_WORKER % 4)
-_domains = itertools.cycle(range(_FIRST, _FIRST + 25))
+_EACH = 16
+_FIRST = 1 + _EACH * (_WORKER % 6)
+_domains = itertools.cycle(range(_FIRST, _FIRST + _EACH))
 
 
 def next_domain() -> int:
