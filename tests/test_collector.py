@@ -23,6 +23,8 @@ Collect = Callable[[float], None]  # a full collection that takes so many second
 
 @pytest.fixture
 def collect(monkeypatch: pytest.MonkeyPatch) -> Iterator[Collect]:
+    gc.collect()
+    gc.freeze()  # all that the other tests have left: only what is made here counts
     frozen, now = gc.get_freeze_count(), 0.0
 
     def run(seconds: float) -> None:
@@ -35,7 +37,7 @@ def collect(monkeypatch: pytest.MonkeyPatch) -> Iterator[Collect]:
     with ShortPauses():
         yield run
     if gc.get_freeze_count() < frozen:
-        gc.freeze()  # the tests run with all modules left out
+        gc.freeze()  # as before
 
 
 def is_looked_through(kept: object) -> bool:

@@ -213,7 +213,7 @@ async def test_who_cannot_read_why_still_gets_the_exit_code(stderr: Full | None)
         assert await asyncio.to_thread(run, "go", "12", "--wait") == 0
         assert await asyncio.to_thread(run, "stop") == 0
         assert await asyncio.to_thread(run, "go", "99") == 2
-        assert "Arrived at shelf 12" in person.said
+        await heard(person, "Arrived at shelf 12")
 
 
 async def test_without_a_console_it_is_one_line_and_3() -> None:
