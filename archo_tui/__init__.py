@@ -46,13 +46,6 @@ if sys.version_info < (3, 10):  # noqa: UP036  # pip sees to it, but nobody asks
     sys.exit(2)
 
 
-# what is loaded when it is first named, and not with every start
-_LATE = (
-    *("NotDone", "Refused", "Misused", "Aborted", "Cancelled", "RanOut", "Unreached"),
-    *("Robot", "GoalHandle", "Goal", "Status"),
-)
-
-
 def connect(to: str = "") -> Robot:
     """Return the robot of the console that runs here: `with archo_tui.connect() as robot: ...`.
 
@@ -96,8 +89,8 @@ def stop(to: str = "") -> None:
 
 
 def __getattr__(name: str) -> Any:
-    """Load an error or a type of `connect()`."""
-    if name not in _LATE:
+    """Load an error or a type of `connect()` when it is first named, not with every start."""
+    if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from archo_tui.remote import api
 
@@ -106,4 +99,4 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     """List the errors and types of `connect()`, too."""
-    return sorted((*globals(), *_LATE))
+    return sorted({*globals(), *__all__})

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.recording.ring import Heard, Ring
+from archo_tui.recording.ring import SPAN, Heard, Ring
 
 if TYPE_CHECKING:
     from archo_tui.recording import bag
 
 Written = Callable[[str, str], None]  # the name of a recording, or why it is none
 AFTER = 5.0  # s that are recorded behind the last trigger
+BEGUN = f"the last {SPAN:g} s are recorded, and the next {AFTER:g} s"
 LONGEST = 300.0  # s from the first trigger to the end
 PART = 600.0  # s of each bag where all is recorded
 _FLUSH = 0.9  # s between two times at which what came for it is put on the disk: each tick of 1 s
@@ -165,11 +166,8 @@ class BlackBox:
         now = self._clock.monotonic()
         if self._open is not None and (now >= self._open.ends or self._open.is_full):
             self._hand_over(self._open)
-        if (
-            (self.failure or self._full)
-            and self._thread is not None
-            and now - self._looked > _AGAIN
-        ):
+        is_in_trouble = self._thread is not None and bool(self.failure or self._full)
+        if is_in_trouble and now - self._looked > _AGAIN:
             self._looked = now
             if self._jobs.empty():
                 self._jobs.put(self._look_again)

@@ -15,9 +15,9 @@ from std_msgs.msg import String
 
 from archo_tui.clock import LAST_STAMP
 from archo_tui.recording import triggers
-from archo_tui.recording.box import AFTER, KEPT, BlackBox
+from archo_tui.recording.box import BEGUN, KEPT, BlackBox
 from archo_tui.recording.data import to_data
-from archo_tui.recording.ring import SPAN, Later
+from archo_tui.recording.ring import Later
 from archo_tui.recording.state import parts, state
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import LEVELS, OWN_LEVELS, Event
@@ -76,8 +76,7 @@ class Witness:
                     loop.call_soon_threadsafe(written, said)
 
         self._box.trigger(KEPT, by_hand=True, written=on_disk)
-        said = f"the last {SPAN:g} s are recorded, and the next {AFTER:g} s"
-        return Outcome(Code.DONE, said)
+        return Outcome(Code.DONE, BEGUN)
 
 
 def _log(event: Event, _first: bool) -> Log:

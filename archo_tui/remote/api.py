@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 from archo_tui.errors import ArchoError
 from archo_tui.remote import client, finder
-from archo_tui.remote.protocol import GONE, is_stop
+from archo_tui.remote.protocol import GONE, LONGEST_WAIT, is_stop, is_wait
 
 
 class NotDone(ArchoError):
@@ -71,7 +71,6 @@ _GOOD = ("done", "accepted", "arrived")
 _SILENCE = 10.0  # s without a message after which the console is asked whether it still answers
 _CONFIRMED = 5.0  # s in which the end of a goal that is called off is confirmed
 _ANSWERED = 2.0  # s after `timeout` in which a console that answers says that it is over
-_LONGEST = 1e9  # s, as the console takes it
 _Kind = TypeVar("_Kind")
 
 
@@ -223,7 +222,7 @@ class _Request:
         """
         said: dict[str, Any] = {}
         while "code" not in said:
-            left = _LONGEST if self._end is None else self._end - time.monotonic()
+            left = LONGEST_WAIT if self._end is None else self._end - time.monotonic()
             try:
                 said = next(self._console.rest(min(max(left, 0.0), _SILENCE)))
             except client.Silent as error:
@@ -641,10 +640,7 @@ def _unreached() -> Iterator[None]:
 
 def _seconds(timeout: float | None) -> float | None:
     """Return a timeout. Raises Misused when it is no time in seconds."""
-    if timeout is None:
-        return None
-    is_number = isinstance(timeout, (int, float)) and not isinstance(timeout, bool)
-    if not (is_number and 0 <= timeout <= _LONGEST):
+    if timeout is not None and not is_wait(timeout):
         raise Misused("misuse", f"timeout: not a time in s: {str(timeout)[:40]}")
     return timeout
 

@@ -237,14 +237,14 @@ class Desk:
         if visit.is_waiting and outcome.ok and asker.ends:
             visit.client.tell({"id": number, "said": outcome.text})
             feedback = request.get("feedback") is True
-            outcome = await self._ended(visit, number, feedback=feedback)
+            outcome = await self._wait_for_ends(visit, number, feedback=feedback)
         result = {**_result(number, outcome), "tells": verb.tells}
         told = verb.data(self._station, values) if outcome.ok else None
         if visit.is_waiting and asker.goal is not None:
             told = as_data.goal(asker.goal, self._station.clock.monotonic())
         return result if told is None else {**result, "data": told}
 
-    async def _ended(self, visit: _Visit, number: Any, *, feedback: bool) -> Outcome:
+    async def _wait_for_ends(self, visit: _Visit, number: Any, *, feedback: bool) -> Outcome:
         """Wait until all goals of a client have ended; with `feedback`, tell it their states."""
         if not feedback:
             return await _ended(visit.asker.ends)
@@ -306,8 +306,8 @@ class _Visit:
         # for the end of its goals, before they are sent: it may be gone by then
         self.is_waiting = request.get("wait") is True
         self.leaves = request.get("leave") is True  # and they go on without it
-        is_wait = isinstance(words, list) and words[:1] in (["wait"], ["keep"])
-        self.only_looks = is_wait or bool(request.get("follow"))  # it commands nothing
+        waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"])
+        self.only_looks = waits or bool(request.get("follow"))  # it commands nothing
         self.is_off = False  # was called off
 
 

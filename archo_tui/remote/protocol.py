@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 PROTOCOL = 1
 LONGEST = 64 * 1024  # bytes of a line
+LONGEST_WAIT = 1e9  # s
 DONE, FAILED, MISUSED, UNREACHED, RAN_OUT, ENDED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
 LOST = "lost"  # in place of an outcome's code: the console ends, or its screen was restarted
 NOT_REACHED = "unreached"  # in place of an outcome's code: a client's own word, never on a socket
@@ -30,6 +31,12 @@ EXITS = {
     "cancelled": ENDED,
     "held": ENDED,
 }  # exit codes; of every other code it is FAILED
+
+
+def is_wait(timeout: object) -> bool:
+    """Return True for a time in s that can be waited for."""
+    is_number = isinstance(timeout, (int, float)) and not isinstance(timeout, bool)
+    return is_number and 0 <= timeout <= LONGEST_WAIT  # type: ignore[operator]
 
 
 def line(said: dict[str, Any]) -> bytes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from archo_tui.remote.protocol import is_wait
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Goal, Latch
 from archo_tui.robot.values import parse_number
@@ -14,7 +15,6 @@ from archo_tui.verbs.base import Verb
 
 WAITS = "idle, arrived, ready, stopped or battery N"
 LOOK = 0.05  # s between two looks
-_LONGEST = 1e9  # s
 _Look = Callable[[], Outcome | None]  # None: not yet
 
 
@@ -43,8 +43,7 @@ async def wait_for(
 def timeout_of(request: Mapping[str, Any]) -> float | None:
     """How long is waited, in s; None: for ever. Raises ValueError."""
     timeout = request.get("timeout")
-    is_number = isinstance(timeout, (int, float)) and not isinstance(timeout, bool)
-    if timeout is not None and not (is_number and 0 <= timeout <= _LONGEST):
+    if timeout is not None and not is_wait(timeout):
         raise ValueError(f"timeout: not a time in s: {str(timeout)[:40]}")
     return timeout
 

@@ -8,13 +8,14 @@ from __future__ import annotations
 # ruff: noqa: E402
 import contextlib
 from collections.abc import Callable, Coroutine, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from archo_tui import engine
 
 engine.ensure()
 
-from rcl_interfaces.msg import Log
+from rcl_interfaces.msg import Log, ParameterEvent
 from rclpy.clock import Clock as RosClock
 from rclpy.clock import ClockType
 from rclpy.context import Context
@@ -105,12 +106,9 @@ class Robot:
         self._consoles: set[str] | None = None  # the others, at the last look
         self._motion_ids: frozenset[bytes] = frozenset()  # of who tells how the robot moves
         self._motion_changed = float("-inf")  # when these were others than before, monotonic s
-
-        def heard_masked(topic: str, message: Any) -> None:
-            heard(topic, without_secrets(message, self._secrets))
-
+        masks = {ParameterEvent: partial(without_secrets, secrets=self._secrets)}
         node = self._node = Listener(
-            own_name(), heard_masked, context=context, start_parameter_services=False
+            own_name(), heard, masks, context=context, start_parameter_services=False
         )
         self._name = author(node.get_name())
         self._acts = node.create_publisher(String, acts.TOPIC, _ACTS)

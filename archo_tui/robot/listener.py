@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -15,9 +15,24 @@ Heard = Callable[[str, Any], None]  # topic, fully qualified, and message
 class Listener(Node):
     """Calls `heard(topic, message)` with each message of its topics, before anybody else."""
 
-    def __init__(self, name: str, heard: Heard, **options: Any) -> None:
+    def __init__(
+        self,
+        name: str,
+        heard: Heard,
+        masks: Mapping[Any, Callable[[Any], Any]],
+        **options: Any,
+    ) -> None:
+        """Make the node.
+
+        Args:
+            name: Its name.
+            heard: Is called on the thread that spins the node.
+            masks: By message class, what is called to get the message that `heard` is given in
+                place of one that may hold secrets.
+            **options: As `rclpy.node.Node` takes them.
+        """
         super().__init__(name, **options)
-        self._heard = heard
+        self._heard, self._masks = heard, masks
 
     def listen(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
@@ -40,10 +55,10 @@ class Listener(Node):
         qos: QoSProfile | int,
         **options: Any,
     ) -> Any:
-        name = self.resolve_topic_name(topic)
+        name, mask = self.resolve_topic_name(topic), self._masks.get(kind)
 
         def both(message: Any) -> None:
-            self._heard(name, message)
+            self._heard(name, message if mask is None else mask(message))
             callback(message)
 
         return self.create_subscription(kind, topic, both, qos, **options)

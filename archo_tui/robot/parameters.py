@@ -241,10 +241,8 @@ class Parameters:
             self._set_anew(node, known.value, value)
 
 
-def without_secrets(message: Any, secrets: SecretNames) -> Any:
-    """Return a message that was received, with MASK in place of secret parameters in it."""
-    if not isinstance(message, ParameterEvent):
-        return message
+def without_secrets(message: ParameterEvent, secrets: SecretNames) -> ParameterEvent:
+    """Return a message that was received, with MASK in place of the secret values in it."""
     parts = (message.new_parameters, message.changed_parameters, message.deleted_parameters)
     if not any(secrets.fit(parameter.name) for part in parts for parameter in part):
         return message

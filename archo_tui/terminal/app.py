@@ -201,7 +201,7 @@ class TerminalApp(App[None]):
         return getattr(self._driver, "is_stuck", False)
 
     def on_paste_stalled(self) -> None:
-        text = "A paste has begun and not ended: what is typed is its text. Escape, alone, ends it."
+        text = "The paste has not ended: what you type is added to it. Press escape to end it."
         self.notify(text, severity="warning", markup=False)
 
     def on_paste_cut(self) -> None:

@@ -7,10 +7,11 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from tests.robot.test_cancel_on_its_way import Hesitant
 from tests.support.clock import seconds
+from tests.support.hesitant import Hesitant
 from tests.support.plain import operated
 from tests.support.quiet import until
+from tests.support.robot import making
 
 
 class Alone(Node):
@@ -60,12 +61,7 @@ async def test_a_stop_that_nobody_serves_speaks_within_its_deadline() -> None:
 
 async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> None:
     made: list[Hesitant] = []
-
-    def make(**options: Any) -> Node:
-        made.append(Hesitant("reach", **options))
-        return made[0]
-
-    async with operated(make) as person:
+    async with operated(making(made, Hesitant, "reach")) as person:
         person.type("send_goal reach shelf_number=3\n")
         await until(lambda: made and made[0].seen)
         made[0].answer()
@@ -78,12 +74,7 @@ async def test_a_goal_of_a_robot_that_no_file_names_is_cancelled_at_once() -> No
 
 async def test_a_cancel_does_not_wait_until_the_robot_has_taken_the_goal() -> None:
     made: list[Hesitant] = []
-
-    def make(**options: Any) -> Node:
-        made.append(Hesitant(**options))
-        return made[0]
-
-    async with operated(make) as person:
+    async with operated(making(made, Hesitant)) as person:
         person.type("go 12\ncancel\nnodes\n")
         await until(lambda: made and made[0].seen)
         station, began = person._plain._station, seconds()
@@ -108,12 +99,7 @@ async def test_a_cancel_that_answers_a_question_is_a_no_and_then_a_cancel() -> N
 
 async def test_that_a_goal_without_an_answer_is_waited_for_is_said() -> None:
     made: list[Hesitant] = []
-
-    def make(**options: Any) -> Node:
-        made.append(Hesitant(**options))
-        return made[0]
-
-    async with operated(make) as person:
+    async with operated(making(made, Hesitant)) as person:
         person.type_last("go 12\n")
         await person.until("waiting for the end of shelf 12; ctrl+c cancels it")
         assert "goal UNKNOWN" in person.said

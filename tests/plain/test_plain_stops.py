@@ -15,12 +15,13 @@ from rclpy.node import Node
 from archo_tui.clock import Clock
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.session import _robots_nodes
-from tests.robot.test_several_servers import Brake, making
+from tests.robot.test_several_servers import Brake
 from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.peer import Peer
 from tests.support.plain import operated, typing
 from tests.support.quiet import Quiet, until
+from tests.support.robot import making
 from tests.support.script import Script, shell
 from tests.support.states import NORMAL
 from tests.support.stub import StubRobot, stub_station

@@ -19,10 +19,11 @@ from archo_tui.remote import client, finder, place
 from archo_tui.remote.server import MOST_CLIENTS, MOST_OPEN
 from archo_tui.robot import services
 from archo_tui.robot.outcome import Code, Outcome
-from tests.robot.test_several_servers import Brake, making
+from tests.robot.test_several_servers import Brake
 from tests.support.console import FAST, LONG
 from tests.support.night import corners
 from tests.support.plain import Typed, operated
+from tests.support.robot import making
 from tests.support.ros import begin
 from tests.support.shells import Raw, heard, own_socket, raw, reached, served, typed, until
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 
 import pytest
 
@@ -10,44 +11,44 @@ from archo_tui.robot.client import Robot
 from archo_tui.robot.followed import NEVER_TAKEN
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
-from tests.robot.test_cancel_on_its_way import Hesitant, hesitant, made, offered
 from tests.support.archo import go
 from tests.support.clock import seconds
+from tests.support.hesitant import Hesitant
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
-
-__all__ = ["hesitant", "made"]  # fixtures
+from tests.support.robot import making, robot
 
 
 def phase(it: Robot) -> Phase | None:
     return None if it.snapshot.goal is None else it.snapshot.goal.phase
 
 
-async def test_it_is_unknown_until_then_though_the_robot_does_not_know_it_yet(
-    hesitant: Any, made: list[Hesitant]
-) -> None:
-    async with robot(hesitant) as it:
-        await until(lambda: offered(it))
+@asynccontextmanager
+async def undecided() -> AsyncIterator[tuple[Robot, Hesitant]]:
+    """A goal has been sent, and its server has not answered in time."""
+    made: list[Hesitant] = []
+    async with robot(making(made, Hesitant)) as it:
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
         assert (await ended(go(it, 3))).code == Code.TIMEOUT
+        yield it, made[0]
+
+
+async def test_it_is_unknown_until_then_though_the_robot_does_not_know_it_yet() -> None:
+    async with undecided() as (it, server):
         began = seconds()
         await until(lambda: seconds() >= began + 5.0)  # it has been asked for twice
         assert phase(it) == Phase.UNKNOWN
-        made[0].answer()
+        server.answer()
         await until(lambda: phase(it) == Phase.MOVING)
 
 
 @pytest.mark.waits
-async def test_one_that_is_never_taken_is_over_in_the_end_and_never_driven(
-    hesitant: Any, made: list[Hesitant]
-) -> None:
-    async with robot(hesitant) as it:
-        await until(lambda: offered(it))
-        assert (await ended(go(it, 3))).code == Code.TIMEOUT
+async def test_one_that_is_never_taken_is_over_in_the_end_and_never_driven() -> None:
+    async with undecided() as (it, server):
         began = seconds()
         await until(lambda: phase(it) == Phase.ABORTED)
         assert seconds() - began > NEVER_TAKEN - 3.0
         said = "the robot does not know this goal: it did not take it in 20 s"
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.message == said
-        made[0].answer()
-        await until(lambda: made[0].cancelled.done())
+        server.answer()
+        await until(lambda: server.cancelled.done())

@@ -8,11 +8,6 @@ from functools import partial
 from typing import Any, cast
 
 import pytest
-from archo_interfaces.action import MoveToShelf
-from rclpy.action import ActionServer, CancelResponse, GoalResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.node import Node
-from rclpy.task import Future
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Goal, Phase, Snapshot
@@ -24,51 +19,14 @@ from archo_tui.station.station import Face
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.console import console
+from tests.support.hesitant import Hesitant
 from tests.support.plain import operated
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 from tests.support.shells import served, typed
 from tests.support.shells import until as really
 from tests.support.states import STATES
 from tests.support.stub import StubRobot, stub_station
-
-
-class Hesitant(Node):
-    """Takes a goal only when it is told to, and drives it until it is cancelled."""
-
-    def __init__(self, action: str = "move_to_shelf", **options: Any) -> None:
-        super().__init__("hesitant", **options)
-        self.seen = 0
-        self.takes: Future[bool] = Future()
-        self.cancelled: Future[bool] = Future()
-        self.create_timer(0.05, lambda: None)  # an awaited future is noticed when something wakes
-        self.server = ActionServer(
-            self,
-            MoveToShelf,
-            action,
-            self.execute,
-            goal_callback=self.on_goal,
-            cancel_callback=self.on_cancel,
-            callback_group=ReentrantCallbackGroup(),
-        )
-
-    async def on_goal(self, request: Any) -> GoalResponse:
-        self.seen += 1
-        return GoalResponse.ACCEPT if await self.takes else GoalResponse.REJECT
-
-    def on_cancel(self, goal: Any) -> CancelResponse:
-        self.cancelled.set_result(True)
-        return CancelResponse.ACCEPT
-
-    async def execute(self, goal: Any) -> Any:
-        await self.cancelled
-        goal.canceled()
-        return MoveToShelf.Result(success=False, final_message="Cancelled")
-
-    def answer(self, taken: bool = True) -> None:
-        """Take the goal, or refuse it."""
-        assert self.executor is not None
-        self.executor.create_task(lambda: self.takes.set_result(taken))
 
 
 @pytest.fixture
@@ -78,11 +36,7 @@ def made() -> list[Hesitant]:
 
 @pytest.fixture
 def hesitant(made: list[Hesitant]) -> Any:
-    def make(**options: Any) -> Hesitant:
-        made.append(Hesitant(**options))
-        return made[0]
-
-    return make
+    return making(made, Hesitant)
 
 
 def offered(it: Any) -> bool:

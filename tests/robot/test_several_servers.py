@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -22,7 +21,7 @@ from tests.support import clock
 from tests.support.archo import go
 from tests.support.clock import NOW
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 from tests.support.states import STATES
 
 
@@ -75,17 +74,6 @@ class Drive(Node):
         await self.over
         goal.canceled()
         return MoveToShelf.Result(final_message="called back")
-
-
-def making(made: list[Any], kind: Any, *given: Any) -> Callable[..., Node]:
-    """A maker of such a node, which keeps it."""
-
-    def make(**options: Any) -> Node:
-        made.append(kind(*given, **options))
-        node: Node = made[-1]
-        return node
-
-    return make
 
 
 def alarms(it: Any) -> dict[str, str]:

@@ -12,11 +12,11 @@ from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
 from archo_tui.station.alarms import OUTLIVED, UNCONFIRMED
 from archo_tui.words.state import motion_word, plain
-from tests.robot.test_several_servers import Brake, Drive, alarms, making
+from tests.robot.test_several_servers import Brake, Drive, alarms
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 
 
 class Wheels(Node):

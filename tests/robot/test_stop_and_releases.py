@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -17,7 +16,7 @@ from archo_tui.robot import services
 from archo_tui.robot.client import Robot
 from tests.support import clock
 from tests.support.quiet import ended, until
-from tests.support.robot import robot
+from tests.support.robot import making, robot
 
 
 class Busy(Node):
@@ -50,16 +49,6 @@ class Busy(Node):
         self.executor.create_task(lambda: self.awake.set_result(True))
 
 
-def making(made: list[Busy]) -> Callable[..., Busy]:
-    """A maker of it, which keeps it."""
-
-    def busy(**options: Any) -> Busy:
-        made.append(Busy(**options))
-        return made[-1]
-
-    return busy
-
-
 def by_its_key(it: Robot) -> Any:
     return it.release_emergency_stop()
 
@@ -74,7 +63,7 @@ async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop
     how: Any, wait: float
 ) -> None:
     made: list[Busy] = []
-    async with robot(making(made)) as it:
+    async with robot(making(made, Busy)) as it:
         await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
         task = asyncio.ensure_future(how(it))
         await until(lambda: made[0].asked == 1)
@@ -90,7 +79,7 @@ async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop
 
 async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None:
     made: list[Busy] = []
-    async with robot(making(made)) as it:
+    async with robot(making(made, Busy)) as it:
         await until(lambda: "emergency_stop" in it.snapshot.offered)
         assert (await ended(it.emergency_stop())).ok
         made[0].wake()
@@ -105,7 +94,7 @@ async def test_a_stop_is_sent_again_however_late_the_release_before_it_is_answer
 ) -> None:
     monkeypatch.setattr(services, "LATE", 2.5)  # what a late answer to a STOP has
     made: list[Busy] = []
-    async with robot(making(made)) as it:
+    async with robot(making(made, Busy)) as it:
         await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
         task = asyncio.ensure_future(by_its_key(it))
         await until(task.done)

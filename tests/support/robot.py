@@ -14,6 +14,17 @@ from tests.support import chosen, clock
 from tests.support.quiet import until
 
 
+def making(made: list[Any], kind: Any, *given: Any) -> Callable[..., Node]:
+    """Return a maker of a node of that class, which puts what it makes into `made`."""
+
+    def make(**options: Any) -> Node:
+        made.append(kind(*given, **options))
+        node: Node = made[-1]
+        return node
+
+    return make
+
+
 @asynccontextmanager
 async def robot(
     *makers: Callable[..., Node], nodes: int | None = None, **options: Any

@@ -97,7 +97,7 @@ def test_the_rest_of_a_paste_that_stalled_is_text_and_that_is_said(
     terminal.write("4/")
     terminal.until("ype to search")
     terminal.write(f"{BEGIN}whe")
-    terminal.until("A paste has begun and not ended")
+    terminal.until("The paste has not ended: what you type is added to it")
     for char in "el_rsr":
         terminal.write(char)
         pass_by(terminal, 0.3)
