@@ -330,7 +330,7 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
         from archo_tui.remote import shell
 
         _no_loss()
-        _complain(f"{error}; sending STOP anyway")
+        _complain(f"{error}: STOP is sent anyway")
         return shell.run(words[at:], SUBCOMMANDS)
     if not options.command:
         return _run(options, ros_args)
@@ -374,7 +374,7 @@ def _speak(options: Namespace, words: Sequence[str]) -> int:
     if wrong and not is_stop_text(typed[0]):
         raise ArchoError(wrong)
     if wrong:
-        _complain(f"{wrong}; sending STOP anyway")
+        _complain(f"{wrong}: STOP is sent anyway")
     if options.engine != "ros2":
         return run(typed, SUBCOMMANDS, meant=meant)
     from archo_tui.remote.once import attached

@@ -258,7 +258,7 @@ FAULTS = [
     Fault("app.py", '            self.closed_by_stop("STOP kept the dialog from opening")\n', "", "tests/screens/test_bursts.py"),
     Fault("recording/bag.py", "            self._written = Written(written.left_out + 1, written.why or in_one_line(error))\n            return", "            raise", "tests/black_box/test_bag.py"),
     Fault("recording/store.py", " and not path.is_symlink()", "", "tests/black_box/test_box.py"),
-    Fault("recording/box.py", "            self._hand_over(self._open)\n        if (", "            pass\n        if (", "tests/black_box/test_box.py"),
+    Fault("recording/box.py", "            self._hand_over(self._open)\n        is_in_trouble", "            pass\n        is_in_trouble", "tests/black_box/test_box.py"),
     Fault("recording/triggers.py", "alarm.priority == Priority.HIGH and ", "", "tests/black_box/test_box.py"),
     Fault("recording/triggers.py", " and not called_off", "", "tests/black_box/test_box.py"),
     Fault("app.py", " and screen.is_mounted:", ":", CONSOLE + "/test_unlucky_moments.py"),

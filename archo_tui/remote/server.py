@@ -302,7 +302,8 @@ class Server:
             for client in list(self._open):  # each is served to its end
                 client.drop()
             if self._serving:
-                loop.run_until_complete(asyncio.wait(self._serving, timeout=1.0))
+                # a copy: the last one may be discarded before the wait begins, and none is an error
+                loop.run_until_complete(asyncio.wait([*self._serving], timeout=1.0))
             loop.close()
 
     def takes_all_of(self, client: Client) -> bool:

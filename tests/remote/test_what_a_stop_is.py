@@ -101,7 +101,7 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
         ("--engine embedded --json --to PID stop", ["stop"], ""),
         ("--to PID --engine embedded status", ["status"], ""),
         ("--to PID go 12", ["go", "12"], ""),
-        ("--to stop", ["stop"], "archo-tui: --to is for a verb: .*; sending STOP anyway\n"),
+        ("--to stop", ["stop"], "archo-tui: --to is for a verb: .*: STOP is sent anyway\n"),
         ("--timeout stop", ["stop"], "archo-tui: --timeout is for a verb: .*\n"),
         (
             "--watch stop",
@@ -109,7 +109,7 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
             "archo-tui: --watch is for the console, not for stop: STOP .*\n",
         ),
         ("--engine rso2 stop", ["stop"], "archo-tui: --engine rso2: there are .*: STOP .*\n"),
-        ("--enigne ros2 stop please", ["stop"], "(?s).*; sending STOP anyway\n.*ignored: .*"),
+        ("--enigne ros2 stop please", ["stop"], "(?s).*: STOP is sent anyway\n.*ignored: .*"),
         ("--to 99999 go 12", None, "archo-tui: no console 99999 runs here .*\n"),
         ("--to PID", None, "archo-tui: --to is for a verb: archo-tui VERB --help says which\n"),
         ("--to PID --plain go 12", None, "archo-tui: --plain is for the console, not for go\n"),
