@@ -76,6 +76,9 @@ class StandingRobot(StubRobot):
                 return Outcome(Code.CANCELLED, "not sent")
             if verb == "send" and self.snapshot.is_stopped:
                 return Outcome(Code.REFUSED, "stopped")  # the first one, or that holds the queue
+            if verb == "cancel" and self.snapshot.is_stopped:
+                # A burst may cancel a goal before its refusal: then no goal exists to cancel.
+                return Outcome(Code.REFUSED, "no goal is running")
             self.asked.append((verb, repr(values[-1:])))
             for _turn in range(_TURNS):
                 await asyncio.sleep(0)
