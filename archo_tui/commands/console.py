@@ -55,7 +55,13 @@ def _answer(console: Console, number: int, allowed: bool) -> None:
     console.look()
 
 
-_SHOWN = {1: ("status",), 4: ("params", "get"), 5: ("nodes",), 6: ("events",)}  # in the panels
+_SHOWN = {
+    1: ("status",),
+    4: ("params", "get"),
+    5: ("nodes",),
+    6: ("events",),
+    8: ("topics",),
+}  # in the panels
 
 
 class Panel(Command):

@@ -103,6 +103,7 @@ class Robot:
         self._unseen = False  # something was heard that differs in its time only
         self._outlived: tuple[str, ...] = ()  # goals that still run after an answered STOP
         self._faults: dict[str, str] = {}
+        self._mismatches: frozenset[str] = frozenset()  # that were said
         self._consoles: set[str] | None = None  # the others, at the last look
         self._motion_ids: frozenset[bytes] = frozenset()  # of who tells how the robot moves
         self._motion_changed = float("-inf")  # when these were others than before, monotonic s
@@ -563,6 +564,11 @@ class Robot:
         if changed or faults != self._faults or self._unseen:
             self._faults = faults
             self._mark()
+        mismatches = [said for found in self._graph.resources for said in found.mismatches]
+        for said in mismatches:
+            if said not in self._mismatches:
+                self._warn(said)
+        self._mismatches = frozenset(mismatches)
         self._parameters.follow(self._graph.count, self._graph.services)
         graph, now = self._graph, self._clock.monotonic()
         for said in self._limits.unknown(

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # rclpy has no public name for it
 from rclpy.node import Node
 
+from archo_tui.robot.endpoints import mismatches
 from archo_tui.robot.state import ACTION, SERVICE, TOPIC, Resource, in_namespace
 
 _OF_EVERY_NODE = ("/rosout", "/parameter_events")
@@ -34,7 +35,7 @@ class Resources:
         """Look again; `services` and `actions` may have a client only."""
         node = self._node
         topics = {
-            name: (tuple(types), node.count_publishers(name))
+            name: (tuple(types), node.count_publishers(name), node.count_subscribers(name))
             for name, types in node.get_topic_names_and_types()
             if self._is_ours(name) and name not in _OF_EVERY_NODE
         }
@@ -50,9 +51,12 @@ class Resources:
         self.actions = {name: types for name, types in actions.items() if acting[name][0]}
         answered = self._ask(nodes, serving)
         self._counted = counted if answered else None
-        of_topics = {name: types for name, (types, _) in topics.items()}
+        of_topics = {name: types for name, (types, _, _) in topics.items()}
         self.all = (
-            *_resources(TOPIC, of_topics, self._publishers),
+            *(
+                resource._replace(mismatches=self._mismatches(resource.name))
+                for resource in _resources(TOPIC, of_topics, self._publishers)
+            ),
             *_resources(SERVICE, self.services, self._servers),
             *_resources(ACTION, self.actions, lambda name: self._publishers(name + _FEEDBACK)),
         )
@@ -70,6 +74,12 @@ class Resources:
                 served = self._node.get_service_names_and_types_by_node(name, namespace)
                 self._served[name, namespace] = frozenset(service for service, _ in served)
         return not self.services or self._served.keys() == nodes
+
+    def _mismatches(self, topic: str) -> tuple[str, ...]:
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        if not publishers:
+            return ()
+        return mismatches(topic, publishers, self._node.get_subscriptions_info_by_topic(topic))
 
     def _servers(self, service: str) -> Iterator[str]:
         for (name, namespace), served in self._served.items():

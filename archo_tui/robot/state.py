@@ -298,6 +298,7 @@ class Resource(NamedTuple):
     name: str  # fully qualified
     types: tuple[str, ...]
     nodes: tuple[str, ...]  # that publish or serve it, fully qualified
+    mismatches: tuple[str, ...] = ()  # of a topic: who hears nothing, and what to change
 
 
 # of the console's own events: what its operator did, how goals ended, what other consoles did

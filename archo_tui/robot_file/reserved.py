@@ -12,7 +12,7 @@ VERBS = (
     *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
     *("status", "history", "events", "keep", "alarms", "ack", "shelve"),
     *("params", "get", "set", "undo", "save", "load"),
-    *("nodes", "start", "halt", "copy", "log_level", "send_goal", "call"),
+    *("nodes", "topics", "start", "halt", "copy", "log_level", "send_goal", "call"),
 )
 # the options that a shell may put before or behind a verb
 VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")

@@ -15,6 +15,7 @@ from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
 from archo_tui.verbs.services import Call, Give
 from archo_tui.verbs.stop import GiveUpStop, Release, StopNow
 from archo_tui.verbs.tell import Events, Past, Status
+from archo_tui.verbs.topics import Topics
 
 
 def verbs(robot: RobotFile, forms: Mapping[str, Sequence[Leaf]]) -> dict[str, Verb]:
@@ -40,5 +41,5 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[Leaf]]) -> Iterator[Verb
     yield from (Status(ask, robot), Past(), Events(), Keep())
     yield from (Alarms(), Acknowledge(), Shelve())
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
-    yield from (Nodes(), Start(), Halt(), Copy(), LogLevel())
+    yield from (Nodes(), Topics(), Start(), Halt(), Copy(), LogLevel())
     yield from (SendGoal(), Call())

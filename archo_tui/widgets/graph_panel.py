@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 from textual.app import ComposeResult
@@ -14,6 +15,7 @@ from archo_tui.words.graph import ResourceRow, resource_rows
 
 _KIND = 8  # cells of `service` and a blank
 _GAP = 2
+STRONG = "bold"
 
 
 def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
@@ -29,8 +31,17 @@ def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
 def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
     """`topic   /battery_level  archo_interfaces/msg/BatteryStatus  battery_monitor  1.0 Hz`.
 
-    Where that has no room, two lines, with the type's last name.
+    Where that has no room, two lines, with the type's last name. Below, what hears nothing.
     """
+    wrong = [
+        (f"  {line}", STRONG)
+        for said in row.resource.mismatches
+        for line in textwrap.wrap(said, max(width - 2, 10))
+    ]
+    return [*_resource_lines(row, width, columns), *wrong]
+
+
+def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
     kind, name = f"{row.resource.kind:<{_KIND}}", row.resource.name
     style = "" if row.resource.nodes else QUIET
     if len(columns) > 1:

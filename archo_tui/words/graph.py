@@ -33,6 +33,13 @@ class ResourceRow(NamedTuple):
         return ", ".join(name.rpartition("/")[2] for name in self.resource.types)
 
     @property
+    def spoken(self) -> str:
+        """The row as one line, and a line for each mismatch below it."""
+        line = f"{self.resource.kind} {self.resource.name} {self.types}, {self.who}"
+        line += f", {self.often}" if self.often else ""
+        return "\n".join([line, *(f"  {said}" for said in self.resource.mismatches)])
+
+    @property
     def details(self) -> str:
         """Everything that is known of it, for reading."""
         is_topic = self.resource.kind == TOPIC
@@ -46,6 +53,7 @@ class ResourceRow(NamedTuple):
             lines.append(f"{does:<14}nobody")
         if is_topic:
             lines.append(f"{'rate':<14}{self.often or 'not measured by this console'}")
+            lines += [f"{'mismatch':<14}{said}" for said in self.resource.mismatches]
         return "\n".join(lines)
 
 

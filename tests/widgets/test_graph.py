@@ -8,6 +8,7 @@ import pytest
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
+from archo_tui.robot.state import Resource
 from tests.support.console import FAST, Console, console, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL, STATES
@@ -225,3 +226,19 @@ async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
         await quiet.settle()
         assert len(app.main.parameters.operated.items) == 1  # type: ignore[attr-defined]
         assert main.parameters.region.height == 23
+
+
+async def test_who_hears_nothing_stands_below_its_topic_and_in_what_enter_opens() -> None:
+    said = "viewer hears nothing of lidar on /scan: it asks for RELIABLE, published is BEST_EFFORT."
+    scan = Resource("topic", "/scan", ("sensor_msgs/msg/LaserScan",), ("/lidar",), (said,))
+    app = stub_app(NORMAL._replace(resources=(scan, *NORMAL.resources)))
+    async with app.run_test(size=(120, 36)):
+        quiet = Quiet(app)
+        send(app, "8")
+        await quiet.settle()
+        below = app.main.graph.operated.render_line(1).text.strip()
+        assert below.startswith("viewer hears nothing of lidar on /scan")
+        send(app, "enter")
+        await quiet.settle()
+        text = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
+        assert "mismatch      viewer hears nothing" in text

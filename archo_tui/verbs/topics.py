@@ -1,0 +1,40 @@
+"""What is on the graph: topics, services and actions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.station.station import Station
+from archo_tui.verbs.base import Values, Verb
+from archo_tui.words.graph import SILENT, resource_rows
+
+
+class Topics(Verb):
+    """The rows of the Graph panel."""
+
+    id, title, tells = "topics", "Topics", True
+    help = "List topics, services and actions: type, nodes, rate, and who hears nothing"
+
+    def is_ready(self, station: Station, values: Values) -> bool:
+        return bool(station.robot.snapshot.resources)
+
+    async def run(self, station: Station, values: Values) -> Outcome:
+        station.look()
+        lines = [row.spoken for row in resource_rows(station.view)]
+        return Outcome(Code.DONE, "\n".join(lines) or "nothing on the graph")
+
+    def data(self, station: Station, values: Values) -> Any:
+        paces = station.robot.snapshot.paces
+        return [
+            {
+                "kind": row.resource.kind,
+                "name": row.resource.name,
+                "types": list(row.resource.types),
+                "nodes": list(row.resource.nodes),
+                "rate": None if row.often in ("", SILENT) else paces[row.resource.name].rate,
+                "silent": row.often == SILENT,
+                "mismatches": list(row.resource.mismatches),
+            }
+            for row in resource_rows(station.view)
+        ]
