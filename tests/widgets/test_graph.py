@@ -9,6 +9,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from archo_tui.robot.state import Resource
+from tests.support import clock
 from tests.support.console import FAST, Console, console, send
 from tests.support.quiet import Quiet
 from tests.support.states import NORMAL, STATES
@@ -82,6 +83,7 @@ async def test_a_second_publisher_of_a_known_node_is_seen() -> None:
     async with console(*FAST) as op:
         await op.press("8")
         await op.until(lambda: "no publisher" in op.line("/battery_drain"))
+        await op.at(clock.seconds() + 3)  # nothing else comes any more
         node = op.session.host.nodes[2].node
         node.create_publisher(Float32, "battery_drain", 10)
         await op.until(lambda: "motor_controller" in op.line("/battery_drain"))
