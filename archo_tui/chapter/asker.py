@@ -17,8 +17,7 @@ from archo_tui.hosting.host import HostedNode
 from archo_tui.hosting.limited import stack_of
 from archo_tui.hosting.node_files import WORDLESS, code_of
 from archo_tui.hosting.source import Source
-from archo_tui.robot.graph import logger_node
-from archo_tui.robot.state import Life
+from archo_tui.robot.state import Life, logger_node
 from archo_tui.session import Session
 
 T = TypeVar("T")

@@ -29,7 +29,7 @@ from archo_tui.verbs.parse import YES, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
 from archo_tui.words import spoken
-from archo_tui.words.event import event_text
+from archo_tui.words.event import event_text, is_of_own_file
 
 if TYPE_CHECKING:
     from archo_tui.station.station import Station
@@ -403,7 +403,7 @@ class Plain:
     def _is_news(self, event: Event, goal: Goal | None) -> bool:
         """False for an event that no line is printed for, or whose words another line has."""
         if event.level not in _SHOWN_LEVELS:
-            return False
+            return event.level == "INFO" and is_of_own_file(event, self._station.view.hosted)
         act = event.act
         if event.level == "YOU" and act is not None and not Outcome(act.code, "").ok:
             # else `failed: ...` says it; of what comes later no line was typed

@@ -16,7 +16,7 @@ from archo_tui.robot import message_classes, messages
 from archo_tui.robot.consoles import author
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.followed import said_by
-from archo_tui.robot.graph import is_hidden, logger_node
+from archo_tui.robot.graph import is_hidden
 from archo_tui.robot.period import Pace
 from archo_tui.robot.state import (
     OWN_LEVELS,
@@ -27,6 +27,7 @@ from archo_tui.robot.state import (
     NodeState,
     Snapshot,
     level_word,
+    logger_node,
 )
 from archo_tui.robot.telemetry import Kept as Readings
 from archo_tui.robot.telemetry import News, Telemetry

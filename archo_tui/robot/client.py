@@ -31,7 +31,7 @@ from archo_tui.robot.events import ROUTINE, EventLog
 from archo_tui.robot.fields import filled
 from archo_tui.robot.followed import FARTHEST
 from archo_tui.robot.goals import Goals
-from archo_tui.robot.graph import Graph, logger_node
+from archo_tui.robot.graph import Graph
 from archo_tui.robot.limits import Limits
 from archo_tui.robot.listener import Heard, Listener
 from archo_tui.robot.mailbox import Mailbox, Receiver
@@ -52,6 +52,7 @@ from archo_tui.robot.state import (
     Snapshot,
     level_word,
     linked,
+    logger_node,
     not_offered,
     values_text,
 )

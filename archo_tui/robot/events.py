@@ -13,6 +13,9 @@ from archo_tui.robot.text import harmless
 LIMIT = 1000  # events kept
 _OWN = 200  # of them the console's own, which a flood of others does not push out
 ROUTINE = ("DEBUG", "INFO")  # levels of what nodes log all the time; pushes out nothing worse
+MOST_LINES = 50  # different ones of ROUTINE that a source has room for within
+_PERIOD = 1.0  # s
+LEFT_OUT = "lines were left out: more than 50 in a second"
 
 # With a point a number is a reading, which drifts: `Low battery: 18.0%` is said again and again.
 # A whole one is what it is about: joint 1 and joint 2 are two faults; 10.0.0.1 is a name as well.
@@ -34,6 +37,7 @@ class EventLog:
         self._routine: OrderedDict[object, tuple[int, Event]] = OrderedDict()
         self._worse: OrderedDict[object, tuple[int, Event]] = OrderedDict()
         self._all: tuple[Event, ...] | None = ()  # None: not put in order yet
+        self._windows: dict[str, tuple[float, int]] = {}  # by source: since when (s), lines since
 
     def add(self, event: Event) -> Event:
         """Append an event, or count it on the one it repeats. The console's own are never merged.
@@ -44,6 +48,9 @@ class EventLog:
         self._all = None
         text, source = harmless(event.text), harmless(event.source)
         kept, key = self._place(event.level, source, text)
+        if event.level in ROUTINE and key not in kept and not self._has_room(source, event.time):
+            text = LEFT_OUT
+            kept, key = self._place(event.level, source, text)
         known = kept.pop(key)[1] if key in kept else None
         event = Event(
             event.time,
@@ -62,6 +69,16 @@ class EventLog:
         if len(self._routine) + len(self._worse) > LIMIT - _OWN:
             max(self._routine, self._worse, key=len).popitem(last=False)
         return event
+
+    def _has_room(self, source: str, time: float) -> bool:
+        """Return False when a source said too many different lines of late, and count one more."""
+        since, lines = self._windows.get(source, (time, 0))
+        if not 0 <= time - since < _PERIOD:
+            since, lines = time, 0
+        if len(self._windows) > LIMIT:  # names that nobody uses any more
+            self._windows.clear()
+        self._windows[source] = since, lines + 1
+        return lines < MOST_LINES
 
     def _place(
         self, level: str, source: str, text: str
@@ -89,7 +106,7 @@ class EventLog:
         log = EventLog()
         log._count, log._all = self._count, self._all
         log._own, log._routine = self._own.copy(), self._routine.copy()
-        log._worse = self._worse.copy()
+        log._worse, log._windows = self._worse.copy(), self._windows.copy()
         return log
 
     def all(self) -> tuple[Event, ...]:

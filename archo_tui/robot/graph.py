@@ -226,11 +226,6 @@ def _heard(paces: dict[str, Pace], name: str, now: float) -> None:
     paces[name] = paces[name].again(now) if name in paces else Pace(now)
 
 
-def logger_node(logger: str) -> str:
-    """The node, fully qualified, that has a logger of that name."""
-    return "/" + logger.replace(".", "/")
-
-
 def is_of_every_node(types: Sequence[str]) -> bool:
     """True for a service that each node has, for its parameters, log and types."""
     return types[0].partition("/")[0] in _OF_NODES

@@ -459,6 +459,11 @@ def not_offered(name: str) -> str:
     return f"{name} is not offered by any node"
 
 
+def logger_node(logger: str) -> str:
+    """Return the full name of the node that has a logger of that name (`north.lamp`)."""
+    return "/" + logger.replace(".", "/")
+
+
 def in_namespace(namespace: str, node: str) -> str:
     """The node's fully qualified name."""
     return f"{namespace.rstrip('/')}/{node}"

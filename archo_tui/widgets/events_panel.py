@@ -9,12 +9,13 @@ from textual.app import ComposeResult
 from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import OWN_LEVELS, Event
+from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
 from archo_tui.robot.text import harmless
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
 from archo_tui.widgets.shown import Shown
+from archo_tui.words.event import is_of_own_file
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
@@ -24,9 +25,17 @@ _NOTHING = "Nothing to report."
 _STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": QUIET}
 
 
-def is_shown(event: Event, level: str) -> bool:
-    """True for the console's own, and from `level` up."""
-    return event.level in OWN_LEVELS or LEVELS.index(event.level) >= LEVELS.index(level)
+def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
+    """Return True for the console's own, and from `level` up.
+
+    Args:
+        event: A line of the log.
+        level: A severity; at WARN, lines from INFO of the user's own nodes are shown, too.
+        hosted: The nodes of this process.
+    """
+    if event.level in OWN_LEVELS or LEVELS.index(event.level) >= LEVELS.index(level):
+        return True
+    return level == "WARN" and event.level == "INFO" and is_of_own_file(event, hosted)
 
 
 def event_columns(events: Sequence[Event], _width: int) -> Columns:
@@ -87,6 +96,7 @@ class EventsPanel(Panel):
         super().__init__()
         self._level = _CYCLE[0]
         self._seen: tuple[Event, ...] = ()
+        self._hosted: tuple[Hosted, ...] = ()
         self._rows: Rows[Event] = Rows(
             event_lines,
             lambda event: event.number,
@@ -118,7 +128,7 @@ class EventsPanel(Panel):
     def show(self, view: Shown) -> None:
         self.show_keys(view, f"{self._level} and above, and yours")
         if view.snapshot.events is not self._seen:
-            self._seen = view.snapshot.events
+            self._seen, self._hosted = view.snapshot.events, view.hosted
             self._fill()
 
     def next_level(self) -> None:
@@ -131,7 +141,9 @@ class EventsPanel(Panel):
         at = f" at {self._level} and above."
         nothing = f"Nothing contains {typed}{at}" if typed else _NOTHING[:-1] + at
         self._rows.empty = nothing if self._seen else _NOTHING
-        at_level = [event for event in reversed(self._seen) if is_shown(event, self._level)]
+        at_level = [
+            event for event in reversed(self._seen) if is_shown(event, self._level, self._hosted)
+        ]
         shown = [event for event in at_level if matches(event.source, event.text)]
         self.search.line.count(len(shown), len(at_level))
         self._rows.show(shown)

@@ -18,7 +18,7 @@ from archo_tui.robot.state import Event, Life
 from archo_tui.session import Options, Session
 from tests.support import chosen, clock
 from tests.support.console import LONG, Console, console
-from tests.support.plain import typing
+from tests.support.plain import operated, typing
 
 TALKER = """
 from rclpy.node import Node
@@ -152,9 +152,35 @@ async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(here: Path) -
     file = here / "talker.py"
     file.write_text(talker("print('printed words')"))
     async with running(file) as op:
-        await op.press("6", "l")
+        await op.press("6")
         await op.until("printed words")
         await op.until("talker stdout")
+
+
+async def test_info_of_ones_own_nodes_is_seen_without_asking_and_of_the_robots_is_not(
+    here: Path,
+) -> None:
+    file = here / "talker.py"
+    own = "self.get_logger().info('own words'); self.get_logger().get_child('arm').info('raised')"
+    file.write_text(talker(own))
+    async with running(file, only=False) as op:
+        await op.press("6")
+        await op.until("own words")
+        await op.until("raised")
+        assert any(event.level == "INFO" for event in op.app.view.snapshot.events)
+        assert "INFO  dashboard" not in op.text
+        await op.press("l")
+        await op.until("INFO   dashboard")
+        await op.press("l", "l")  # ERROR and above
+        await op.until(lambda: "own words" not in op.text)
+
+
+async def test_info_of_ones_own_nodes_is_a_line_of_plain(here: Path) -> None:
+    file = here / "talker.py"
+    file.write_text(talker("self.get_logger().info('own words')"))
+    async with operated(node_files=[file]) as typed:
+        await typed.until("INFO talker: own words\n")
+        assert "INFO dashboard" not in typed.said
 
 
 async def test_a_goal_ends_with_its_node(here: Path) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import pytest
 from rich.cells import cell_len
 
-from archo_tui.robot.events import EventLog
+from archo_tui.robot.events import LEFT_OUT, EventLog
 from archo_tui.robot.state import Event
 from archo_tui.robot.text import harmless, safe, safe_in_place
 
@@ -47,6 +47,24 @@ def test_lines_about_different_things_are_lines_of_their_own(
     assert [(e.text, e.count) for e in log.all()] == [(text, 2) for text in texts]
 
 
+def test_of_a_source_that_floods_50_lines_a_second_are_kept_and_the_rest_counted() -> None:
+    log = EventLog()
+    for number in range(100):
+        log.add(event(f"Tick {number}", "INFO"))
+        log.add(event("Alike", "INFO"))
+        log.add(event(f"Joint {number} hot"))  # a warning is never left out
+    texts = [e.text for e in log.all() if e.level == "INFO"]
+    assert len(texts) == 51
+    assert "Tick 48" in texts
+    assert "Tick 49" not in texts
+    left = [e for e in log.all() if "left out" in e.text]
+    assert [(e.text, e.count) for e in left] == [(LEFT_OUT, 51)]
+    assert sum(e.text.startswith("Joint") for e in log.all()) == 100
+    log.add(event("Another source", "INFO", source="talker"))
+    log.add(event("Tick 100", "INFO", time=2.1))
+    assert [e.text for e in log.all()][-2:] == ["Another source", "Tick 100"]
+
+
 def test_other_levels_sources_and_the_operators_lines_are_never_merged() -> None:
     log = EventLog()
     log.add(event("a 1"))
@@ -74,7 +92,7 @@ def test_what_a_node_logs_all_the_time_does_not_push_out_its_error() -> None:
     log = EventLog()
     log.add(event("Joint 1 overheated", "ERROR"))
     for number in range(3000):
-        log.add(event(f"Hello World: {number}", "INFO"))
+        log.add(event(f"Hello World: {number}", "INFO", time=0.1 * number))
     assert 500 < len(log.all()) <= 1000
     assert log.all()[0].text == "Joint 1 overheated"
     assert log.all()[-1].text == "Hello World: 2999"
