@@ -335,7 +335,8 @@ class KeyedApp(TerminalApp):
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
             is_inside = field is not None or isinstance(self.focused, Board)
-            return self.screen is self.main and (is_inside or self.main.is_full)
+            leads_out = is_inside or self.main.search is not None or self.main.is_full
+            return self.screen is self.main and leads_out
         if action == "beside":
             step = cast("int", parameters[0])
             return (
@@ -367,10 +368,13 @@ class KeyedApp(TerminalApp):
             self.main.set_focus(beside, scroll_visible=False)
 
     def action_leave_field(self) -> None:
-        """Out of a field, to where the focus was; out of the full screen."""
+        """Leave a field for where the focus was, clear a search, or leave the full screen."""
+        search = self.main.search
         if isinstance(self.focused, Input):
             self.main.focus_back()
         elif isinstance(self.focused, Board):
             self.main.goal.type_on()
+        elif search is not None:
+            search.close()
         else:
             self.main.leave_full()

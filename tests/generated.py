@@ -193,7 +193,7 @@ def keys() -> str:
         key = readable(command.key).replace("^", "ctrl+")
         key = f"`{key}`" if key else "palette"
         rows.append(f"| {key} | {does} | {command.place} |")
-    leaves = "out of a field, a dialog or the full screen, to where the focus was"
+    leaves = "out of a field, a dialog or the full screen, to where the focus was; clears a filter"
     return "\n".join((*rows, f"| esc | {leaves} | everywhere |", ""))
 
 

@@ -154,6 +154,14 @@ class MainScreen(Base[None]):
         """The number of the panel that has the focus, 0 for none."""
         return 0 if self.focused is None else _panel_number(self.focused)
 
+    @property
+    def search(self) -> Search | None:
+        """What narrows the rows of the panel with the focus; None: nothing does."""
+        for panel in (self.parameters, self.events):
+            if panel.number == self.focused_panel and panel.search.wanted:
+                return panel.search
+        return None
+
     def shows_stop_at(self, x: int, y: int) -> bool:
         """True where the button of STOP is, whatever stands in front of this screen."""
         if not self.is_mounted:

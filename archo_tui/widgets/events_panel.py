@@ -10,7 +10,6 @@ from textual.widget import Widget
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
-from archo_tui.robot.text import harmless
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
 from archo_tui.widgets.search import Search
@@ -137,7 +136,7 @@ class EventsPanel(Panel):
         self._fill()
 
     def _fill(self) -> None:
-        matches, typed = self.search.matches, harmless(self.search.value.strip())
+        matches, typed = self.search.matches, self.search.wanted
         at = f" at {self._level} and above."
         nothing = f"Nothing contains {typed}{at}" if typed else _NOTHING[:-1] + at
         self._rows.empty = nothing if self._seen else _NOTHING
@@ -145,5 +144,6 @@ class EventsPanel(Panel):
             event for event in reversed(self._seen) if is_shown(event, self._level, self._hosted)
         ]
         shown = [event for event in at_level if matches(event.source, event.text)]
-        self.search.line.count(len(shown), len(at_level))
+        level = f"{self._level} and above" if self._level == _CYCLE[-1] else ""
+        self.show_narrowed(level, self.search.narrowed(len(shown), len(at_level)))
         self._rows.show(shown)

@@ -42,7 +42,8 @@ class Panel(Container, QuietFocus):
     def __init__(self) -> None:
         super().__init__(id=f"panel-{self.number}", classes="panel")
         self.border_title = f"{self.number} {self.title_text}"
-        self._title, self._below = self.border_title, Content("")
+        self._title, self._below = Content(self.border_title), Content("")
+        self._narrowed, self._more = "", ""  # in the title behind its words; the latter markup
         self._keyed: object = None  # what its keys were last written for
         self._marked = ""  # the colour of its border while it has the focus
 
@@ -91,10 +92,25 @@ class Panel(Container, QuietFocus):
         self.show_title(f"   {len(names)} publishers: {escape(', '.join(names))}" if names else "")
 
     def show_title(self, more: str) -> None:
-        """The title, and more behind it as markup."""
-        title = f"{escape(f'{self.number} {self.title_text}')}{more}"
-        if title != self._title:  # Textual gives it back in other words
+        """Show the title, and more behind it as markup."""
+        self._more = more
+        title = Content.assemble(
+            f"{self.number} {self.title_text}",
+            (self._narrowed, "$warning"),
+            Content.from_markup(more),
+        )
+        if not title.is_same(self._title):
             self._title = self.border_title = title
+
+    def show_narrowed(self, *what: str) -> None:
+        """Say in the title, in colour, what hides rows of this panel; nothing where nothing does.
+
+        Args:
+            what: Plain texts, of which empty ones are left out.
+        """
+        said = ", ".join(filter(None, what))
+        self._narrowed = f"   {said}" if said else ""
+        self.show_title(self._more)
 
     def grey(self, view: View, buttons: Sequence[tuple[str, Button]]) -> None:
         """Dim the button of each service that nobody offers, or another; pressed, it says so.

@@ -79,7 +79,7 @@ class ParametersPanel(Panel):
         return self._rows.item
 
     def show(self, view: Shown) -> None:
-        self.show_keys(view, "what differs from the start" if self._only_changed else "")
+        self.show_keys(view)
         if view.replay and self._waiting == _WAITING:
             self._waiting = NONE_RECORDED
             self._fill()
@@ -130,7 +130,7 @@ class ParametersPanel(Panel):
         self._fill()
 
     def _fill(self) -> None:
-        shown, typed = self._shown, harmless(self.search.value.strip())
+        shown, typed = self._shown, self.search.wanted
         empty = "nothing" if shown else self._waiting
         others = tuple(p for p in shown if p.is_changed or not _is_ros_own(p))
         self.lines = 1 + len(shown if self._shows_ros_own else others)
@@ -142,14 +142,15 @@ class ParametersPanel(Panel):
         if self._only_changed and shown:
             shown = tuple(p for p in shown if p.is_changed)
             empty = "nothing differs from the start"
+        total = len(shown)
         if typed and shown:
             matches = self.search.matches
-            total = len(shown)
             shown = tuple(p for p in shown if matches(p.node, p.name, text_of(p.value)))
-            self.search.line.count(len(shown), total)
             empty = f"nothing {'changed ' if self._only_changed else ''}contains {typed}"
         self._rows.empty = empty
         self._rows.show(shown)
+        changed = "what differs from the start" if self._only_changed else ""
+        self.show_narrowed(changed, self.search.narrowed(len(shown), total))
         self._show_titles()
 
     def on_resize(self) -> None:

@@ -9,6 +9,7 @@ from textual.containers import Horizontal
 from textual.content import Content
 from textual.widget import Widget
 
+from archo_tui.robot.text import harmless
 from archo_tui.widgets.field import Field
 
 
@@ -34,7 +35,7 @@ class SearchLine(Horizontal):
         return Content.assemble("/", (f"{self._count:>{room}}", "$quiet"))
 
     def count(self, shown: int, total: int) -> None:
-        """So many of so many."""
+        """Show how many rows the search leaves, of how many."""
         count = f"{shown} of {total}"
         if count != self._count:
             self._count = count
@@ -53,6 +54,16 @@ class Search(Field):
         """Show it and type into it."""
         self._show(True)
         self.screen.set_focus(self)
+
+    @property
+    def wanted(self) -> str:
+        """What rows must contain, harmless to show; empty: all of them are shown."""
+        return harmless(self.value.strip())
+
+    def narrowed(self, shown: int, total: int) -> str:
+        """Return `/ brake: 2 of 14` for the panel's title, empty when nothing is searched for."""
+        self.line.count(shown, total)
+        return f"/ {self.wanted}: {shown} of {total}" if self.wanted else ""
 
     def close(self) -> None:
         """Show everything again."""

@@ -39,6 +39,23 @@ async def test_a_search_keeps_only_what_has_the_letters_until_escape() -> None:
         await op.until("charge: Charging")
 
 
+async def test_escape_in_the_list_clears_its_search_which_the_title_says_until_then() -> None:
+    async with console(*FAST) as op:
+        await op.press("r", "c")
+        await op.until("charge: Charging")
+        await op.press("6", "slash", *"ENCODER", "enter")
+        await op.until("6 Events   / ENCODER: 1 of 2")
+        await op.press("4", "escape")  # of another panel
+        await op.until("6 Events   / ENCODER: 1 of 2")
+        await op.press("6", "escape")
+        await op.until("charge: Charging")
+        assert "ENCODER:" not in op.text
+        await op.press("l", "l", "l")
+        await op.until("6 Events   ERROR and above")
+        await op.press("l")
+        await op.until(lambda: "6 Events   ERROR" not in op.text)
+
+
 async def test_page_keys_move_by_what_is_seen() -> None:
     async with console(*FAST) as op:
         for number in range(60):

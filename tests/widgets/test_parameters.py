@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 from rclpy.node import Node
+from rich.color import Color
+from textual.geometry import Region
 from textual.widgets import Input, Static
 
 from archo_tui.errors import ArchoError
@@ -515,3 +517,24 @@ async def test_a_filter_that_hides_all_says_so() -> None:
         await op.press("slash", "escape")
         await op.until("Encoder reset")
         assert "Nothing contains" not in op.text
+
+
+async def test_the_title_says_what_hides_rows_in_colour_and_escape_clears_the_filter() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash", *"max", "enter")
+        await op.until("4 Parameters   / max: ")
+        title = op.app.main.parameters.render_lines(Region(0, 0, 60, 1))[0]
+        (said,) = [part for part in title if "/ max: " in part.text]
+        assert said.style is not None
+        assert said.style.color == Color.parse(op.app.theme_variables["warning"].lower())
+        await op.press("escape")
+        await op.until(lambda: "/ max:" not in op.text)
+        await op.until("low_battery_threshold")
+        await op.press("d")
+        await op.until("4 Parameters   what differs from the start")
+
+
+async def test_a_filter_that_looks_like_markup_stands_in_the_title_as_it_was_typed() -> None:
+    async with console(*FAST) as op:
+        await op.press("4", "slash", *"[b", "enter")
+        await op.until("4 Parameters   / [b: 0 of ")
