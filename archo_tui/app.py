@@ -330,7 +330,7 @@ class ArchoApp(KeyedApp):
     async def _told(self, answer: Awaitable[Outcome]) -> None:
         """Say why the robot does not go there, where it was typed."""
         outcome = await answer
-        self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)
+        self.main.goal.answer("" if outcome.ok else outcome.text)
 
     def _keep(self, typed: list[str]) -> None:
         """For the arrows, also after a restart."""
@@ -364,4 +364,4 @@ class ArchoApp(KeyedApp):
 
     def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Say why the robot does not go there, where goals are typed."""
-        self.main.goal.answer("" if outcome.ok else outcome.text, self.view.snapshot)
+        self.main.goal.answer("" if outcome.ok else outcome.text)

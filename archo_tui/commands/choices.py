@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 
 from archo_tui.commands import nodes, parameters
 from archo_tui.commands.base import Command, Console
 from archo_tui.robot.values import text_of
 from archo_tui.screens.choose import Choice, Choose
+from archo_tui.station.station import View
 from archo_tui.words.nodes import node_rows
 
 _FIRST = ("go", "cancel", "stop")
@@ -62,6 +63,18 @@ _WORDS = {
 
 class Commands(Choose):
     """The palette."""
+
+    def __init__(self, title: str, list_choices: Callable[[], Sequence[Choice]]) -> None:
+        super().__init__(title, list_choices())
+        self._list_choices = list_choices
+        self._second = 0.0  # when its rows were brought up to date
+
+    def follow(self, view: View) -> None:
+        """Bring keys, values and reasons up to date once a second; the rows keep their places."""
+        super().follow(view)
+        if view.second != self._second:
+            self._second = view.second
+            self.renew(self._list_choices())
 
 
 def choices(console: Console) -> list[Choice]:

@@ -83,17 +83,22 @@ class ShowHelp(Command):
     help = "Show all keys"
 
     def run(self, console: Console) -> None:
-        from archo_tui.screens.help import Entry, Help
+        from archo_tui.screens.help import Help
 
         if isinstance(console.screen, Help):
             console.screen.action_close()
             return
-        entries = [_entry(console, c) for c in console.registry if not isinstance(c, Panel)]
-        panels = sum(isinstance(command, Panel) for command in console.registry)
-        entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", ""))
-        first = EVERYWHERE.capitalize()
-        entries.sort(key=lambda entry: (entry.section != first, not entry.key))
-        console.open(Help(entries))
+        console.open(Help(partial(_entries, console)))
+
+
+def _entries(console: Console) -> list[Entry]:
+    from archo_tui.screens.help import Entry
+
+    entries = [_entry(console, c) for c in console.registry if not isinstance(c, Panel)]
+    panels = sum(isinstance(command, Panel) for command in console.registry)
+    entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", ""))
+    first = EVERYWHERE.capitalize()
+    return sorted(entries, key=lambda entry: (entry.section != first, not entry.key))
 
 
 def _entry(console: Console, command: Command) -> Entry:

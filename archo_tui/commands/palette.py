@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from archo_tui.commands.base import EVERYWHERE, Command, Console
 
 
@@ -14,4 +16,4 @@ class Palette(Command):
         from archo_tui.commands.choices import Commands, choices
 
         if not any(isinstance(screen, Commands) for screen in console.screens):
-            console.open(Commands("Commands", choices(console)))
+            console.open(Commands("Commands", partial(choices, console)))

@@ -32,6 +32,10 @@ class Choice(NamedTuple):
     words: str = ""  # others that people type for it
 
 
+def _harmless(choices: Sequence[Choice]) -> list[Choice]:
+    return [one._replace(title=harmless(one.title)) for one in choices]
+
+
 def _columns(choices: Sequence[Choice], width: int) -> Columns:
     """Of titles and what is beside them."""
     beside = column((one.beside for one in choices), 0, width // 2)
@@ -80,7 +84,7 @@ class Choose(Dialog[None]):
 
     def __init__(self, title: str, choices: Sequence[Choice]) -> None:
         super().__init__()
-        self.title, self._all = title, [one._replace(title=harmless(one.title)) for one in choices]
+        self.title, self._all = title, _harmless(choices)
         self._narrow = Field(
             id="narrow",
             placeholder="type a part of its name",
@@ -107,11 +111,20 @@ class Choose(Dialog[None]):
         self.set_focus(self._narrow)
         self._fill()
 
+    def _found(self) -> Sequence[Choice]:
+        return found(self._narrow.value, self._all, lambda one: (one.title, one.words))
+
     def _fill(self) -> None:
-        shown = found(self._narrow.value, self._all, lambda one: (one.title, one.words))
+        shown = self._found()
         self._rows.show(shown)
         self._rows.to(0)
         self._count.show(Content.styled(f"{len(shown)} of {len(self._all)}", "$quiet"))
+
+    def renew(self, choices: Sequence[Choice]) -> None:
+        """Replace each row by the choice of that title; none moves, comes or goes."""
+        now = {one.title: one for one in _harmless(choices)}
+        self._all = [now.get(one.title, one) for one in self._all]
+        self._rows.show(self._found())
 
     def on_click(self, event: events.Click) -> None:
         if event.widget is self:  # beside the dialog

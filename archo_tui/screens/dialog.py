@@ -11,8 +11,11 @@ from textual.screen import ModalScreen, ScreenResultType
 from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state import Snapshot
 from archo_tui.screens.leaving import Leaving
 from archo_tui.screens.main import MainScreen
+from archo_tui.station.reason import Reason, obstacles
+from archo_tui.station.station import View
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
@@ -33,6 +36,9 @@ class Below(Line):
 class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
     """Base of the dialogs."""
 
+    _reason: Reason | None = None  # of a refusal that is shown
+    _snapshot: Snapshot | None = None  # of the last view; None: there was none since it opened
+
     def compose(self) -> ComposeResult:
         yield from self.body()
         yield Below()
@@ -47,7 +53,21 @@ class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
 
     def say(self, text: str = "") -> None:
         """What is wrong, or going on."""
+        self._reason = None
         self.write(".error", Content(text))
+
+    def refuse(self, text: str) -> None:
+        """Show why the robot or a node refuses, until what that may be about is over."""
+        self.say(text)
+        self._reason = Reason(obstacles)
+        if self._snapshot is not None:
+            self._reason.is_over(self._snapshot)
+
+    def follow(self, view: View) -> None:
+        """Take a refusal away when what it may be about is over."""
+        self._snapshot = view.snapshot
+        if self._reason is not None and self._reason.is_over(view.snapshot):
+            self.say()
 
     def end(self, outcome: Outcome) -> None:
         """Done, or what is in the way; said beside it when the dialog was left meanwhile."""
@@ -56,7 +76,7 @@ class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
         elif self.has_left:
             self.notify(outcome.text, severity="error", markup=False)
         else:
-            self.say(outcome.text)
+            self.refuse(outcome.text)
 
     def write(self, selector: str, text: Content) -> None:
         """Fill a part of the dialog; nothing when it was left meanwhile, and has lost its parts."""

@@ -56,6 +56,7 @@ class EditParameter(Form):
 
     def follow(self, view: View) -> None:
         """Somebody else may change it meanwhile."""
+        super().follow(view)
         wanted = self._parameter.node, self._parameter.name
         known = (p.value for p in view.snapshot.parameters if (p.node, p.name) == wanted)
         value = next(known, None)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 from rich.cells import cell_len
@@ -13,6 +13,7 @@ from textual.content import Content
 from textual.widgets import Static
 
 from archo_tui.screens.dialog import Dialog
+from archo_tui.station.station import View
 from archo_tui.widgets.field import Field
 
 _INTRODUCTION = (
@@ -41,9 +42,11 @@ class Help(Dialog[None]):
         ("pagedown", "scroll(1)", "Scroll down"),
     ]
 
-    def __init__(self, entries: Sequence[Entry]) -> None:
+    def __init__(self, list_entries: Callable[[], Sequence[Entry]]) -> None:
+        """Create it; `list_entries` is called again while it is open: reasons come and go."""
         super().__init__()
-        self._entries = entries
+        self._list_entries = list_entries
+        self._entries = entries = list_entries()
         self._scroll = VerticalScroll(can_focus=False)
         self._part = Field(
             id="narrow",
@@ -69,6 +72,13 @@ class Help(Dialog[None]):
 
     def on_resize(self) -> None:
         self.call_after_refresh(self._draw)
+
+    def follow(self, view: View) -> None:
+        """Bring the reasons up to date."""
+        entries = self._list_entries()
+        if entries != self._entries:
+            self._entries = entries
+            self._draw()
 
     def action_scroll(self, pages: int) -> None:
         """By what is seen."""

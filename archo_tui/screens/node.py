@@ -66,6 +66,7 @@ class NodeDialog(Dialog[None]):
 
     def follow(self, view: View) -> None:
         """Bring what is known up to date, once a second."""
+        super().follow(view)
         if view.second != self._view.second or view.hosted != self._view.hosted:
             self._view = view
             self.write("#node-known", Content(self._tell(view)))
@@ -101,7 +102,7 @@ class NodeDialog(Dialog[None]):
         outcome = await self._set_level(level)
         self.is_asking = False
         if not outcome.ok:
-            self.say(outcome.text)
+            self.refuse(outcome.text)
             return
         self.say("")
         self._show(await self._describe())

@@ -13,6 +13,9 @@ from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
 from archo_tui.station.ledger import Ledger
 
+_HOLDING = (CONTACT_LOST, LOW, EMPTY)  # the alarms that hold every queue
+_WAS = "was: "  # before the name of one that is over, as in the banner
+
 
 class QueuedGoal(NamedTuple):
     """A goal that is to be sent."""
@@ -101,9 +104,17 @@ class GoalQueue:
             self.held = "STOP"  # whether the goal that it ended is heard of before or after it
         else:
             self.hold(ended or _in_the_way(alarms))
+        self._renew_reason(alarms)
         if self.held or self._ledger.running_goal(snapshot) is not None:
             return None
         return self._begin(self.waiting.pop(0), snapshot)
+
+    def _renew_reason(self, alarms: Iterable[Alarm]) -> None:
+        """Say of an alarm that held the queue whether it is over; only the operator goes on."""
+        name = self.held.removeprefix(_WAS)
+        if name in _HOLDING:
+            stands = any(alarm.name == name and not alarm.is_over for alarm in alarms)
+            self.held = name if stands else f"{_WAS}{name}"
 
     def _begin(self, wanted: QueuedGoal, snapshot: Snapshot) -> QueuedGoal:
         self._ledger.send(wanted.kind, wanted.values, snapshot)

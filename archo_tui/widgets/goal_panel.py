@@ -11,7 +11,8 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from archo_tui.robot.forms import is_integer, is_number, parse
-from archo_tui.robot.state import WATCHING, Leaf, Phase, Snapshot
+from archo_tui.robot.state import WATCHING, Leaf, Snapshot
+from archo_tui.station.reason import Reason, limits, obstacles
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
@@ -36,7 +37,7 @@ class GoalPanel(Panel):
     number, title_text = 3, "Goal"
     shown_as = {"go": "enter"}
     _watching = False
-    _about: object = None  # what the robot's answer that is shown was about
+    _reason: Reason | None = None  # of what the hint says; None: it is about what was typed only
 
     # called with the values of each goal by dotted path, to be sent in their order, and with what
     # was typed for them
@@ -117,7 +118,7 @@ class GoalPanel(Panel):
         self.grey(view, [("" if self._kind is None else self._kind.action, self._go)])
         nothing = snapshot.goal is None and self._go.has_class("-blocked")
         self._cancel.set_class(view.watching or nothing, "-blocked")
-        if self._about not in (None, _situation(snapshot)):
+        if self._reason is not None and self._reason.is_over(snapshot):
             self.hint("")
 
     def _show_board(self, view: Shown, width: int) -> None:
@@ -205,17 +206,23 @@ class GoalPanel(Panel):
         """What was sent, the oldest first."""
         self.typed, self._place = typed, len(typed)
 
-    def hint(self, text: str = "") -> None:
-        """Say why what was typed cannot be sent."""
-        self._about = None
+    def hint(self, text: str = "", reason: Reason | None = None) -> None:
+        """Show why a goal is not sent or driven, until what was typed changes.
+
+        Args:
+            text: The words; empty: nothing is in the way.
+            reason: Takes the words away as soon as it is over.
+        """
+        self._reason = reason
+        if reason is not None:
+            reason.is_over(self._snapshot)
         if self._is_wide:
             self._hint.display, self._line.display = text != "", text == ""
         self._hint.say(((text, BAD),))
 
-    def answer(self, text: str, snapshot: Snapshot) -> None:
-        """Say why the robot does not go there, while that is so."""
-        self.hint(text)
-        self._about = _situation(snapshot)
+    def answer(self, text: str) -> None:
+        """Show why the robot does not go there, while that may be so."""
+        self.hint(text, Reason(obstacles))
 
     def submit(self) -> None:
         """Ask for what was typed, or say what is wrong with it; nothing asks for nothing."""
@@ -237,7 +244,7 @@ class GoalPanel(Panel):
                 try:
                     values[leaf.path] = parse(leaf, form[leaf.path], text)
                 except ValueError as error:
-                    self.hint(str(error))
+                    self.hint(str(error), Reason(limits))
                     self.screen.set_focus(field)
                     return
             goals.append(values)
@@ -253,13 +260,3 @@ def _takes(leaf: Leaf) -> str:
     if is_integer(leaf):
         return INTEGER
     return NUMBER if is_number(leaf) else ""
-
-
-def _situation(snapshot: Snapshot) -> object:
-    """What a refusal may be about: another goal, one without news, nobody there to ask."""
-    goal, actions = snapshot.goal, {kind.action for kind in snapshot.file.goals}
-    offered = actions & snapshot.offered
-    if goal is None:
-        return offered
-    doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
-    return offered, goal.sent, goal.is_running, doubtful

@@ -28,7 +28,7 @@ def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None
             doing(goal),
             f"waiting for the robot ... {seconds_text(now - goal.sent)}",
         ),
-        Phase.REFUSED: (BAD, "✗ REFUSED", goal.message),
+        Phase.REFUSED: (BAD, "✗ REFUSED", f"at {time_of_day(goal.time)}: {goal.message}"),
         Phase.MOVING: (STRONG, doing(goal), _progress(goal, now)),
         Phase.CANCELLING: (
             STRONG,

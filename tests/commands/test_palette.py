@@ -230,3 +230,30 @@ async def test_keys_behind_a_stop_that_closed_the_palette_are_not_for_the_panels
         await op.until("Release the stop?")
         await op.press("y")
         await op.until("● IDLE")
+
+
+async def test_what_the_palette_and_the_keys_say_is_so_while_they_are_open() -> None:
+    refused = "the robot is not stopped"
+    async with console(*FAST) as op:
+        robot = op.app.station.robot
+        for key in ("ctrl+p", "question_mark"):
+            await op.press(key)
+            await op.type("release")
+            await op.until(refused)
+            await robot.emergency_stop()
+            await op.until(lambda: refused not in op.text)
+            await robot.release_emergency_stop()
+            await op.until(refused)
+            await op.press("escape")
+
+
+async def test_the_palette_keeps_its_rows_where_they_are_while_values_change() -> None:
+    async with console(*FAST) as op:
+        await op.press("ctrl+p")
+        await op.type("set motor_controller m")
+        rows = op.app.screen.query_one(Found)
+        await op.press("down")
+        before, here = [one.title for one in rows.items], rows.cursor
+        await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})
+        await op.until("1.25")
+        assert ([one.title for one in rows.items], rows.cursor) == (before, here)

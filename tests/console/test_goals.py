@@ -100,7 +100,8 @@ async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words(
             await op.press("r")
             await op.until("Encoder reset to zero")
         await op.press("g", "9", "9", "enter")
-        await op.until("✗ REFUSED      shelf 99 is not in 1 .. 40")
+        await op.until(": shelf 99 is not in 1 .. 40")
+        assert re.search(r"✗ REFUSED      at \d\d:\d\d:\d\d: shelf 99", op.text)
         await op.until("before: ✗ 99 refused")
 
 
@@ -173,6 +174,27 @@ async def test_a_red_hint_leaves_with_its_cause() -> None:
         await op.press("g", "7", "enter")
         await op.until("MOVING to 7")
         assert "release it first" not in op.line("Shelf")
+
+
+async def test_a_refusal_for_the_battery_leaves_when_it_is_charged() -> None:
+    drained = "-p", "drain_min:=100.0", "-p", "drain_max:=100.0"
+    async with console(*FAST, *drained, "-p", "charge_rate:=50.0") as op:
+        await op.until("✗ EMPTY")
+        await op.press("g", "5", "enter")
+        await op.until(lambda: "battery empty" in op.line("Shelf "))
+        await op.press("escape", "c")
+        await op.until("↯ CHARGING")
+        await op.until(lambda: "battery empty" not in op.line("Shelf "))
+
+
+async def test_a_range_that_refused_a_number_leaves_when_it_changes() -> None:
+    async with console(*FAST) as op:
+        await op.press("g", *"45", "enter")
+        await op.until("Shelf: at most 40")
+        await op.app.station.robot.set_parameters("/motor_controller", {"shelf_count": 50})
+        await op.until(lambda: "at most 40" not in op.text)
+        await op.press("enter")
+        await op.until("MOVING to 45")
 
 
 async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:

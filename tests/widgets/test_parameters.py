@@ -34,6 +34,11 @@ async def edit(op: Console, name: str, typed: str) -> None:
     await op.press("enter")
 
 
+def _error(op: Console) -> str:
+    """What the dialog says is wrong."""
+    return str(op.app.screen.query_one(".error", Static).content)
+
+
 async def undo(op: Console) -> None:
     """Press u when every change is answered; what was set may be seen before that."""
     await op.until(lambda: not op.app.station.edits.is_changing)
@@ -538,3 +543,13 @@ async def test_a_filter_that_looks_like_markup_stands_in_the_title_as_it_was_typ
     async with console(*FAST) as op:
         await op.press("4", "slash", *"[b", "enter")
         await op.until("4 Parameters   / [b: 0 of ")
+
+
+async def test_the_reason_of_a_node_leaves_the_dialog_when_its_cause_does() -> None:
+    async with console(*FAST) as op:
+        await edit(op, "drain_min", "0.5")
+        await op.until("drain_min 0.5 is above drain_max 0.2")
+        await op.app.station.robot.set_parameters("/battery_monitor", {"drain_max": 0.6})
+        await op.until(lambda: "above drain_max" not in _error(op))
+        await op.press("enter")
+        await op.until(lambda: not op.app.screen.query("#value"))

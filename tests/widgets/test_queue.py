@@ -246,6 +246,19 @@ def test_what_holds_the_queue_stays_until_the_operator_goes_on(
     assert waiting.next(ARRIVED, []) == target(7)
 
 
+def test_an_alarm_that_held_the_queue_is_said_to_be_over_when_it_is() -> None:
+    waiting = queue(7)
+    low = Alarm(LOW, "", 0.0)
+    for alarms, said in (
+        ([low], "low battery"),
+        ([low._replace(until=1.0, state=State.OVER)], "was: low battery"),
+        ([], "was: low battery"),
+        ([low], "low battery"),
+    ):
+        assert waiting.next(ARRIVED, alarms) is None
+        assert waiting.held == said
+
+
 def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
     aborted = Snapshot(file=ARCHO, goal=ended(0, Phase.ABORTED))
     stopped = aborted._replace(motion=Motion(stopped=True))
