@@ -9,7 +9,7 @@ import os
 import re
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
@@ -179,8 +179,12 @@ class Session:
                 said = f"unknown ROS arguments: {said}"
             raise ArchoError(said) from None
         self._shutdowns = rclpy.shutdown, rclpy.try_shutdown
+        self._uninstall: Callable[[], None] | None = None
         if self._default:
+            from archo_tui.hosting import global_executor
+
             rclpy.shutdown = rclpy.try_shutdown = _refuse_shutdown
+            self._uninstall = global_executor.install()
 
     def _make_nodes(self) -> None:
         """The client's, and those that run in this process."""
@@ -259,6 +263,8 @@ class Session:
         import rclpy
 
         rclpy.shutdown, rclpy.try_shutdown = self._shutdowns
+        if self._uninstall is not None:
+            self._uninstall()
         # of the default context rclpy makes another one when it is not named
         rclpy.try_shutdown(context=None if self._default else self._context)
 

@@ -428,7 +428,9 @@ FAULTS = [
     Fault("station/alarms.py", "if waiting and not snapshot.has_clock:", "if waiting:", "tests/station/test_alarms.py"),
     Fault("station/alarms.py", "heard or hosted or snapshot.nodes", "heard or snapshot.nodes", "tests/station/test_alarms.py"),
     # learners' files, and the nodes of a process
-    Fault("hosting/host.py", "self._on_change, self._rename)", "self._on_change)", "tests/hosting/test_host.py"),
+    Fault("hosting/host.py", "self._on_event, self._rename)", "self._on_event)", "tests/hosting/test_host.py"),
+    Fault("hosting/host.py", "            self._global.create_task(_end_spinning)\n", "", "tests/hosting/test_nested_spin.py"),
+    Fault("hosting/host.py", "return GlobalExecutor(self._context, self._taken)", "return SingleThreadedExecutor(context=self._context)", "tests/hosting/test_nested_spin.py"),
     Fault("hosting/host.py", "            if old.state.life == Life.UP:\n                return", "            if False:\n                return", "tests/hosting/test_host.py"),
     Fault("cli.py", 'in ("--ros-args", "--") and inside != (word == "--ros-args"):', 'in ("--ros-args", "--"):', "tests/test_cli.py"),
     Fault("hosting/source.py", "        roots = [*self._main()]", "        roots: list[ast.AST] = []", LEARNERS),

@@ -5,8 +5,11 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Coroutine, Mapping, Sequence
+from contextvars import copy_context
+from functools import partial
 from itertools import count
-from typing import Any
+from traceback import extract_stack
+from typing import Any, NoReturn, TypeVar
 
 import rclpy
 from rclpy.action import get_action_server_names_and_types_by_node
@@ -17,6 +20,8 @@ from rclpy.parameter import Parameter
 
 import archo_tui
 from archo_tui.errors import in_one_line
+from archo_tui.hosting import global_executor
+from archo_tui.hosting.global_executor import GlobalExecutor
 from archo_tui.hosting.limited import Interrupted, interrupt, run_limited
 from archo_tui.hosting.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, NodeFileError
 from archo_tui.hosting.tracebacks import own_frames
@@ -25,6 +30,8 @@ from archo_tui.hosting.workers import Workers, multi_threaded
 from archo_tui.robot import message_classes
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
+
+T = TypeVar("T")
 
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
 END_TIMEOUT = 1.5  # s for all of them when the console ends
@@ -38,12 +45,24 @@ class HostedNode:
         make: Callable[..., Node],
         context: Context,
         on_change: Callable[[HostedNode], None],
+        on_event: Callable[[str, str, str], None],
         rename: str = "",
     ) -> None:
-        """Constructs the node: what its constructor raises comes out here."""
+        """Construct the node: what its constructor raises comes out here.
+
+        Args:
+            make: Makes the node, given the context.
+            context: The rclpy context of the node.
+            on_change: Called, in the node's thread, when the node has crashed.
+            on_event: Called from the node's threads with level, source and text.
+            rename: The name of the node; "" for the one that it gives itself.
+        """
         self.make, self._context, self._rename = make, context, rename
+        self._on_event = on_event
+        self._global = self._global_executor()
         options = {"cli_args": ["--ros-args", "-r", f"__node:={rename}"]} if rename else {}
-        self.node = make(context=context, **options)
+        construct = partial(make, context=context, **options)
+        self.node: Node = copy_context().run(self._in_its_thread, construct)
         self.name: str = self.node.get_fully_qualified_name()
         self.file = make.file if isinstance(make, FileNode) else None
         self.state = Hosted(self.name, serves=_served(self.node))
@@ -52,16 +71,43 @@ class HostedNode:
             self.state = self.state._replace(file=named, saved=saved)
         self._on_change = on_change
         self._stopping = False
+        self._was_taken = False
         self.crash = ""  # FILE:LINE and what it raised
-        threads = make.threads if isinstance(make, FileNode) else None
-        self._executor: Executor
-        self._workers: Workers | None = None
-        if threads is None:
-            self._executor = SingleThreadedExecutor(context=context)
-        else:
-            self._executor, self._workers = multi_threaded(context, threads, self.name)
+        self._executor, self._workers = self._main_executor()
         self._executor.add_node(self.node)
         self._thread = threading.Thread(target=self._spin, name=self.name, daemon=True)
+
+    def _global_executor(self) -> Executor:
+        """Return what `rclpy.spin` and its like use in the node's code."""
+        if isinstance(self.make, FileNode) and self.make.has_executor:
+            return GlobalExecutor(self._context, self._taken)
+        return SingleThreadedExecutor(context=self._context)
+
+    def _main_executor(self) -> tuple[Executor, Workers | None]:
+        """Return what spins the node as `main()` does, and its threads if there are several.
+
+        Where `main()` calls `rclpy.spin(node)`, that is the global executor.
+        """
+        if not isinstance(self.make, FileNode) or not self.make.has_executor:
+            return self._global, None
+        if self.make.threads is None:
+            return SingleThreadedExecutor(context=self._context), None
+        begin = partial(global_executor.use, self._global)
+        return multi_threaded(self._context, self.make.threads, self.name, begin)
+
+    def _in_its_thread(self, work: Callable[[], T]) -> T:
+        global_executor.use(self._global)
+        return work()
+
+    def _taken(self, node: Node) -> None:
+        """Warn that a nested spin takes the node from the executor of `main()`, as on ROS 2."""
+        if node.executor is not self._executor or self._was_taken or self.file is None:
+            return
+        self._was_taken = True
+        where, line = self.file.place(extract_stack())
+        name = node.get_name()
+        said = f"takes {name} from the executor of main(), which calls nothing of {name} any more"
+        self._on_event("WARN", name, f"{where}: {said}: pass executor=self.executor{line}")
 
     def start(self) -> None:
         """Begin to spin."""
@@ -96,9 +142,10 @@ class HostedNode:
 
     def again(self) -> HostedNode:
         """Another node of the same kind and name, as it was at the start."""
-        return HostedNode(self.make, self._context, self._on_change, self._rename)
+        return HostedNode(self.make, self._context, self._on_change, self._on_event, self._rename)
 
     def _spin(self) -> None:
+        global_executor.use(self._global)
         try:
             while not self._stopping and self._context.ok():
                 self._executor.spin_once()
@@ -121,10 +168,12 @@ class HostedNode:
         return [thread for thread in (self._thread, *workers) if thread.is_alive()]
 
     def begin_to_stop(self) -> None:
-        """Have the thread end when the callback returns that it runs."""
+        """Have the thread end when the callback returns that it runs, or spins in itself."""
         self._stopping = True
         if self._thread.is_alive():
-            self._executor.create_task(lambda: None)
+            self._global.create_task(_end_spinning)
+            if self._executor is not self._global:
+                self._executor.create_task(lambda: None)
 
     def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
         """End the thread and destroy the node; False when a callback takes longer than that (s)."""
@@ -137,6 +186,8 @@ class HostedNode:
             self.state = self.state._replace(life=Life.STUCK)
             return False
         self._executor.shutdown(0)
+        if self._global is not self._executor:
+            self._global.shutdown(0)
         _destroy(self.node)
         if self.state.life != Life.CRASHED:
             self.state = self.state._replace(life=Life.STOPPED)
@@ -148,6 +199,11 @@ class HostedNode:
         self._executor.remove_node(self.node)
         _destroy(self.node)
         return ended
+
+
+def _end_spinning() -> NoReturn:
+    """End a spin from within, also one in a callback, with the callback around it."""
+    raise Interrupted
 
 
 def in_its_file(file: NodeFile, said: str) -> str:
@@ -209,7 +265,7 @@ class Host:
 
     def add(self, make: Callable[..., Any]) -> HostedNode:
         """Construct a node; `start()` spins it. Raises what the constructor raises."""
-        hosted = HostedNode(make, self._context, self._crashed)
+        hosted = HostedNode(make, self._context, self._crashed, self._on_event)
         self.nodes.append(hosted)
         return hosted
 
@@ -255,7 +311,8 @@ class Host:
             number = next(n for n in count(2) if f"{first.name}_{n}" not in taken)
             short = f"{first.name.rpartition('/')[2]}_{number}"
             return self._spin(
-                lambda: HostedNode(kind, self._context, self._crashed, short), f"{short} started"
+                lambda: HostedNode(kind, self._context, self._crashed, self._on_event, short),
+                f"{short} started",
             )
 
     def reload(self, file: NodeFile, kept: Callable[[str], Mapping[str, Any]]) -> None:
@@ -279,7 +336,7 @@ class Host:
             news: list[HostedNode] = []
             try:
                 for make in makers:
-                    news.append(HostedNode(make, self._context, self._crashed))
+                    news.append(HostedNode(make, self._context, self._crashed, self._on_event))
             except Exception as error:  # NodeFileError, or what rclpy says of a name
                 failed = error if isinstance(error, NodeFileError) else NodeFileError(str(error))
                 for new in news:

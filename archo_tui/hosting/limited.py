@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextvars
 import sys
 import threading
 from collections.abc import Callable
@@ -39,7 +40,9 @@ def run_limited(work: Callable[[], T], seconds: float, name: str) -> T:
         except BaseException as error:
             errors.append(error)
 
-    thread = threading.Thread(target=run, name=name, daemon=True)
+    # the work belongs to the thread that waits for it: it has that one's global executor
+    context = contextvars.copy_context()
+    thread = threading.Thread(target=context.run, args=(run,), name=name, daemon=True)
     thread.start()
     thread.join(seconds)
     if thread.is_alive():

@@ -48,9 +48,10 @@ class NodeFileError(ArchoError):
 class FileNode:
     """Makes one node of a class that a file defines, as `main()` of the file would."""
 
-    def __init__(self, file: NodeFile, kind: type[Node], threads: int | None) -> None:
-        """`threads` as `Source.threads` has it."""
-        self.file, self._kind, self.threads = file, kind, threads
+    def __init__(self, file: NodeFile, kind: type[Node]) -> None:
+        self.file, self._kind = file, kind
+        self.threads = file.source.threads()
+        self.has_executor = file.source.has_executor()
 
     def __call__(self, context: Context, **options: Any) -> Node:
         """Raises NodeFileError that names file and line for whatever the constructor raises.
@@ -221,8 +222,7 @@ class NodeFile:
         nodes = [kind for kind in kinds if not any(kind in other.__mro__[1:] for other in kinds)]
         if not nodes:
             raise NodeFileError(f"{self}: defines no subclass of rclpy.node.Node")
-        threads = self.source.threads()
-        return [FileNode(self, kind, threads) for kind in dict.fromkeys(nodes)]
+        return [FileNode(self, kind) for kind in dict.fromkeys(nodes)]
 
     def limited(self, work: Callable[[], T], seconds: float, what: str) -> T:
         """The value of `work()`. Raises NodeFileError for what it raises, and when it hangs."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 MULTI_THREADED = "MultiThreadedExecutor"
+_EXECUTORS = ("SingleThreadedExecutor", MULTI_THREADED)
 _SUPER = "super().__init__('name_of_the_node')"
 _SPINS = ("init", "spin", "spin_once", "spin_until_future_complete")
 
@@ -29,26 +30,33 @@ class Source:
         """
         roots = [*self._main()]
         for call in self._calls(*roots):
-            if self._is_multi_threaded(call.func):
+            if self._is_of_rclpy(call.func, MULTI_THREADED):
                 given = [*call.args[:1], *(k.value for k in call.keywords if k.arg)]
                 numbers = [n.value for n in given if isinstance(n, ast.Constant)]
                 number = next((n for n in numbers if isinstance(n, int)), 0)
                 return None if number == 1 else number
-        named = any(self._is_multi_threaded(node) for root in roots for node in ast.walk(root))
-        return 0 if named else None
+        return 0 if self._is_named(roots, MULTI_THREADED) else None
 
-    def _is_multi_threaded(self, node: ast.AST) -> bool:
-        """True where the class is named, by another name too, under which it was imported."""
+    def has_executor(self) -> bool:
+        """Return whether `main()`, or what it calls, makes an executor of its own."""
+        roots = [*self._main()]
+        return any(self._is_named(roots, name) for name in _EXECUTORS)
+
+    def _is_named(self, roots: Iterable[ast.AST], name: str) -> bool:
+        return any(self._is_of_rclpy(node, name) for root in roots for node in ast.walk(root))
+
+    def _is_of_rclpy(self, node: ast.AST, name: str) -> bool:
+        """Return whether a node names that class, by what it was imported as, too."""
         others = {
             alias.asname
             for imported in ast.walk(self._tree)
             if isinstance(imported, ast.ImportFrom)
             for alias in imported.names
-            if alias.name == MULTI_THREADED
+            if alias.name == name
         }
         if isinstance(node, ast.Attribute):
-            return node.attr == MULTI_THREADED
-        return isinstance(node, ast.Name) and node.id in {MULTI_THREADED, *others}
+            return node.attr == name
+        return isinstance(node, ast.Name) and node.id in {name, *others}
 
     def runs_at_import(self) -> tuple[str, int] | None:
         """The name and line of a function that spins and is called when the file is imported."""

@@ -21,9 +21,23 @@ class Workers:
     there is no work, and do not keep the process from ending when a callback never returns.
     """
 
-    def __init__(self, most: int, name: str, on_error: Callable[[], object]) -> None:
-        """`on_error()` is called in the thread whose work raised."""
-        self._most, self._name, self._on_error = most, name, on_error
+    def __init__(
+        self,
+        most: int,
+        name: str,
+        on_error: Callable[[], object],
+        on_begin: Callable[[], object],
+    ) -> None:
+        """Start no thread yet.
+
+        Args:
+            most: The number of threads at most.
+            name: The name of each thread.
+            on_error: Called in the thread whose work raised.
+            on_begin: Called first in each new thread.
+        """
+        self._most, self._name = most, name
+        self._on_error, self._on_begin = on_error, on_begin
         self._lock = threading.Lock()
         self._waiting: deque[tuple[Future[Any], Callable[..., Any], tuple[Any, ...]]] = deque()
         self.threads: list[threading.Thread] = []  # those that have work
@@ -40,6 +54,7 @@ class Workers:
         return future
 
     def _run(self) -> None:
+        self._on_begin()
         while True:
             with self._lock:
                 if not self._waiting:
@@ -61,11 +76,22 @@ class Workers:
             self._waiting.clear()
 
 
-def multi_threaded(context: Context, threads: int, name: str) -> tuple[Any, Workers]:
-    """An executor for one node, and its threads; `threads` is 0 where the file does not say."""
+def multi_threaded(
+    context: Context, threads: int, name: str, on_begin: Callable[[], object]
+) -> tuple[Any, Workers]:
+    """Return an executor for one node, and its threads.
+
+    Args:
+        context: The rclpy context of the node.
+        threads: The number of threads; 0 where the file does not say.
+        name: The name of each thread.
+        on_begin: Called first in each new thread.
+    """
     executor = MultiThreadedExecutor(max(threads, _LEAST), context=context)
     executor._executor.shutdown()
     # what a callback raised comes out at the next turn, so there must be one
-    workers = Workers(max(threads, _LEAST), name, lambda: executor.create_task(lambda: None))
+    workers = Workers(
+        max(threads, _LEAST), name, lambda: executor.create_task(lambda: None), on_begin
+    )
     executor._executor = workers  # type: ignore[assignment]
     return executor, workers

@@ -1,0 +1,64 @@
+"""The executor that `rclpy.spin` and its like use in a hosted node's own code.
+
+On ROS 2 each process has one, which `main()` spins by `rclpy.spin(node)`. Here several nodes share
+a process, so each has its own, by the thread that asks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextvars import ContextVar
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import Executor, SingleThreadedExecutor
+from rclpy.node import Node
+
+# Python gives each new thread an empty context: a thread that a node starts has rclpy's own one.
+_of_thread: ContextVar[Executor] = ContextVar("global executor")
+
+
+class GlobalExecutor(SingleThreadedExecutor):
+    """The global executor of a node whose `main()` spins an executor of its own."""
+
+    def __init__(self, context: Context, on_take: Callable[[Node], None]) -> None:
+        """Make it.
+
+        Args:
+            context: The rclpy context of the node.
+            on_take: Called, in the thread that spins, with a node that another executor loses.
+        """
+        super().__init__(context=context)
+        self._on_take = on_take
+
+    def add_node(self, node: Node) -> bool:
+        """Add a node as rclpy does, and report one that another executor had."""
+        if node.executor not in (None, self):
+            self._on_take(node)
+        return super().add_node(node)
+
+
+def use(executor: Executor) -> None:
+    """Make an executor the global one of the calling thread."""
+    _of_thread.set(executor)
+
+
+def install() -> Callable[[], None]:
+    """Have rclpy ask for the executor of the thread.
+
+    Returns:
+        What undoes it.
+    """
+    module: Any = rclpy
+    original = module.get_global_executor
+
+    def get_global_executor() -> Executor:
+        executor = _of_thread.get(None)
+        return original() if executor is None else executor
+
+    def uninstall() -> None:
+        module.get_global_executor = original
+
+    module.get_global_executor = get_global_executor
+    return uninstall
