@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import socket
 import threading
 import time
@@ -71,6 +72,7 @@ _GOOD = ("done", "accepted", "arrived")
 _SILENCE = 10.0  # s without a message after which the console is asked whether it still answers
 _CONFIRMED = 5.0  # s in which the end of a goal that is called off is confirmed
 _ANSWERED = 2.0  # s after `timeout` in which a console that answers says that it is over
+_PARENTS = "the goal is of the process that forked this one; the robot may still be moving"
 _Kind = TypeVar("_Kind")
 
 
@@ -314,10 +316,13 @@ class GoalHandle:
 
         Raises:
             RanOut: The end was not confirmed in that time: the robot may still be moving.
+            Unreached: The console has gone or no longer answers: the robot may still be moving.
         """
         self._request.give_up()
         if not self._has_ended.wait(_seconds(timeout)):
             raise RanOut("ran_out", "the cancel is not confirmed: the robot may still be moving")
+        if _ERRORS.get(self._result["code"]) is Unreached:  # it ended for this program only
+            _data_of(self._result)
 
     def feedback(self) -> Goal | None:
         """Return the newest state of the goal, without waiting; of several that which is driven.
@@ -330,6 +335,14 @@ class GoalHandle:
     def done(self) -> bool:
         """Return True once the goal has ended, however it did."""
         return self._has_ended.is_set()
+
+    def _leave_to_parent(self) -> None:
+        """End here, in a forked child: the thread that reads is not in it."""
+        self._result = {"code": "lost", "text": _PARENTS}
+        # new ones: whoever held those of the parent is not in the child either
+        self._is_accepted, self._has_ended = threading.Event(), threading.Event()
+        self._is_accepted.set()
+        self._has_ended.set()
 
     def _wait_until_accepted(self) -> None:
         """Wait for the robot's answer. Raises what `Robot.go` raises."""
@@ -362,7 +375,8 @@ class Robot:
 
     Every method may be called from any thread, also at the same time: none waits for another.
     An exception in a call, ctrl+c too, calls off what that call asked for; leaving the `with`
-    block cancels the goals that still run. Only a STOP is never called off.
+    block cancels the goals that still run. Only a STOP is never called off. A forked child can
+    call everything here, too; the goals of its parent stay the parent's, and end with it.
 
     Each `timeout` is in seconds. None means: as long as the console answers. A console that is
     suspended, or gone, is `Unreached` also then.
@@ -376,6 +390,7 @@ class Robot:
         self._requests: weakref.WeakSet[_Request] = weakref.WeakSet()
         self._handles: list[GoalHandle] = []
         self._is_closed = False
+        _robots.add(self)
 
     def __enter__(self) -> Robot:
         return self
@@ -404,6 +419,18 @@ class Robot:
             handle._has_ended.wait(max(end - time.monotonic(), 0.0))
         for request in requests:
             request.shut()
+
+    def _leave_to_parent(self) -> None:
+        """Let go, in a forked child, of what its parent has asked for.
+
+        A connection that the child keeps would outlive the parent: the console would not see that
+        the parent has gone, and its goals would run on.
+        """
+        for request in self._requests:
+            request.close()
+        for handle in self._handles:
+            handle._leave_to_parent()
+        self._lock, self._requests, self._handles = threading.Lock(), weakref.WeakSet(), []
 
     def status(self, timeout: float | None = None) -> Status:
         """Return the state of the robot.
@@ -585,6 +612,18 @@ class Robot:
             request.close()
             raise Misused("misuse", "this robot was closed: connect() again")
         return request
+
+
+_robots: weakref.WeakSet[Robot] = weakref.WeakSet()
+
+
+def _leave_to_parent() -> None:
+    for robot in _robots:
+        robot._leave_to_parent()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_to_parent)
 
 
 def stop(to: str = "") -> None:

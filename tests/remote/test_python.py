@@ -313,6 +313,60 @@ def test_in_a_real_interpreter_ctrl_c_and_a_suspended_console_end_each_call() ->
         script.close()
 
 
+# a worker of a program, as multiprocessing makes it: it lives on when the program is killed
+FORKS = """
+import os, sys, time
+import archo_tui
+def told(call):
+    try:
+        return call()
+    except archo_tui.NotDone as error:
+        return type(error).__name__
+with archo_tui.connect() as robot:
+    goal = robot.go(12)
+    if not os.fork():
+        with robot:
+            said = told(lambda: goal.wait(9)), told(goal.cancel), robot.status().goal.name
+            print(*said, flush=True)
+        sys.stdin.read()
+        os._exit(0)
+    print("forked", flush=True)
+    time.sleep(600)
+"""
+
+
+@pytest.mark.usefixtures("one_folder")
+def test_a_goal_ends_with_the_program_that_sent_it_and_not_with_one_that_it_forked() -> None:
+    script = Script(*SLOW)
+    script.type("status\n")
+    script.until("\ngoal No goal yet")
+    python = subprocess.Popen(
+        warm.python("-c", FORKS), stdin=-1, stdout=-1, text=True, env=os.environ | {}
+    )
+    assert python.stdout is not None
+    try:
+        said = {python.stdout.readline(), python.stdout.readline()}
+        assert said == {"forked\n", "Unreached Unreached shelf 12\n"}
+        script._read()
+        assert "goal CANCELLED" not in script.said
+        python.kill()
+        script.until("goal CANCELLED")
+    finally:
+        python.kill()
+        python.communicate()
+        script.close()
+
+
+async def test_a_cancel_is_not_confirmed_by_the_end_of_the_console() -> None:
+    async with served(ros_args=LONG) as person:
+        await typed("wait", "ready")
+        goal = await asyncio.to_thread(archo_tui.connect().go, 12)
+        await heard(person, "goal MOVING")
+    await until(goal.done)
+    with pytest.raises(Unreached, match="may still be moving"):
+        await asyncio.to_thread(goal.cancel)
+
+
 def _until(script: Script, holds: Callable[[], bool]) -> None:
     end = time.monotonic() + DEADLINE
     while not holds():
