@@ -71,7 +71,7 @@ _ERRORS: dict[str, type[NotDone]] = {
 _GOOD = ("done", "accepted", "arrived")
 _SILENCE = 10.0  # s without a message after which the console is asked whether it still answers
 _CONFIRMED = 5.0  # s in which the end of a goal that is called off is confirmed
-_ANSWERED = 2.0  # s after `timeout` in which a console that answers says that it is over
+_ANSWERED = 5.0  # s after `timeout`: a console calls off for 3 s, and says then that it is over
 _PARENTS = "the goal is of the process that forked this one; the robot may still be moving"
 _Kind = TypeVar("_Kind")
 
@@ -694,5 +694,8 @@ def _made(kind: type[_Kind], told: Mapping[str, Any]) -> _Kind:
 
 
 def _text(value: Any) -> str:
-    """Return a value as it is typed."""
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    """Return a value as it is typed. Raises Misused when JSON has no such values."""
+    try:
+        return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    except (TypeError, ValueError) as error:
+        raise Misused("misuse", f"{value!r:.40}: {error}") from None

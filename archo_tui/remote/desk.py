@@ -39,6 +39,7 @@ class Desk:
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
         self._assistants = Assistants(station, self.verbs, self._until)
         self._visits: dict[Guest, _Visit] = {}
+        self._calling: set[asyncio.Future[None]] = set()  # off what did not end in its time
         # STOPs that have not left, and whether somebody is about to send them
         self._stops: deque[tuple[Guest, Any, bool]] = deque(maxlen=_MOST_STOPS)
         self._comes = False
@@ -191,19 +192,35 @@ class Desk:
             if visit.leaves:
                 work.add_done_callback(_heed)
                 raise RanOut(f"{over}; what was sent goes on")
-            visit.is_waiting = visit.asker.has_left = True
-            await self._call_off(visit)
-            with suppress(TimeoutError):
-                result = await clock.wait_for(asyncio.shield(work), _CALLED_OFF)
-                if result["code"] in ("done", "arrived"):  # at the last moment
-                    return result
-                raise RanOut(f"{over}: {result['text']}")
-            raise RanOut(f"{over}; what was sent may still be done")
-        except _Declined:
-            raise RanOut(f"{over}: nobody has answered") from None
+            return await self._call_off_late(visit, work, over)
         finally:
             if not visit.leaves:
                 work.cancel()
+
+    async def _call_off_late(
+        self, visit: _Visit, work: asyncio.Future[dict[str, Any]], over: str
+    ) -> dict[str, Any]:
+        """Call off work whose time is over; returns its result if that is good after all.
+
+        Clients wait for `_CALLED_OFF` and little more, so this ends then, also while the robot
+        has not answered the cancel.
+
+        Raises:
+            RanOut: The work did not end well; the text is `over`, and how it ended.
+        """
+        visit.is_waiting = visit.asker.has_left = True
+        calling = asyncio.ensure_future(self._call_off(visit))
+        self._calling.add(calling)
+        calling.add_done_callback(self._calling.discard)
+        try:
+            with suppress(TimeoutError):
+                result = await self._station.clock.wait_for(asyncio.shield(work), _CALLED_OFF)
+                if result["code"] in ("done", "arrived"):  # at the last moment
+                    return result
+                raise RanOut(f"{over}: {result['text']}")
+        except _Declined:
+            raise RanOut(f"{over}: nobody has answered") from None
+        raise RanOut(f"{over}; what was sent may still be done")
 
     async def _obey(self, visit: _Visit, request: dict[str, Any]) -> dict[str, Any]:
         number = request.get("id")

@@ -116,12 +116,15 @@ def run(
         meant: `to`, `engine` and `domain` that stood before the verb.
     """
     # help of STOP only when exactly that is typed: whatever else stands behind it, it stops
-    if len(words) == 2 and words[1] == "--help":
+    if list(words[1:]) == ["--help"] or (words[0] == "wait" and "--help" in words):
         from archo_tui.remote.verb_help import own
 
         known = own(words[0])
-        if known:
+        if known and "--json" in words:
+            _print_json({"code": "done", "text": known})
+        elif known:
             _print(known)
+        if known:
             return 0
     helps = "--help" in words[1:]
     try:
@@ -140,7 +143,7 @@ def run(
                 return _ask(robot, given, timeout, others)
         with contextlib.closing(console):
             return _ask(console, given, timeout, others)
-    except ValueError as error:
+    except (ValueError, ArchoError) as error:
         return _fail("misuse", str(error), words)
     except Unreached as error:
         if given.stops:

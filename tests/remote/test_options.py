@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from collections.abc import Iterator
 from contextlib import nullcontext
 from typing import Any
@@ -12,11 +13,13 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
 
+from archo_tui.errors import ArchoError
 from archo_tui.remote import finder, shell
 from archo_tui.remote.verb_help import archos_verbs, of_archo
 from tests.support.console import FAST, LONG
 from tests.support.ros import begin
-from tests.support.shells import heard, said, served, typed, until
+from tests.support.shells import heard, raw, said, served, typed, until
+from tests.support.waiting import DEADLINE
 
 pytestmark = pytest.mark.real_time
 
@@ -139,6 +142,42 @@ async def test_help_is_the_same_with_a_console() -> None:
         nearest = await typed("chek", "x.py")
         assert nearest.err.endswith("chek: no command 'chek' (nearest: check)\n")
         assert "STOP" not in person.said
+
+
+async def test_the_help_of_wait_is_its_own_with_json_too() -> None:
+    async with served(ros_args=FAST):
+        for words in (["wait", "--help"], ["wait", "idle", "--help"]):
+            told, as_json = await typed(*words), await typed(*words, "--json")
+            assert (told.code, as_json.code) == (0, 0)
+            assert told.out.startswith("wait idle|arrived|ready|stopped|battery N: ")
+            assert json.loads(as_json.out)["text"] == told.out.rstrip("\n")
+
+
+async def test_a_person_who_says_no_in_time_has_answered() -> None:
+    async with served(ros_args=FAST):
+        await typed("stop")
+        client = await raw()
+        await client.line()
+        release = {"id": 1, "words": ["release"], "person": True}
+        for timeout, code, text in (
+            (DEADLINE, "cancelled", "stay stopped"),
+            (0.1, "ran_out", "not within 0.1 s: nobody has answered"),
+        ):
+            client.send({**release, "timeout": timeout})
+            assert "Release the stop?" in (await client.line())["ask"]
+            if code == "cancelled":
+                client.send({"answer": False})
+            result = await client.result()
+            assert (result["code"], result["text"]) == (code, text)
+        client.close()
+
+
+def test_where_ros_is_missing_json_is_one_object_too(capsys: pytest.CaptureFixture[str]) -> None:
+    def attach() -> Any:
+        raise ArchoError("ROS 2 was not found")
+
+    assert shell.run(["stop", "--json"], (), attach, {"engine": "ros2"}) == 2
+    assert json.loads(capsys.readouterr().out) == {"code": "misuse", "text": "ROS 2 was not found"}
 
 
 class Graph:

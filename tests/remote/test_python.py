@@ -84,6 +84,7 @@ async def test_parameters_are_set_and_read_in_their_types() -> None:
     [
         (lambda robot: robot.go(99), Refused, "shelf 99 is not in 1 .. 40"),
         (lambda robot: robot.go("there"), Misused, "there"),
+        (lambda robot: robot.go(b"5"), Misused, "b'5': .* bytes"),
         (lambda robot: robot.go(5, kind="stop"), Misused, "use robot.stop()"),
         (lambda robot: robot.go(5, kind="Stop!"), Misused, "use robot.stop()"),
         (lambda robot: robot.go(kind="status"), Misused, "it sends no goals"),
@@ -163,6 +164,13 @@ async def test_a_goal_with_a_time_is_cancelled_when_that_is_over() -> None:
         with pytest.raises(RanOut, match="not within 1 s"):
             await asyncio.to_thread(goal.wait)
         await heard(person, "CANCELLED")
+
+
+async def test_the_time_is_over_of_a_robot_that_brakes_for_long_and_its_console_answers() -> None:
+    async with served(ros_args=("-p", "feedback_period:=5.0")):
+        await typed("wait", "ready")
+        with pytest.raises(RanOut, match=r"not within 0\.1 s; what was sent may still be done"):
+            await does(lambda robot: robot.go(12, timeout=0.1).wait())
 
 
 async def test_leaving_cancels_what_still_runs_and_what_is_called_then_is_refused() -> None:
