@@ -245,6 +245,7 @@ class Robot:
             # it may not have come, and would be asked for no more; a goal from before it is void
             if self._stopping.open is not None and not gate.is_shut:
                 return Outcome(Code.REFUSED, UNCONFIRMED)
+            self._stopping.look_at_holders()  # its node may have been restarted since the last look
             if self._stopping.latch is Latch.UNCERTAIN and not gate.is_shut:
                 return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
             rivals = self._graph.rivals(kind.action)

@@ -72,6 +72,7 @@ class Stopping:
         self.lost = ""  # what became of the node that held an UNCERTAIN one
         self.released: float | None = None  # when the robot confirmed a release, monotonic s
         self._holders: dict[str, frozenset[bytes]] = {}  # the nodes that hold it, and their ids
+        self._asked: dict[str, frozenset[bytes]] = {}  # those that the last STOP was sent to
         self._told_anew: set[str] = set()  # those that their host told of it at their start
         self._changed_at = 0.0  # when another node than these was seen, monotonic s
 
@@ -153,7 +154,8 @@ class Stopping:
         """Remember that the robot is stopped, and by which nodes."""
         assert self._stop is not None
         self.latch, self.lost = Latch.HELD, ""
-        self._holders = self._graph.holders(self._stop.service)
+        # a node may leave as it confirms: any node that comes later would pass for it
+        self._holders = self._graph.holders(self._stop.service) or self._asked
         self._told_anew.clear()
 
     def told_anew(self, node: str) -> None:
@@ -246,7 +248,7 @@ class Stopping:
             return _not_sent(Code.REFUSED, reason)
         servers = max(self._node.count_services(name), 1)
         wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
-        self._left = self._services.turn()
+        self._left, self._asked = self._services.turn(), self._graph.holders(name)
         answers = await self._services.call_all(
             *(srv_type, name, srv_type.Request(), servers, wait),
             lambda answers: late(_said(answers, servers, wait)),

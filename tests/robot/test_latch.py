@@ -164,6 +164,21 @@ async def test_of_one_that_has_left_it_is_never_shown_as_stopped() -> None:
         elsewhere.motor = elsewhere._made()
 
 
+async def test_one_that_leaves_as_it_confirms_leaves_no_stop_to_the_next() -> None:
+    async with stopped_elsewhere() as (it, elsewhere):
+        assert (await ended(it.release_emergency_stop())).ok
+        await until(lambda: it.snapshot.motion.stopped is False)
+        motor, holders = elsewhere.motor, it._graph.holders
+        it._graph.holders = lambda service: {} if motor.stopped else holders(service)  # type: ignore[method-assign]
+        assert (await ended(it.emergency_stop())).ok
+        await elsewhere.kill()
+        it._graph.holders = holders  # type: ignore[method-assign]
+        elsewhere.motor = elsewhere._made()
+        assert await ended(go(it, 3)) == (Code.REFUSED, UNCERTAIN)
+        await until(lambda: it.snapshot.motion.stopped is False)
+        await until(lambda: latch(it) is Latch.UNCERTAIN)
+
+
 async def test_a_release_by_another_client_is_said_when_it_was_seen() -> None:
     async with stopped_elsewhere() as (it, elsewhere):
         elsewhere.motor.stopped = False
