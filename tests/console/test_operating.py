@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from typing import Any
 
@@ -88,7 +89,8 @@ async def test_a_goal_is_refused_while_stopped() -> None:
         await op.press("ctrl+x")
         await op.until("✗ STOPPED")
         await op.press("g", "7", "enter")
-        await op.until("✗ REFUSED      emergency stop: release it first")
+        refused = re.compile(r"✗ REFUSED +at \d\d:\d\d:\d\d: emergency stop: release it first")
+        await op.until(lambda: refused.search(op.text))
 
 
 async def test_c_charges_and_stops_charging() -> None:
