@@ -166,6 +166,9 @@ class Plain:
         if self._goal is not None and not self._is_over():
             self._say(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
         await self._hold(self._is_over)
+        if self._given_up is not None:
+            self._failed = True
+            self._say(self._given_up.text)
         last = self._robot.stops.count
         await self._hold(lambda: self._are_answered(last))
         await self._robot.catch_up()
@@ -201,7 +204,15 @@ class Plain:
     def _is_over(self) -> bool:
         """No goal of ours runs, and none is to be sent."""
         runs = self._goal is not None and self._goal.is_running and self._goal.mine
-        return not runs and not self._station.queue.is_going
+        return self._given_up is not None or not (runs or self._station.queue.is_going)
+
+    @property
+    def _given_up(self) -> Outcome | None:
+        """What is said of our goal when its end is not waited for any more: it is lost."""
+        goal = self._goal
+        if goal is None or not (goal.is_running and goal.mine):
+            return None
+        return goal.outcome_at(self._clock.monotonic())
 
     @property
     def _is_in_doubt(self) -> bool:

@@ -21,7 +21,7 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import View
 
 Names = Mapping[str, tuple[str, ...]]
-_GOAL_TIMES = ("sent", "heard", "started", "ended", "cancel_asked")
+_GOAL_TIMES = ("sent", "heard", "started", "ended", "cancel_asked", "lost")
 
 
 class Called(NamedTuple):

@@ -75,7 +75,9 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
         if running is None:
             return Outcome(Code.REFUSED, "no goal is running")
         goal = _same(station, running)
-        return Outcome(Code.REFUSED, "the goal is not known") if goal is None else goal.outcome
+        if goal is None:
+            return Outcome(Code.REFUSED, "the goal is not known")
+        return goal.outcome_at(station.clock.monotonic())
 
     looks = {"idle": idle, "ready": ready, "arrived": arrived, "stopped": stopped}
     if len(words) == 1 and words[0] in looks:

@@ -124,7 +124,7 @@ class Robot:
             clock,
             self._services,
             self._mark,
-            self._telemetry.measure_anew,
+            self._measure_anew,
             self._on_change,
             self._secrets,
         )
@@ -593,6 +593,12 @@ class Robot:
             before, self._outlived = self._outlived, self._goals.cancel_older(stopped)
             if self._outlived != before:
                 self._mark()
+
+    def _measure_anew(self, node: str, old: object, new: object) -> None:
+        """Measure anew how often topics and feedback come: a parameter of `node` has changed."""
+        self._telemetry.measure_anew(node, old, new)
+        servers = self._graph.servers
+        self._goals.measure_anew(old, new, lambda kind: node in servers.get(kind.action, ()))
 
     def _goal_changed(self, turned: bool) -> None:
         if self._watcher.is_canceled():

@@ -2,7 +2,8 @@
 
 A goal is never declared ended because the console stopped waiting: without an answer it is UNKNOWN,
 without news while it runs LOST, until the robot says how it ended, or that it does not know it.
-It is over without that only when its node has gone (GONE).
+It is over without that only when its node has gone (GONE). What another node reports of the robot
+says nothing about a goal that sent feedback: its server may have died while the wheels report.
 """
 
 from __future__ import annotations
@@ -26,11 +27,11 @@ from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import MessageField
 
 FARTHEST = 1e6  # a remainder beyond that is not a reading
-FIRST_FEEDBACK = 15.0  # s without a word, where none is due, until a served goal counts as lost
+NO_PERIOD = 15.0  # s without feedback, where its period is not known, until a goal counts as lost
 ASK_AGAIN = 5.0  # s without a word of a goal itself, until its server is asked whether it knows it
 NOBODY_SERVES = 1.0  # s that nobody serves its action, and it is not heard of, until it is over
 NEVER_TAKEN = 20.0  # s in which a server that does not know a goal may still decide to take it
-SILENCE = 3.0  # s, and three periods, without a word until a goal that runs counts as lost
+SILENCE = 3.0  # s, and three periods, without feedback until a goal that sent some counts as lost
 
 ENDS = {
     GoalStatus.STATUS_SUCCEEDED: Phase.ARRIVED,
@@ -111,9 +112,21 @@ class Followed:
 
         self._result.add_done_callback(on_result)
 
+    def measure_anew(self, old: object, new: object) -> None:
+        """Measure the period of its feedback anew, because a parameter has changed.
+
+        Args:
+            old: What the parameter was; None: it is of another node than the goal's server.
+            new: What it is.
+        """
+        self._pace = self._pace.anew(old, new)
+
     def heard(self) -> None:
-        """The robot was heard again: ask whether it still knows a goal that was lost."""
-        if self.goal.phase == Phase.LOST:
+        """Ask about a goal that was lost with the robot, which is heard again.
+
+        One that sent feedback stays lost until it sends some.
+        """
+        if self.goal.phase == Phase.LOST and not self._sends_feedback:
             self.update(phase=Phase.UNKNOWN)
             self._asked = 0.0
 
@@ -141,20 +154,25 @@ class Followed:
         if now - asked > longest and self.action.is_served:
             self.ask_result()
 
+    @property
+    def _sends_feedback(self) -> bool:
+        return self._pace.last is not None or self._pace.known is not None
+
     def _is_silent(self, now: float, motion: Motion) -> bool:
-        """By feedback or motion, whichever came last; without motion by the feedback's own pace."""
+        """Return whether too little is heard of a goal that runs, and whose action is served.
+
+        By its feedback; while none is due, by the motion, as far as that is reported.
+        """
         heard = self.goal.heard or self.goal.sent
-        if motion.received is not None:
-            longest = max(SILENCE, 3 * (motion.period or 0.0))
-            return now - max(motion.received, heard) > longest
-        moving = self.goal.phase == Phase.MOVING
-        if moving and self.action.is_served and self._pace.seconds is None:
-            # an action may give no feedback at all; one that does may begin late
-            return self.goal.kind.remaining is not None and now - heard > FIRST_FEEDBACK
-        if self.goal.phase == Phase.CANCELLING and self.action.is_served:
-            # since Lyrical a server sends no feedback of a goal that it is cancelling
-            return now - max(heard, self.goal.cancel_asked or 0.0) > FIRST_FEEDBACK
-        return now - heard > max(SILENCE, 3 * (self._pace.seconds or 0.0))
+        is_cancelling = self.goal.phase == Phase.CANCELLING
+        if self._sends_feedback and not is_cancelling:
+            period = self._pace.seconds
+            return now - heard > (NO_PERIOD if period is None else max(SILENCE, 3 * period))
+        # since Lyrical a server sends no feedback of a goal that it is cancelling
+        if is_cancelling and now - max(heard, self.goal.cancel_asked or 0.0) > NO_PERIOD:
+            return True
+        longest = max(SILENCE, 3 * (motion.period or 0.0))
+        return motion.received is not None and now - max(motion.received, heard) > longest
 
     def on_status(self, status: int) -> None:
         """What the action says of it."""
@@ -221,8 +239,10 @@ class Followed:
     def update(self, **changes: Any) -> None:
         """It is so now."""
         before = self.goal
-        if changes.get("phase", before.phase) != before.phase:
+        phase = changes.get("phase", before.phase)
+        if phase != before.phase:
             changes["time"] = self._clock.now()
+            changes["lost"] = self._clock.monotonic() if phase == Phase.LOST else None
         self.goal = before._replace(**changes)
         self._changed(self, before)
 

@@ -405,6 +405,17 @@ class Goals:
                 self._task(self._cancel, one)
         return tuple(one.goal.name for one in older)
 
+    def measure_anew(self, old: object, new: object, served: Callable[[GoalKind], bool]) -> None:
+        """Measure the periods of feedback anew, because a parameter has changed.
+
+        Args:
+            old: What it was.
+            new: What it is.
+            served: Returns whether the parameter's node serves that kind of goal.
+        """
+        for one in list(self._running.values()):
+            one.measure_anew(old if served(one.goal.kind) else None, new)
+
     def heard(self) -> None:
         """The robot was heard again."""
         for one in list(self._running.values()):

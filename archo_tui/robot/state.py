@@ -110,6 +110,7 @@ _CODES = {  # of those that ended
     Phase.DISPUTED: Code.NOT_CONFIRMED,
     Phase.GONE: Code.TIMEOUT,
 }
+GIVEN_UP = 30.0  # s that a goal is LOST until nobody waits for its end any more
 RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST)
 
 
@@ -135,6 +136,7 @@ class Goal(NamedTuple):
     started: float | None = None  # when it was accepted
     ended: float | None = None
     cancel_asked: float | None = None
+    lost: float | None = None  # since when it is LOST
     unreadable: str = ""  # the last remainder as received, when it is not one
     feedback: str = ""  # the last feedback, field by field
     message: str = ""  # the robot's own words for the end, or the reason of a refusal
@@ -166,9 +168,18 @@ class Goal(NamedTuple):
         """How it ended; None while it runs."""
         return _CODES.get(self.phase)
 
-    @property
-    def outcome(self) -> Outcome | None:
-        """How it ended, as whoever waits for it is told; None while it runs."""
+    def outcome_at(self, now: float) -> Outcome | None:
+        """Return how it ended, as whoever waits for it is told; None while it runs.
+
+        A goal that is LOST for GIVEN_UP is told as lost, though it is kept: its end may never come.
+
+        Args:
+            now: Monotonic time in s.
+        """
+        if self.lost is not None and now - self.lost >= GIVEN_UP:
+            silent = now - (self.heard or self.sent)
+            said = f"no word from it for {silent:.0f} s, the robot may still be moving"
+            return Outcome(Code.TIMEOUT, f"goal lost: {said}")
         if self.code is None:
             return None
         text = self.message or self.word.lower()

@@ -10,7 +10,16 @@ from enum import Enum
 from typing import NamedTuple
 
 from archo_tui.robot.period import LEAST_SILENCE
-from archo_tui.robot.state import Hosted, Latch, Life, OpenStop, Snapshot, StopAnswer, not_offered
+from archo_tui.robot.state import (
+    Hosted,
+    Latch,
+    Life,
+    OpenStop,
+    Phase,
+    Snapshot,
+    StopAnswer,
+    not_offered,
+)
 from archo_tui.robot_file.model import RobotFile
 
 
@@ -71,6 +80,7 @@ TRANSITIONS: dict[tuple[State, Change], State] = {
 CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "battery empty"
 STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
 WORD, MIXED, TWICE = "battery health", "several publishers", "name twice"
+NO_WORD = "no word of the goal"
 SILENT, UNWRITTEN, GAUGE = "motor silent", "journal not written", "gauge"
 UNRECORDED = "recordings"
 UNCERTAIN = "stop not certain"
@@ -84,6 +94,7 @@ _PRIORITIES = {
     CONTACT_LOST: Priority.HIGH,
     EMPTY: Priority.HIGH,
     SILENT: Priority.HIGH,
+    NO_WORD: Priority.HIGH,
     CRASHED: Priority.HIGH,
     STOPPED: Priority.MED,
     LOW: Priority.MED,
@@ -99,7 +110,7 @@ _PRIORITIES = {
 _ORDER = list(_PRIORITIES)
 
 # of what the robot says: they stand as they were while it is not heard
-_HEARD = (EMPTY, STOPPED, LOW, WORD, SILENT, GAUGE)
+_HEARD = (EMPTY, STOPPED, LOW, WORD, SILENT, NO_WORD, GAUGE)
 _LAST_KNOWN = " (last known)"
 _CHARGER = "the command that charges"
 # what to do, where that is a command: its id, and the words around the way to give it
@@ -253,7 +264,8 @@ def conditions(
         last = max(battery.received or 0.0, motion.received or 0.0)
         found[CONTACT_LOST] = f"CONTACT LOST for {now - last:.0f} s: the robot may still be moving"
         return found
-    moving = snapshot.running_goal is not None
+    goal = snapshot.running_goal
+    moving = goal is not None
     dock = "dock the robot when this move is done" if moving else "dock the robot"
     if battery.percentage is not None and not battery.is_old(now):
         if battery.percentage <= 0.0:
@@ -269,6 +281,11 @@ def conditions(
         topic = snapshot.file.motion.topic if snapshot.file.motion else "motion"
         found[SILENT] = (
             f"{topic} silent for {now - motion.received:.0f} s while moving: "
+            "the robot may still be driving"
+        )
+    elif goal is not None and goal.phase == Phase.LOST:
+        found[NO_WORD] = (
+            f"NO WORD FROM {goal.kind.title.upper()} for {now - (goal.heard or goal.sent):.0f} s: "
             "the robot may still be driving"
         )
     if snapshot.says_stopped:
@@ -355,7 +372,7 @@ class AlarmBoard:
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
                 self._alarms[name] = known._replace(text=text)
-            elif _kind(name) in (CONTACT_LOST, SILENT) and self._just_resumed(monotonic):
+            elif _kind(name) in (CONTACT_LOST, SILENT, NO_WORD) and self._just_resumed(monotonic):
                 continue
             elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
                 raised = known or Alarm(name, text, now, State.NORMAL)

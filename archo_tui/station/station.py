@@ -351,7 +351,7 @@ class Station:
         """Tell whoever waits for it how a goal has ended."""
         for wanted, before in list(self._underway):
             goal = self._goal_after(before)
-            outcome = None if goal is None else goal.outcome
+            outcome = None if goal is None else goal.outcome_at(self.clock.monotonic())
             if goal is not None and outcome is not None:
                 self._underway.remove((wanted, before))
                 wanted.asker.goal = goal

@@ -12,6 +12,7 @@ from archo_tui.words.state import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, S
 _WORD = 14  # cells for the word, as long as it is no longer
 _LIST = 12  # cells of the queue without which its keys are not said
 _WIDE = 60  # cells from which on a strip names its ends
+_FIRST_FEEDBACK = 15.0  # s in which the first feedback of an action that sends any has come
 
 
 def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None) -> Spans:
@@ -177,6 +178,8 @@ def _progress(goal: Goal, now: float) -> str:
         return f"? {goal.unreadable}{unit} left   {so_far}"
     if goal.feedback:
         return f"{so_far}   {goal.feedback}"
+    if goal.remaining is None and goal.elapsed(now) > _FIRST_FEEDBACK:
+        return f"served, no feedback   {so_far}"
     if goal.remaining is None:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
     if goal.length is None:  # not known yet: no bar, no percentage

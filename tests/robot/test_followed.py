@@ -31,7 +31,7 @@ class Feedback:
     [(0.5, 3.0), (2.0, 6.0)],
     ids=["three seconds", "three periods"],
 )
-def test_it_is_lost_after_so_long_without_feedback_where_no_motion_is_told(
+def test_it_is_lost_after_so_long_without_feedback_though_the_wheels_are_heard(
     period: float, longest: float
 ) -> None:
     clock = StandingClock()
@@ -42,6 +42,58 @@ def test_it_is_lost_after_so_long_without_feedback_where_no_motion_is_told(
         followed.on_feedback(Feedback())
     seen: list[Phase] = []
     for passed in (longest - 0.1, longest + 0.1):
-        followed.check(clock.monotonic() + passed, Motion())
+        now = clock.monotonic() + passed
+        followed.check(now, Motion(received=now, period=0.2))
         seen.append(followed.goal.phase)
     assert seen == [Phase.MOVING, Phase.LOST]
+
+
+def followed_at(clock: StandingClock, phase: Phase = Phase.MOVING) -> Followed:
+    goal = Goal(SHELF, {"shelf_number": 3}, phase, clock.monotonic(), clock.now())
+    return Followed(goal, b"1", ServedAction(), clock, lambda *_: None)
+
+
+def phases(followed: Followed, clock: StandingClock, *passed: float) -> list[Phase]:
+    """Return its phase so many s from now."""
+    seen = []
+    for seconds in passed:
+        followed.check(clock.monotonic() + seconds, Motion())
+        seen.append(followed.goal.phase)
+    return seen
+
+
+def test_after_its_first_feedback_it_may_be_silent_for_15_s_until_its_period_is_known() -> None:
+    clock = StandingClock()
+    followed = followed_at(clock)
+    followed.on_feedback(Feedback())
+    assert phases(followed, clock, 14.9, 15.1) == [Phase.MOVING, Phase.LOST]
+
+
+def test_without_feedback_and_motion_its_server_alone_decides() -> None:
+    clock = StandingClock()
+    assert phases(followed_at(clock), clock, 100.0) == [Phase.MOVING]
+
+
+def test_a_goal_that_is_being_cancelled_may_send_no_feedback_for_15_s() -> None:
+    clock = StandingClock()
+    followed = followed_at(clock)
+    for _ in range(3):
+        clock.passed += 0.2
+        followed.on_feedback(Feedback())
+    followed.update(phase=Phase.CANCELLING, cancel_asked=clock.monotonic())
+    assert phases(followed, clock, 14.9, 15.1) == [Phase.CANCELLING, Phase.LOST]
+
+
+def test_a_parameter_that_is_its_period_counts_at_once() -> None:
+    clock = StandingClock()
+    followed = followed_at(clock)
+    for _ in range(3):
+        clock.passed += 0.5
+        followed.on_feedback(Feedback())
+    followed.measure_anew(0.5, 5.0)
+    assert phases(followed, clock, 14.9, 15.1) == [Phase.MOVING, Phase.LOST]
+
+
+def test_the_time_that_is_left_is_that_of_the_way_so_far() -> None:
+    goal = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0, length=10.0, remaining=6.0, heard=20.0)
+    assert goal._replace(started=0.0).seconds_left(20.0) == 30.0

@@ -88,7 +88,7 @@ async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_ag
         assert seconds() - began < 3.0
         goal: Any = it.snapshot.goal
         assert (goal.phase, goal.word, goal.message) == (Phase.GONE, "LOST", LOST)
-        assert goal.outcome == Outcome(Code.TIMEOUT, f"goal lost: {LOST}")
+        assert goal.outcome_at(seconds()) == Outcome(Code.TIMEOUT, f"goal lost: {LOST}")
         back = Server(context=made[0].context)
         executor.create_task(executor.add_node, back)
         executor.create_task(back.drives, goal_id)

@@ -228,8 +228,7 @@ async def test_a_server_that_does_not_know_the_goal_is_not_believed_beside_anoth
         late: Any = Drive("b", context=made[0].context)
         executor.create_task(executor.add_node, late)
         await until(lambda: "move_to_shelf" in it.snapshot.several)
-        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase == Phase.LOST)
-        later = clock.seconds() + 5.0
+        later = clock.seconds() + 20.0  # it sends no feedback
         await until(lambda: clock.seconds() > later)
         assert it.snapshot.goal is not None
         assert it.snapshot.goal.is_running, it.snapshot.goal

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Hosted, Life, OpenStop, Parameter, Snapshot
+from archo_tui.robot.state import Hosted, Life, OpenStop, Parameter, Phase, Snapshot
 from archo_tui.screens.alarms import alarm_lines
 from archo_tui.station.alarms import (
     CONTACT_LOST,
@@ -15,6 +15,7 @@ from archo_tui.station.alarms import (
     EMPTY,
     LOW,
     NO_CLOCK,
+    NO_WORD,
     NOBODY,
     OUTLIVED,
     SHELF_TIME,
@@ -247,6 +248,15 @@ def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
     ]
     stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
     assert (stopped.state, stopped.text, stopped.since) == (State.ACKNOWLEDGED, "stop", 100)
+
+
+def test_a_goal_that_says_nothing_is_an_alarm_but_where_the_motor_is_silent_too() -> None:
+    moving = STATES["motor moving"]
+    goal = moving.goal._replace(phase=Phase.LOST, heard=NOW - 6)  # type: ignore[union-attr]
+    found = conditions(moving._replace(goal=goal), NOW)
+    assert found == {NO_WORD: "NO WORD FROM GO TO SHELF for 6 s: the robot may still be driving"}
+    silent = moving._replace(goal=goal, motion=replace(MOTOR, received=NOW - 6))
+    assert list(conditions(silent, NOW)) == [SILENT]
 
 
 def test_a_motor_that_falls_silent_in_a_move_is_an_alarm_of_its_own() -> None:
