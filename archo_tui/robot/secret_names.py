@@ -11,7 +11,7 @@ from archo_tui import regular_files
 from archo_tui.errors import ArchoError
 
 MASK = "***"
-_ALWAYS = ("password", "token", "secret")
+_ALWAYS = ("password", "token", "secret", "apikey")  # also as the end of a word: `dbpassword`
 _KEY = "key"  # secret as the last word of a part: `api_key`, and not `key_bindings`
 _HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _WORD = re.compile(r"[^\W\d_]+")
@@ -26,14 +26,16 @@ class SecretNames:
         Args:
             more: Further words, as `pin`; several in one text are looked for side by side.
         """
-        listed = (_words(text) for text in (*_ALWAYS, *more))
+        listed = (_words(text) for text in more)
         self._listed = [words for words in listed if words]
 
     def fit(self, name: str) -> bool:
         """Return True for the name of a secret: `wifi.password`, `apiKey`, `auth_tokens`."""
         words = _words(name)
-        return any(_holds(words, listed) for listed in self._listed) or any(
-            _words(part)[-1:] == [_KEY] for part in name.split(".")
+        return (
+            any(word.endswith(_ALWAYS) for word in words)
+            or any(_holds(words, listed) for listed in self._listed)
+            or any(_words(part)[-1:] == [_KEY] for part in name.split("."))
         )
 
     def masked(self, values: Mapping[str, Any]) -> dict[str, Any]:

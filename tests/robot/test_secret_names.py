@@ -20,6 +20,7 @@ from tests.support.shells import heard, raw, served, typed
 SECRET = [
     *("password", "Password", "wifi.password", "WIFI_PASSWORD_2", "auth_tokens", "token_file"),
     *("key", "api_key", "apiKey", "APIKey", "key2", "api_key.value", "client-secret", "keys"),
+    *("dbpassword", "WIFIPASSWORD", "authtokens", "clientsecret.value", "apikey", "mapsapikey"),
 ]
 OPEN = [
     *("monkey", "key_bindings", "keyframe", "key_rate.hz", "turkey", "tokenizer", "secretary"),
