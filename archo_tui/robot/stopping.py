@@ -135,11 +135,13 @@ class Stopping:
         return self.open != before
 
     def is_behind(self, turn: int) -> bool:
-        """True when a STOP left after that turn: which of the two the robot takes last is open.
+        """True when a STOP left after that turn, or was asked for then and has not left yet.
 
-        A robot that is busy takes what waits for it in an order of its own.
+        Which of the two the robot takes last is open: one that is busy takes what waits for it in
+        an order of its own.
         """
-        return self._left is not None and turn <= self._left
+        is_before_open = self.open is not None and turn < self._first
+        return is_before_open or (self._left is not None and turn <= self._left)
 
     def past(self, turn: int) -> None:
         """A release or a goal of that turn was accepted: a STOP before it is past."""

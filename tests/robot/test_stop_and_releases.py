@@ -14,6 +14,7 @@ from std_srvs.srv import Trigger
 
 from archo_tui.robot import services
 from archo_tui.robot.client import Robot
+from archo_tui.robot.outcome import Code
 from tests.support import clock
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
@@ -75,6 +76,30 @@ async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop
         await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))
         await until(task.done)
         assert made[0].latched
+
+
+class Released(Busy):
+    """Can be released, but not stopped: the node that has the STOP has left."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options)
+        named = [one for one in self.services if one.service_name.endswith("/emergency_stop")]
+        self.destroy_service(named[0])
+
+
+async def test_a_release_that_left_before_a_stop_does_not_end_one_that_cannot_be_sent() -> None:
+    made: list[Released] = []
+    async with robot(making(made, Released)) as it:
+        await until(lambda: "release_emergency_stop" in it.snapshot.offered)
+        release = asyncio.ensure_future(by_its_key(it))
+        await until(lambda: made[0].asked == 1)
+        it.stops.read()
+        stop = asyncio.ensure_future(it.emergency_stop())
+        await until(lambda: it.snapshot.open_stop is not None)
+        made[0].wake()
+        assert (await ended(release)).ok
+        assert (await ended(stop)).code == Code.NOT_OFFERED
+        assert it.snapshot.open_stop is not None
 
 
 async def test_a_release_typed_behind_a_stop_is_not_followed_by_a_stop() -> None:
