@@ -323,6 +323,7 @@ class _Visit:
         # for the end of its goals, before they are sent: it may be gone by then
         self.is_waiting = request.get("wait") is True
         self.leaves = request.get("leave") is True  # and they go on without it
+        self.asker.waits = self.is_assistant or (self.is_waiting and not self.leaves)
         waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"])
         self.only_looks = waits or bool(request.get("follow"))  # it commands nothing
         self.is_off = False  # was called off

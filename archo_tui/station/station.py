@@ -463,6 +463,9 @@ class Station:
             face.goal_answered(wanted, outcome)
         elif not answer.done():
             answer.set_result(outcome)
+        if outcome.code == Code.TIMEOUT and (wanted.asker.waits or wanted.asker.has_left):
+            with asked_by(wanted.asker):  # the robot may still take it, and nobody would wait then
+                await self.cancel()
 
     async def cancel(self, *, another: bool = False) -> Outcome:
         """Cancel our goal, wherever it is by now; another client's only when that is meant."""

@@ -10,16 +10,20 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 from unittest.mock import patch
 
 import pytest
 
 from archo_tui.cli import SUBCOMMANDS
 from archo_tui.remote import shell
+from archo_tui.robot.state import Phase
 from tests.support import script, warm
 from tests.support.console import FAST, LONG
+from tests.support.hesitant import Hesitant
+from tests.support.robot import making
 from tests.support.script import SLOW, Script
-from tests.support.shells import Said, heard, said, served, typed, until
+from tests.support.shells import Said, heard, raw, said, served, typed, until
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE
 
@@ -359,3 +363,33 @@ def test_the_client_loads_neither_textual_nor_rclpy_nor_yaml_nor_rich() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+@pytest.mark.parametrize("how", ["--wait", "--wait --leave", "killed"])
+async def test_a_goal_that_is_taken_late_is_cancelled_where_it_was_to_be_waited_for(
+    how: str, unlimited: Path
+) -> None:
+    made: list[Hesitant] = []
+    async with served(making(made, Hesitant), robot=unlimited) as person:
+        robot = person._plain._station.robot
+
+        def phase() -> Phase | None:
+            goal = robot.snapshot.goal
+            return None if goal is None else goal.phase
+
+        await until(lambda: "move_to_shelf" in robot.snapshot.offered)
+        if how == "killed":
+            program = await raw()
+            program.send({"id": 1, "words": ["go", "12"], "wait": True})
+            await until(lambda: made[0].seen)
+            program.close()
+        else:
+            told = await typed("go", "12", *how.split())
+            assert (told.code, "the goal may be running" in told.err) == (1, True)
+        await until(lambda: "go to shelf 12: no answer in 2 s" in person.said)
+        made[0].answer()
+        if how == "--wait --leave":
+            await until(lambda: phase() == Phase.MOVING)
+            assert not made[0].cancelled.done()
+            await typed("cancel")
+        await until(lambda: phase() == Phase.CANCELLED)
