@@ -166,7 +166,7 @@ async def test_a_goal_with_a_time_is_cancelled_when_that_is_over() -> None:
         await heard(person, "CANCELLED")
 
 
-async def test_the_time_is_over_of_a_robot_that_brakes_for_long_and_its_console_answers() -> None:
+async def test_of_a_robot_that_brakes_for_long_the_time_is_over() -> None:
     async with served(ros_args=("-p", "feedback_period:=5.0")):
         await typed("wait", "ready")
         with pytest.raises(RanOut, match=r"not within 0\.1 s; what was sent may still be done"):
@@ -344,7 +344,7 @@ with archo_tui.connect() as robot:
 
 
 @pytest.mark.usefixtures("one_folder")
-def test_a_goal_ends_with_the_program_that_sent_it_and_not_with_one_that_it_forked() -> None:
+def test_a_goal_ends_with_its_program_and_not_with_a_forked_one() -> None:
     script = Script(*SLOW)
     script.type("status\n")
     script.until("\ngoal No goal yet")

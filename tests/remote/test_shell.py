@@ -366,7 +366,7 @@ def test_the_client_loads_neither_textual_nor_rclpy_nor_yaml_nor_rich() -> None:
 
 
 @pytest.mark.parametrize("how", ["--wait", "--wait --leave", "killed"])
-async def test_a_goal_that_is_taken_late_is_cancelled_where_it_was_to_be_waited_for(
+async def test_a_goal_that_is_taken_late_is_cancelled_unless_it_was_left(
     how: str, unlimited: Path
 ) -> None:
     made: list[Hesitant] = []

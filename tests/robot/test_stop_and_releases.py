@@ -87,7 +87,7 @@ class Released(Busy):
         self.destroy_service(named[0])
 
 
-async def test_a_release_that_left_before_a_stop_does_not_end_one_that_cannot_be_sent() -> None:
+async def test_an_earlier_release_does_not_end_a_stop_that_cannot_be_sent() -> None:
     made: list[Released] = []
     async with robot(making(made, Released)) as it:
         await until(lambda: "release_emergency_stop" in it.snapshot.offered)
