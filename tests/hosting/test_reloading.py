@@ -157,7 +157,7 @@ async def test_what_a_node_prints_is_an_event_and_it_gets_no_input(here: Path) -
         await op.until("talker stdout")
 
 
-async def test_info_of_ones_own_nodes_is_seen_without_asking_and_of_the_robots_is_not(
+async def test_info_of_ones_own_nodes_is_seen_without_asking(
     here: Path,
 ) -> None:
     file = here / "talker.py"

@@ -47,7 +47,7 @@ def test_lines_about_different_things_are_lines_of_their_own(
     assert [(e.text, e.count) for e in log.all()] == [(text, 2) for text in texts]
 
 
-def test_of_a_source_that_floods_50_lines_a_second_are_kept_and_the_rest_counted() -> None:
+def test_of_a_flood_50_lines_a_second_are_kept_and_the_rest_counted() -> None:
     log = EventLog()
     for number in range(100):
         log.add(event(f"Tick {number}", "INFO"))

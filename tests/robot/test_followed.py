@@ -62,7 +62,7 @@ def phases(followed: Followed, clock: StandingClock, *passed: float) -> list[Pha
     return seen
 
 
-def test_after_its_first_feedback_it_may_be_silent_for_15_s_until_its_period_is_known() -> None:
+def test_after_its_first_feedback_it_may_be_silent_for_15_s() -> None:
     clock = StandingClock()
     followed = followed_at(clock)
     followed.on_feedback(Feedback())

@@ -98,7 +98,7 @@ async def test_an_action_that_sends_no_feedback_is_judged_by_its_server_alone() 
         await typed.until("served, no feedback")
 
 
-async def test_whoever_waits_for_its_end_is_told_that_it_is_lost_and_the_goal_is_kept(
+async def test_who_waits_for_its_end_is_told_that_it_is_lost(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(state, "GIVEN_UP", 5.0)  # s

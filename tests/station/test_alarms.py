@@ -250,7 +250,7 @@ def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
     assert (stopped.state, stopped.text, stopped.since) == (State.ACKNOWLEDGED, "stop", 100)
 
 
-def test_a_goal_that_says_nothing_is_an_alarm_but_where_the_motor_is_silent_too() -> None:
+def test_a_goal_that_says_nothing_is_an_alarm_unless_the_motor_is_silent() -> None:
     moving = STATES["motor moving"]
     goal = moving.goal._replace(phase=Phase.LOST, heard=NOW - 6)  # type: ignore[union-attr]
     found = conditions(moving._replace(goal=goal), NOW)
