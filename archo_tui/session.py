@@ -334,6 +334,9 @@ class Session:
         self._watch.start()
         if self._server is not None:
             self._server.start()
+        for file in self._node_files:
+            if file.not_run:
+                self.robot.note("WARN", file.path.name, file.not_run)
         for line in files.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:

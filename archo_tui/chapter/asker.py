@@ -79,6 +79,11 @@ class Asker:
         """Those that run, or have crashed since `nodes()`."""
         return [h for h in self._host.nodes if h.state.life in (Life.UP, Life.CRASHED)]
 
+    def not_run(self) -> list[str]:
+        """Return a line for each file whose `main()` does more than make nodes."""
+        files = dict.fromkeys(hosted.file for hosted in self._host.nodes)
+        return [file.not_run for file in files if file is not None and file.not_run]
+
     def wait_for_crashes(self) -> None:
         """Until what runs once a second has run: until now it may not have."""
         nodes = self.nodes()

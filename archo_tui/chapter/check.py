@@ -14,6 +14,7 @@ from archo_tui.chapter.parameters import parameters
 from archo_tui.chapter.services import services
 from archo_tui.chapter.tap import Result
 from archo_tui.chapter.topics import topics
+from archo_tui.robot.text import safe
 from archo_tui.session import Session
 
 _PARTS = topics, parameters, moves, services  # what stops the robot comes last
@@ -39,6 +40,8 @@ def check(
             say(line)
 
     say("TAP version 13")
+    for line in asker.not_run():
+        say(f"# {safe(line)}")
     try:
         for part in _PARTS:
             for result in part(asker):

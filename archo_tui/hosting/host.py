@@ -360,6 +360,8 @@ class Host:
             restarted = ", ".join(sorted(names))
             said = f"{file.path.name} was saved: {restarted} restarted{stopped}"
             self._on_event("YOU", "console", said)
+            if file.not_run:
+                self._on_event("WARN", file.path.name, file.not_run)
 
     def _begin(self, new: HostedNode) -> Outcome:
         """Spin a node; behind a STOP that is not released it first carries that out.

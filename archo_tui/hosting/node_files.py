@@ -23,6 +23,7 @@ import archo_tui
 from archo_tui import regular_files
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.limited import TookTooLong, run_limited
+from archo_tui.hosting.main_function import ComputedError, Made, MainFunction, NotRun
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps, stamps
@@ -48,17 +49,17 @@ class NodeFileError(ArchoError):
 class FileNode:
     """Makes one node of a class that a file defines, as `main()` of the file would."""
 
-    def __init__(self, file: NodeFile, kind: type[Node]) -> None:
-        self.file, self._kind = file, kind
+    def __init__(self, file: NodeFile, made: Made) -> None:
+        self.file, self._kind, self._by_main = file, made.kind, made
         self.threads = file.source.threads()
         self.has_executor = file.source.has_executor()
 
     def __call__(self, context: Context, **options: Any) -> Node:
         """Raises NodeFileError that names file and line for whatever the constructor raises.
 
-        A textbook's constructor takes nothing: its node is made in the default context.
+        A textbook's constructor takes no context: its node is made in the default one.
         """
-        known = inspect.signature(self._kind).parameters
+        known = inspect.signature(self._kind.__init__).parameters
         takes_all = any(p.kind == p.VAR_KEYWORD for p in known.values())
         given = {"context": context, **options}
         if not takes_all:
@@ -69,12 +70,13 @@ class FileNode:
                 )
             given = {name: value for name, value in given.items() if name in known}
         name = f"{self._kind.__name__}.__init__"
+        given = self._by_main.keywords | given
         return self.file.limited(lambda: self._made(given), CONSTRUCTION_TIME, name)
 
     def _made(self, given: dict[str, Any]) -> Node:
         node = self._kind.__new__(self._kind)
         try:
-            node.__init__(**given)  # type: ignore[misc]
+            node.__init__(*self._by_main.args, **given)  # type: ignore[misc]
         except BaseException as error:
             why = None if _is_made(node) else self._why_unmade(error)
             if why is not None:
@@ -97,6 +99,9 @@ class FileNode:
         init = code_of(self._kind.__init__)
         if init is None or not self.file.is_own(init.co_filename):
             return self._unmade()
+        if self._by_main.line:
+            where, said = f"{self.file}:{self._by_main.line}", self._by_main.text
+            return NodeFileError(f"{where}: TypeError: {error}, in: {said}")
         where = f"{self.file.named(init.co_filename)}:{init.co_firstlineno}"
         said = f"a node is made without arguments, as {self._kind.__name__}()"
         return NodeFileError(f"{where}: TypeError: {error}: {said}")
@@ -126,6 +131,7 @@ class NodeFile:
         self._before: dict[str, ModuleType] = {}  # those of the text before
         self.loaded: Stamps = {}  # of the text that was last loaded, or tried
         self.source = Source(b"")  # of the text that was last loaded
+        self.not_run = ""  # one line about what main() of that text would do besides
         self._failed = False
 
     def __str__(self) -> str:
@@ -214,6 +220,10 @@ class NodeFile:
             raise NodeFileError(f"{self}: {error.strerror}") from None
         finally:
             sys.dont_write_bytecode = writes
+        return self._by_main(module) or self._all_of(module)
+
+    def _all_of(self, module: ModuleType) -> list[FileNode]:
+        """Return a node of each class that no other class is made from."""
         kinds = [
             kind
             for kind in vars(module).values()
@@ -222,7 +232,19 @@ class NodeFile:
         nodes = [kind for kind in kinds if not any(kind in other.__mro__[1:] for other in kinds)]
         if not nodes:
             raise NodeFileError(f"{self}: defines no subclass of rclpy.node.Node")
-        return [FileNode(self, kind) for kind in dict.fromkeys(nodes)]
+        return [FileNode(self, Made(kind, (), {}, 0, "")) for kind in dict.fromkeys(nodes)]
+
+    def _by_main(self, module: ModuleType) -> list[FileNode]:
+        """Return what `main()` makes, and say what else it does, which is not run."""
+        try:
+            main = MainFunction(self.source.tree, vars(module))
+        except ComputedError as error:
+            raise NodeFileError(
+                f"{self}:{error.line}: {error} takes what main() computes, and main() is not run "
+                "here: write the value itself"
+            ) from None
+        self.not_run = _not_run(str(self), main.not_run) if main.made else ""
+        return [FileNode(self, made) for made in main.made]
 
     def limited(self, work: Callable[[], T], seconds: float, what: str) -> T:
         """The value of `work()`. Raises NodeFileError for what it raises, and when it hangs."""
@@ -323,6 +345,19 @@ def code_of(value: Any) -> CodeType | None:
 
 def _is_method(value: Any) -> bool:
     return hasattr(getattr(value, "callback", value), "__self__")
+
+
+def _not_run(file: str, calls: list[NotRun]) -> str:
+    """Return one line about calls in `main()` that nobody makes here; "" when there are none."""
+    if not calls:
+        return ""
+    line, function, text = calls[0]
+    by = f"{function}()" if function else 'what stands below if __name__ == "__main__"'
+    lines = sorted({call.line for call in calls} - {line})
+    more = f", nor is line {lines[0]}" if len(lines) == 1 else ""
+    if len(lines) > 1:
+        more = f", nor are lines {', '.join(map(str, lines))}"
+    return f"{file}:{line}: {by} calls {text}, which is not run here{more}"
 
 
 def _quoted(line: str) -> str:

@@ -16,7 +16,7 @@ class Source:
 
     def __init__(self, text: bytes) -> None:
         """Raises SyntaxError."""
-        self._tree = ast.parse(text)
+        self.tree = self._tree = ast.parse(text)
         self._functions = [
             node
             for node in ast.walk(self._tree)

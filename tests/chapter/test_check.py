@@ -84,10 +84,10 @@ class Expected:
         self.passes: set[int] = set()
         self.failures: dict[int, list[str]] = {}
         self.skips: dict[int, str] = {}
-        self.refused = ""
+        self.refused = self.says = ""
         self.nothing = "# nothing" in lines
         for line in lines:
-            found = re.fullmatch(r"# (ok|not ok|skip|exit) ?(\d*): (.+)", line)
+            found = re.fullmatch(r"# (ok|not ok|skip|exit|says) ?(\d*): (.+)", line)
             if found is None:
                 continue
             what, number, said = found.groups()
@@ -98,6 +98,8 @@ class Expected:
                 self.failures.setdefault(int(number), []).append(words)
             elif what == "skip":
                 self.skips[int(number)] = words
+            elif what == "says":
+                self.says = words
             else:
                 self.refused = words
 
@@ -146,6 +148,7 @@ def test_a_learner_is_told(
             assert words in failures[number], said.out
     for number, words in expected.skips.items():
         assert words in skips[number]
+    assert expected.says in said.out
     assert ("nothing was checked" in said.out) == expected.nothing
     assert code == (1 if failures or expected.nothing else 0)
 
