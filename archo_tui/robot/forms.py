@@ -9,6 +9,7 @@ from typing import Any
 from archo_tui.embedded import bounded_yaml
 from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.fields import INTEGERS, checked, element_of
+from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.state import Leaf
 from archo_tui.robot.values import (
     parse_any_number,
@@ -17,7 +18,6 @@ from archo_tui.robot.values import (
     text_of,
 )
 from archo_tui.robot_file.model import FormField, Limit, Link
-from archo_tui.robot_file.written import flow
 
 _SHOWN = 20  # characters of a wrong text that are shown
 _LONGEST = 10_000  # characters of a typed value
@@ -155,4 +155,4 @@ def _list(element: Leaf, text: str) -> list[Any]:
 
 def default_text(leaf: Leaf) -> str:
     """What stands in the field at first: it means the value that the message has by itself."""
-    return flow(leaf.default) if isinstance(leaf.default, list) else text_of(leaf.default)
+    return typed_text(leaf.default)

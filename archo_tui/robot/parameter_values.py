@@ -55,6 +55,8 @@ def _bound(value: float) -> str:
 
 def typed_text(value: Any) -> str:
     """A value as it stands in a field, which `parse` reads back."""
+    if isinstance(value, str):
+        return value
     return flow(value) if isinstance(value, list) else text_of(value)
 
 

@@ -13,10 +13,18 @@ from rich.cells import cell_len
 _LONGEST = 500  # characters of a line that are kept
 _MARKS = 4  # combining marks on one letter: more would reach into the lines around
 HIDDEN = "\N{REPLACEMENT CHARACTER}"  # what stands for a character that is not shown
-# C0 and C1 controls; marks that turn the direction of text around, join or hide; other line ends;
-# lone surrogates, which no encoding of a terminal can hold; tags, which carry unseen text
+# what U+200C and U+200D stand between inside a word: Arabic and Indic letters, emoji
+_JOINED = (
+    "[\u0620-\u065f\u066e-\u06ff\u0750-\u077f\u0840-\u08ff\u0900-\u0dff\u1000-\u109f"
+    "\u1780-\u17b3\u17b6-\u17d3\u2600-\u27bf\u2b00-\u2bff\ufe0f\ufb50-\ufdff\ufe70-\ufefc"
+    "\U0001f000-\U0001faff]"
+)
+# C0 and C1 controls; marks that turn the direction of text around or hide; joiners outside of
+# words; other line ends; lone surrogates, which no encoding of a terminal can hold; tags, which
+# carry unseen text
 _UNSAFE = re.compile(
-    "[\x00-\x1f\x7f-\x9f\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f"
+    f"(?<!{_JOINED})[\u200c\u200d]|[\u200c\u200d](?!{_JOINED})|"
+    "[\x00-\x1f\x7f-\x9f\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f"
     "\ufeff\ufff9-\ufffb\ud800-\udfff\U000e0000-\U000e007f]"
 )
 # letters and marks that look like a blank or like nothing at all

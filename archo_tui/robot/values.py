@@ -6,6 +6,8 @@ import math
 import re
 from typing import Any
 
+from archo_tui.robot.text import safe
+
 # as people write them: int() and float() also take `1_2`, and the digits of every script
 _WHOLE = re.compile(r"[+-]?[0-9]+")
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
@@ -14,14 +16,14 @@ _DIGITS = 30  # more than any type has room for: what follows makes no number fi
 
 
 def text_of(value: Any) -> str:
-    """A value as a person writes it; `--` for none."""
+    """Return a value as a person writes it, in one line that is safe to show; `--` for none."""
     if value is None:
         return "--"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (list, tuple)):
         return f"[{', '.join(text_of(item) for item in value)}]"
-    return str(value)
+    return safe(str(value))
 
 
 def same(one: Any, other: Any) -> bool:

@@ -16,6 +16,7 @@ from archo_tui.robot.asker import asking
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.state import Parameter
+from archo_tui.robot.text import safe
 from archo_tui.robot.values import text_of
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
@@ -173,7 +174,7 @@ def line(parameter: Parameter) -> str:
     allowed = range_text(parameter)
     if allowed:
         parts.append(allowed if parameter.read_only else f"allowed {allowed}")
-    return ", ".join(parts)
+    return safe(", ".join(parts))  # a name is any text, too
 
 
 class _File(Verb):
@@ -270,7 +271,7 @@ def preview(path: Path, plan: save_load.Plan) -> Sequence[str]:
     if plan.problems:
         return [*lines, "Nothing was changed, because of:", *plan.problems]
     changes = [
-        f"{p.node.lstrip('/')} {p.name}: {text_of(p.value)}, would be {text_of(value)}"
+        safe(f"{p.node.lstrip('/')} {p.name}: {text_of(p.value)}, would be {text_of(value)}")
         for p, value in plan.changes
     ]
     return [*lines, *(changes or [SAME]), *_left_out(plan)]

@@ -124,5 +124,36 @@ def test_each_of_these_is_shown_as_a_mark_or_in_its_cells(char: str) -> None:
     assert cell_len(laid_out) == cell_len(f"a{char}b")
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "\u0645\u06cc\u200c\u0631\u0648\u0645",
+        "\u0915\u094d\u200d\u0937",
+        "\U0001f469\u200d\U0001f4bb",
+        "\u2764\ufe0f\u200d\U0001f525",
+    ],
+)
+def test_a_joiner_inside_a_word_is_a_letter(text: str) -> None:
+    assert safe(text) == safe_in_place(text) == harmless(f"{text}.")[:-1] == text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "ad\u200dmin",
+        "ad\u200cmin",
+        "\u0645\u200c\u200c\u0631",
+        "\u200c\u0645",
+        "\u0645\u200c",
+        "\u0645\u200c 3",
+    ],
+)
+def test_a_joiner_that_joins_nothing_is_shown_as_a_mark(text: str) -> None:
+    shown = safe(text)
+    assert "\u200c" not in shown
+    assert "\u200d" not in shown
+    assert "\N{REPLACEMENT CHARACTER}" in shown
+
+
 def test_of_many_marks_on_one_letter_four_stay() -> None:
     assert safe("e" + "\u0301" * 40 + "x") == "e" + "\u0301" * 4 + "x"
