@@ -313,7 +313,7 @@ FAULTS = [
     Fault(E + "event_handler.py", "        _refuse_timed(self)\n        event, qos, kind = QoSPublisher", "        event, qos, kind = QoSPublisher", "tests/embedded/test_absent.py"),
     Fault(E + "type_support.py", "    if msg_or_srv_type._TYPE_SUPPORT is None:\n        raise", "    if False:\n        raise", CONTRACT),
     Fault("station/recall.py", "others = [texts for texts in _texts(known, form) if texts != typed]", "others: list[list[str]] = []", CONSOLE + "/test_keys.py"),
-    Fault(E + "_arguments.py", "found |= values", "found = values | found", CONTRACT),
+    Fault(E + "_arguments.py", "found |= {name: None if v == [] else v for name, v in values.items()}", "found = values | found", CONTRACT),
     Fault(E + "_names.py", "that starts with a number\", digit.start(1)", "that starts with a number\", digit.start(0)", CONTRACT),
     Fault(E + "_names.py", "        if rule.kind not in (None, kind):\n            continue\n", "", CONTRACT),
     Fault(E + "_node_parameters.py", "        if known:\n", "        if False:\n", CONTRACT),

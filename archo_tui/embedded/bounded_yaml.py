@@ -8,14 +8,17 @@ from __future__ import annotations
 import contextlib
 import errno
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import yaml
 
 from archo_tui import regular_files
 from archo_tui.embedded.core_schema import FAST_LOADER, LOADER, YamlFault, value
 from archo_tui.regular_files import MAX_BYTES
+
+T = TypeVar("T")
 
 MAX_DEPTH = 20
 _HALF = re.compile("[\ud800-\udfff]")  # no text has them alone, nor can be written with them
@@ -38,6 +41,14 @@ def read(path: Path) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise YamlError(f"{path}:{line}: not UTF-8: save it as that") from None
+
+
+def documents(text: str, path: Path) -> list[yaml.Node]:
+    """Return the node tree of each document of a text. Raises YamlError."""
+    try:
+        return _tried(text, _all_composed)
+    except YamlFault as fault:
+        raise YamlError(f"{path}:{fault.line}: {fault.said}") from None
 
 
 def compose(text: str, path: Path) -> yaml.Node | None:
@@ -72,14 +83,19 @@ def texts(text: str) -> list[str]:
 
 def node_of(text: str) -> yaml.Node | None:
     """The node tree of a text, None when it is empty. Raises YamlFault."""
+    return _tried(text, _composed)
+
+
+def _tried(text: str, composed: Callable[[str, Any], T]) -> T:
+    """Return what a text is composed to. Raises YamlFault."""
     try:
-        return _composed(text, FAST_LOADER)
+        return composed(text, FAST_LOADER)
     except YamlFault:
         raise
     except (yaml.YAMLError, ValueError):
         pass  # said by the other one, whose lines are the same on every machine
     try:
-        return _composed(text, LOADER)
+        return composed(text, LOADER)
     except YamlFault:
         raise
     except yaml.MarkedYAMLError as error:
@@ -105,6 +121,11 @@ def _composed(text: str, loader: Any) -> yaml.Node | None:
     _check(text, loader)
     node: yaml.Node | None = yaml.compose(text, Loader=loader)
     return node
+
+
+def _all_composed(text: str, loader: Any) -> list[yaml.Node]:
+    _check(text, loader)
+    return list(yaml.compose_all(text, Loader=loader))
 
 
 def _check(text: str, loader: Any) -> None:

@@ -1,12 +1,15 @@
 """Reads ROS parameter files: `node: ros__parameters: name: value`, with `/**` and `/*` wildcards.
 
-Scalars are typed as ROS's own parser types them (`1e3` is a double, `yes` and `on` are booleans);
-every error names file and line.
+Scalars are typed as rcl types them (`1e3` is a double, `yes` and `on` are booleans, `017` is 15);
+every error names file and line. What rcl reads as something else without a word, as a list within a
+list, is an error here.
 """
 
 from __future__ import annotations
 
+import math
 import re
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,15 +19,25 @@ import yaml
 from archo_tui.embedded import bounded_yaml
 from archo_tui.embedded.bounded_yaml import YamlError
 
-_BOOLS = {word: True for word in ("y", "yes", "true", "on")} | {
-    word: False for word in ("n", "no", "false", "off")
+_BOOLS = {
+    form: value
+    for words, value in (("y yes true on", True), ("n no false off", False))
+    for word in words.split()
+    for form in (word, word.capitalize(), word.upper())
 }
-_INTEGER = re.compile(r"[-+]?(0x[0-9a-fA-F]+|[0-9]+)")
-_DOUBLE = re.compile(r"[-+]?((\d+\.\d*|\.\d+)([eE][-+]?\d+)?|\d+[eE][-+]?\d+|\.inf|\.Inf|\.INF)")
-_NAN = (".nan", ".NaN", ".NAN")
+# As C's strtoll and strtod take them, which rcl calls: a leading 0 is octal, 0x hexadecimal.
+_INTEGER = re.compile(r"([-+]?)(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
+_DECIMAL = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
+_HEXADECIMAL = re.compile(
+    r"[-+]?0[xX]([0-9a-fA-F]+\.?[0-9a-fA-F]*|\.[0-9a-fA-F]+)([pP][-+]?[0-9]+)?"
+)
+_INFINITE = re.compile(r"[-+]?(\.(inf|Inf|INF)|(?i:inf|infinity))")
+_NAN = re.compile(r"\.(nan|NaN|NAN)|[-+]?(?i:nan)")
+_SIGNIFICANT = re.compile(r"[1-9a-fA-F]")
+_STRING_TAG = re.compile(r"(&\S+\s+)?!(!str|<tag:yaml.org,2002:str>)(\s|$)")
+_NODE_PART = re.compile(r"[A-Za-z_][A-Za-z0-9_]*|\*\*?")
 
-
-_DIGITS = 40  # of an integer; ROS's have 64 bits
+_DIGITS = 400  # of a number; no double has more before its point
 
 
 class ParameterFileError(YamlError):
@@ -45,25 +58,65 @@ class Override(NamedTuple):
 
 def read(path: Path) -> list[Override]:
     """All overrides of a file, in order. Raises YamlError, and OSError as `open` does."""
-    root = bounded_yaml.compose(bounded_yaml.read(path), path)
-    if root is None:
-        return []
-    if not isinstance(root, yaml.MappingNode):
-        raise ParameterFileError(f"{_where(path, root)}: {_FORM}")
-    return list(_nodes(path, root, ""))
+    text = bounded_yaml.read(path)
+    overrides: list[Override] = []
+    for root in bounded_yaml.documents(text, path):
+        if not isinstance(root, yaml.MappingNode):
+            raise ParameterFileError(f"{_where(path, root)}: {_FORM}")
+        overrides += _nodes(_Text(path, text.split("\n")), root, "")
+    _check_types(overrides)
+    return overrides
+
+
+class _Text(NamedTuple):
+    """A file and its lines: only there a tag can be told from what YAML makes of a plain scalar."""
+
+    path: Path
+    lines: list[str]
+
+
+def _check_types(overrides: list[Override]) -> None:
+    """Refuse a parameter that is set twice with different types: rcl takes either, by the type."""
+    types: dict[tuple[str, str], type] = {}
+    for override in overrides:
+        kind = type(override.value)
+        if types.setdefault((override.pattern, override.name), kind) is not kind:
+            said = f"{override.name} is set twice, with values of different types"
+            raise ParameterFileError(f"{override.where}: {said}")
 
 
 def scalar(text: str) -> Any:
-    """The value of a scalar written without quotes, typed as ROS types it."""
-    if text.lower() in _BOOLS:
-        return _BOOLS[text.lower()]
-    if _INTEGER.fullmatch(text):
-        return int(text, 16 if "x" in text else 10)
-    if _DOUBLE.fullmatch(text):
-        return float(text.replace(".inf", "inf").replace(".Inf", "inf").replace(".INF", "inf"))
-    if text in _NAN:
+    """Return the value of a scalar written without quotes, typed as rcl types it."""
+    if text in _BOOLS:
+        return _BOOLS[text]
+    integer = _INTEGER.fullmatch(text)
+    if integer is not None:
+        digits = integer[2]
+        value = int(digits, 0 if digits[:2] in ("0x", "0X") else 8 if digits[0] == "0" else 10)
+        value = -value if integer[1] == "-" else value
+        if -(2**63) <= value < 2**63:
+            return value
+    if _INFINITE.fullmatch(text):
+        return float("-inf" if text.startswith("-") else "inf")
+    if _NAN.fullmatch(text):
         return float("nan")
-    return text
+    number = _double(text)
+    return text if number is None else number
+
+
+def _double(text: str) -> float | None:
+    """Return a number as strtod reads it; None for what is none, or does not fit a double."""
+    try:
+        if _DECIMAL.fullmatch(text):
+            digits, number = re.split("[eE]", text)[0], float(text)
+        elif _HEXADECIMAL.fullmatch(text):
+            digits, number = re.split("[xXpP]", text)[1], float.fromhex(text)
+        else:
+            return None
+    except OverflowError:
+        return None
+    is_tiny = abs(number) < sys.float_info.min and _SIGNIFICANT.search(digits) is not None
+    return None if math.isinf(number) or is_tiny else number
 
 
 def value_of(text: str) -> Any:
@@ -75,7 +128,7 @@ def value_of(text: str) -> Any:
     quoted = isinstance(node, yaml.ScalarNode) and node.style in ("'", '"')
     if node is None or (node.value == "" and not quoted):
         raise ValueError(f"no value: {text!r}")
-    return _value(Path("-p"), node)
+    return _value(_Text(Path("-p"), text.split("\n")), node)
 
 
 def matches(pattern: str, node: str) -> bool:
@@ -90,45 +143,72 @@ def matches(pattern: str, node: str) -> bool:
 _FORM = "not a ROS parameter file: expected 'node: ros__parameters: name: value'"
 
 
-def _nodes(path: Path, mapping: yaml.MappingNode, prefix: str) -> Iterator[Override]:
+def _nodes(text: _Text, mapping: yaml.MappingNode, prefix: str) -> Iterator[Override]:
+    path, is_over = text.path, False
     for key, value in mapping.value:
-        name = str(key.value)
+        name = _key(text, key)
+        if is_over:
+            raise ParameterFileError(f"{_where(path, key)}: {name} stands behind ros__parameters")
         if name == "ros__parameters":
+            is_over = True
             if not prefix:
                 raise ParameterFileError(f"{_where(path, key)}: ros__parameters without a node")
+            _check_node(text, key, prefix)
             if not isinstance(value, yaml.MappingNode):
-                if isinstance(value, yaml.ScalarNode) and value.value == "":
-                    continue
-                raise ParameterFileError(f"{_where(path, value)}: {_FORM}")
-            yield from _parameters(path, value, prefix, "")
+                said = "ros__parameters without parameters: {} stands for none"
+                raise ParameterFileError(f"{_where(path, key)}: {said}")
+            yield from _parameters(text, value, prefix, "")
         elif isinstance(value, yaml.MappingNode):
-            yield from _nodes(path, value, f"{prefix}/{name.strip('/')}" if prefix else name)
+            between = "" if not prefix or prefix.endswith("/") else "/"
+            yield from _nodes(text, value, f"{prefix}{between}{name}")
         else:
             raise ParameterFileError(f"{_where(path, key)}: {_FORM}, found {name!r}")
 
 
+def _check_node(text: _Text, key: yaml.Node, name: str) -> None:
+    """Refuse what names no node and no pattern: `n/`, `//n`, `/motor*`."""
+    for part in name.removeprefix("/").split("/"):
+        if not _NODE_PART.fullmatch(part):
+            said = f"{name!r} is no name of a node: letters, digits and _ between slashes, * or **"
+            raise ParameterFileError(f"{_where(text.path, key)}: {said}")
+
+
+def _key(text: _Text, key: yaml.Node) -> str:
+    if not isinstance(key, yaml.ScalarNode) or key.value == "":
+        raise ParameterFileError(f"{_where(text.path, key)}: a name is missing before the colon")
+    return str(key.value)
+
+
 def _parameters(
-    path: Path, mapping: yaml.MappingNode, pattern: str, prefix: str
+    text: _Text, mapping: yaml.MappingNode, pattern: str, prefix: str
 ) -> Iterator[Override]:
     for key, value in mapping.value:
-        name = prefix + str(key.value)
-        if isinstance(value, yaml.MappingNode):
-            yield from _parameters(path, value, pattern, f"{name}.")
+        name = prefix + _key(text, key)
+        if isinstance(value, yaml.MappingNode) and value.value:
+            yield from _parameters(text, value, pattern, f"{name}.")
         else:
-            yield Override(pattern, name, _value(path, value), _where(path, key))
+            yield Override(pattern, name, _value(text, value, name), _where(text.path, key))
 
 
-def _value(path: Path, node: yaml.Node) -> Any:
+def _value(text: _Text, node: yaml.Node, name: str = "it") -> Any:
+    where = _where(text.path, node)
     if isinstance(node, yaml.ScalarNode):
-        if _INTEGER.fullmatch(node.value) and len(node.value) > _DIGITS:
-            raise ParameterFileError(f"{_where(path, node)}: a number of {len(node.value)} digits")
-        return node.value if node.style in ("'", '"', "|", ">") else scalar(node.value)
+        if node.style in ("'", '"', "|"):
+            return node.value
+        if node.value == "":
+            raise ParameterFileError(f"{where}: {name} has no value")
+        line, column = node.start_mark.line, node.start_mark.column
+        if line < len(text.lines) and _STRING_TAG.match(text.lines[line][column:]):
+            return node.value
+        if len(node.value) > _DIGITS and node.value.strip("+-").isdigit():
+            raise ParameterFileError(f"{where}: a number of {len(node.value)} digits")
+        return scalar(node.value)
     if isinstance(node, yaml.SequenceNode):
-        items = [_value(path, item) for item in node.value]
+        items = [_value(text, item, name) for item in node.value]
         if len({type(item) for item in items}) > 1 or any(isinstance(i, list) for i in items):
-            raise ParameterFileError(f"{_where(path, node)}: a list needs values of one type")
+            raise ParameterFileError(f"{where}: a list needs values of one type")
         return items
-    raise ParameterFileError(f"{_where(path, node)}: not a parameter value")
+    raise ParameterFileError(f"{where}: not a parameter value")
 
 
 def _where(path: Path, node: yaml.Node) -> str:

@@ -10,6 +10,7 @@ from archo_tui.embedded.bounded_yaml import YamlError
 from archo_tui.embedded.parameter_files import Override, matches, read
 from archo_tui.errors import ArchoError
 
+_FEW = 3  # nodes of a file that are named one by one
 _PACKAGE = Path(__file__).parent.parent
 
 
@@ -36,24 +37,39 @@ def load(files: Sequence[Path]) -> list[Override]:
 
 
 def unknown(overrides: Iterable[Override], declared: dict[str, set[str]]) -> list[str]:
-    """One line for each override that names no node, or no parameter of its node, with the nearest.
+    """Return a line for each node and parameter that is named and not there, with the nearest.
+
+    A file that names more than a few such nodes, as one for a whole stack, gets one line for them.
 
     `declared` holds the parameter names of each fully qualified node name. Files are shared between
     nodes, so wildcards are never wrong.
     """
     lines = []
+    missing: dict[str, dict[str, str]] = {}  # by file: the nodes, and where each is first named
     for override in overrides:
         if "*" in override.pattern:
             continue
         nodes = [node for node in declared if matches(override.pattern, node)]
         if not nodes:
             pattern = "/" + override.pattern.lstrip("/")
-            lines.append(f"{override.where}: no node {pattern} here{_nearest(pattern, declared)}")
+            file = override.where.rpartition(":")[0]
+            missing.setdefault(file, {}).setdefault(pattern, override.where)
         for node in nodes:
             if override.name not in declared[node]:
                 near = _nearest(override.name, declared[node])
                 lines.append(f"{override.where}: {node} has no parameter {override.name}{near}")
-    return list(dict.fromkeys(lines))
+    return [*_missing(missing, declared), *dict.fromkeys(lines)]
+
+
+def _missing(missing: dict[str, dict[str, str]], declared: Iterable[str]) -> Iterable[str]:
+    """Return lines for the nodes of each file that are not here."""
+    for file, nodes in missing.items():
+        if len(nodes) > _FEW:
+            first = ", ".join([*nodes][:_FEW])
+            yield f"{file}: {len(nodes)} of its nodes are not here: {first} ..."
+            continue
+        for node, where in nodes.items():
+            yield f"{where}: no node {node} here{_nearest(node, declared)}"
 
 
 def _nearest(word: str, possible: Iterable[str]) -> str:

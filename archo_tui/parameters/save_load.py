@@ -48,6 +48,9 @@ def dump(parameters: Iterable[Parameter]) -> tuple[str, list[str]]:
             left_out.append(f"{parameter.node} {parameter.name}: {parameter.type}")
         elif parameter.value is None:
             left_out.append(f"{parameter.node} {parameter.name}: it has no value")
+        elif parameter.value == []:
+            said = "an empty list, which ROS reads as not set"
+            left_out.append(f"{parameter.node} {parameter.name}: {said}")
         else:
             nodes.setdefault(parameter.node, {})[parameter.name] = parameter.value
     for node, values in nodes.items():

@@ -33,6 +33,16 @@ def test_unknown_names_are_said_with_the_nearest(tmp_path: Path) -> None:
     ]
 
 
+def test_a_file_of_a_whole_stack_is_one_line(tmp_path: Path) -> None:
+    file = tmp_path / "nav2.yaml"
+    names = ("amcl", "bt_navigator", "controller_server", "map_server", "planner_server")
+    parameters = "".join(f"    p{number}: 1\n" for number in range(80))
+    file.write_text("".join(f"{name}:\n  ros__parameters:\n{parameters}" for name in names))
+    assert files.unknown(read(file), {"/motor_controller": {"max_speed"}}) == [
+        f"{file}: 5 of its nodes are not here: /amcl, /bt_navigator, /controller_server ..."
+    ]
+
+
 async def test_unknown_names_are_events_on_the_screen(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -188,3 +188,10 @@ def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path: Path) -> None:
     finally:
         os.umask(before)
     assert (tmp_path / "new.yaml").stat().st_mode & 0o777 == 0o640
+
+
+def test_an_empty_list_is_left_out_and_said() -> None:
+    ids = Parameter("/wheels", "ids", "integer[]", [], [1, 2])
+    text, left_out = save_load.dump([ids])
+    assert text == ""
+    assert left_out == ["/wheels ids: an empty list, which ROS reads as not set"]

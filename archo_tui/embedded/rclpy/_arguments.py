@@ -40,7 +40,8 @@ class Arguments(NamedTuple):
         found: dict[str, Any] = {}
         for pattern, values in by_pattern.items():
             if matches(pattern, node):
-                found |= values
+                # rcl takes an empty list, which has no type, as a parameter that is not set
+                found |= {name: None if v == [] else v for name, v in values.items()}
         return found
 
 

@@ -1,0 +1,50 @@
+"""Parameter files mean what rcl makes of them.
+
+The answers are those of Jazzy (rclpy 7.1), taken down once: each file was given to `rclpy.init` by
+`--params-file`, and the overrides of six nodes were read.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from archo_tui.embedded.bounded_yaml import YamlError
+from archo_tui.embedded.parameter_files import matches, read
+
+SHARE = Path(__file__).parent.parent / "share"
+ANSWERS = json.loads((SHARE / "parameter_files_jazzy.json").read_text())
+# What rcl reads as something else without a word, by a fault of its own, is refused here.
+STRICTER = {
+    *("value [[1]]", "value [[]]", "value [1, [2]]", "value [{a: 1}]", "block list of maps"),
+    *("value {}", "parameter twice, other type", "scalar"),
+}
+NODES = ("/n", "/m", "/a/n", "/a/b/n", "/n/m", "/motor")
+
+
+def kind_of(value: Any) -> str:
+    if isinstance(value, list):
+        return f"{type(value[0]).__name__}[]" if value else "none"
+    return type(value).__name__
+
+
+@pytest.mark.parametrize("answer", ANSWERS, ids=lambda answer: answer["form"])
+def test_a_file_means_what_rcl_makes_of_it(answer: dict[str, Any], tmp_path: Path) -> None:
+    file = tmp_path / "file.yaml"
+    file.write_bytes(answer["text"].encode())
+    if "refused" in answer or answer["form"] in STRICTER:
+        with pytest.raises(YamlError, match=r"^.*file\.yaml(:\d+)?: "):
+            read(file)
+        return
+    overrides = read(file)
+    found: dict[str, Any] = {}
+    for node in NODES:
+        for override in overrides:
+            if matches(override.pattern, node):
+                value = None if override.value == [] else override.value
+                kind = kind_of(override.value)
+                found.setdefault(node, {})[override.name] = [kind, repr(value)]
+    assert found == answer["nodes"]
