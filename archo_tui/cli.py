@@ -222,8 +222,10 @@ def _interfaces_option(made: argparse._ActionsContainer, then: str = "") -> None
     made.add_argument(
         "--interfaces",
         metavar="DIR",
+        action="append",
+        default=[],
         help="an interface package, or a workspace's src/, whose files are taken before the "
-        f"built-in ones{then} (embedded engine only)",
+        f"built-in ones{then}; may be repeated (embedded engine only)",
     )
 
 
@@ -461,8 +463,8 @@ def _replay(options: Namespace) -> int:
             _need_terminal(sys.stdin)
         except ArchoError as error:  # what a replay has in place of --plain
             raise ArchoError(str(error).replace("--plain", "--text")) from None
-    given = Path(options.interfaces) if options.interfaces else None
-    engine.activate("embedded", own=own_interfaces.find(given, "embedded") if given else {})
+    given = [Path(folder) for folder in options.interfaces]
+    engine.activate("embedded", own=own_interfaces.find_all(given, "embedded"))
     from archo_tui.clock import Clock
     from archo_tui.replay.found import bag_of, robot_of
 
@@ -640,7 +642,7 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
             node_files=options.node,
             only=options.only,
             robot=Path(options.robot) if options.robot else None,
-            interfaces=Path(options.interfaces) if options.interfaces else None,
+            interfaces=[Path(folder) for folder in options.interfaces],
             watch=options.watch,
             ros_args=ros_args,
             attach=options.attach,
@@ -686,7 +688,7 @@ def _check(options: Namespace) -> int:
         return run(
             options.files,
             options.engine,
-            Path(options.interfaces) if options.interfaces else None,
+            [Path(folder) for folder in options.interfaces],
             lambda line: print(line, file=out, flush=True),
         )
     except KeyboardInterrupt:

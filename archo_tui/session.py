@@ -65,7 +65,7 @@ class Options(NamedTuple):
     watch: bool = False  # send no command
     quiet_alarms: bool = False  # no bell
     robot: Path | None = None  # a robot file, instead of ARCHO's
-    interfaces: Path | None = None  # interface packages of the user's own
+    interfaces: Sequence[Path] = ()  # folders with interface packages of the user's own
     recordings_limit: int = BUDGET  # bytes of all recordings
     record: Path | None = None  # where all is recorded, until the end
     remote: bool = False  # other programs of this user can reach it through a socket
@@ -150,10 +150,10 @@ class Session:
         """The engine; returns the interface packages of the user's own."""
         options, own = self.options, {}
         others = options.attach or options.node_makers or options.only
-        if options.interfaces is not None:
+        if options.interfaces:
             from archo_tui.hosting import own_interfaces
 
-            own = own_interfaces.find(options.interfaces, options.engine)
+            own = own_interfaces.find_all(options.interfaces, options.engine)
         engine.activate(options.engine, hosting=not others, own=own)
         return own
 

@@ -261,7 +261,7 @@ def test_a_subcommand_takes_its_options_anywhere(
 
     monkeypatch.setattr("archo_tui.chapter.run.run", run)
     assert main(words.split()) == 0
-    assert ran == [(["a.py", "b.py"], "ros2", Path("d"))]
+    assert ran == [(["a.py", "b.py"], "ros2", [Path("d")])]
 
 
 def test_each_subcommand_has_a_help_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:

@@ -21,7 +21,10 @@ _RADIUS = 0.07  # m, of the parameter file: not what the chapter's listing decla
 
 
 def run(
-    files: Sequence[str], engine_name: str, interfaces: Path | None, say: Callable[[str], None]
+    files: Sequence[str],
+    engine_name: str,
+    interfaces: Sequence[Path],
+    say: Callable[[str], None],
 ) -> int:
     """Say every line of the outcome; returns the exit code.
 

@@ -34,6 +34,7 @@ IMPORT_TIME = 10.0  # s that a file may take to be imported
 CONSTRUCTION_TIME = 2.0  # s that a node's constructor may take
 # what rclpy raises without a word
 WORDLESS = {"TypeError": "TypeError: a message of another type is expected here"}
+_OF_INTERFACES = ("_msgs", "_srvs", "_interfaces")  # how packages of messages are named
 _NOT_CALLED = "give the callback itself: self.name, not self.name()"
 _OURS = ("archo_tui", "archo_bringup", "rclpy")  # never read again, wherever the file is
 
@@ -270,6 +271,8 @@ class NodeFile:
             return f"{place}: {name}: {error.msg}{_quoted(error.text or '')}", report
         if isinstance(error, ModuleNotFoundError):
             why += f" (looked for it in {self.path.parent} and where Python looks)"
+            if (error.name or "").partition(".")[0].endswith(_OF_INTERFACES):
+                why += ": --interfaces DIR takes the package with its .msg files"
         if "must only be called once" in why:
             why = "rclpy.init() runs here already: call it in main() only"
         stack = traceback.extract_tb(error.__traceback__)

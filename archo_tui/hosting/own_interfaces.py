@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 from archo_tui import embedded, engine
 from archo_tui.embedded.import_hook import KINDS, packages_in
@@ -11,8 +12,31 @@ from archo_tui.errors import ArchoError
 from archo_tui.hosting.watch import Stamps, stamps
 
 
-def find(folder: Path, engine_name: str) -> dict[str, Path]:
-    """The packages by name. Raises ArchoError, with file and line where an interface is wrong."""
+def find_all(folders: Sequence[Path], engine_name: str) -> dict[str, Path]:
+    """Return the packages of several folders by name; of two of one name that of the later folder.
+
+    Raises:
+        ArchoError: As `find` raises it.
+    """
+    packages: dict[str, Path] = {}
+    for folder in folders:
+        packages |= find(folder, engine_name, packages)
+    return packages
+
+
+def find(
+    folder: Path, engine_name: str, others: Mapping[str, Path] = MappingProxyType({})
+) -> dict[str, Path]:
+    """Return the packages of a folder by name.
+
+    Args:
+        folder: An interface package, or a workspace's `src/`.
+        engine_name: The engine that is to read them.
+        others: Packages that were found already, whose types these may use.
+
+    Raises:
+        ArchoError: An interface is wrong, with file and line, or there is no package.
+    """
     try:
         packages = packages_in(folder) if folder.is_dir() else {}
     except ImportError as error:
@@ -26,7 +50,7 @@ def find(folder: Path, engine_name: str) -> dict[str, Path]:
             f"colcon build --base-paths {folder} --packages-select {names} && "
             ". install/setup.bash"
         )
-    check(packages)
+    check({**others, **packages})
     return packages
 
 

@@ -165,9 +165,15 @@ def _for_asker(parameter: Parameter) -> Parameter:
     return parameter.masked if asking().is_assistant else parameter
 
 
+_LONGEST = 500  # characters of a value in a line; --json has all of them
+
+
 def line(parameter: Parameter) -> str:
     """`motor_controller max_speed is 0.5, was 0.8 at the start, double, allowed 0.05 .. 2`."""
-    parts = [f"{parameter.node.lstrip('/')} {parameter.name} is {text_of(parameter.value)}"]
+    value = text_of(parameter.value)
+    if len(value) > _LONGEST:
+        value = f"{value[:_LONGEST]} ... ({len(value)} characters)"
+    parts = [f"{parameter.node.lstrip('/')} {parameter.name} is {value}"]
     if parameter.is_changed:
         parts.append(f"was {text_of(parameter.initial)} at the start")
     parts.append(parameter.type)

@@ -86,3 +86,20 @@ def test_without_a_package_or_on_ros_2_it_is_one_line(tmp_path: Path) -> None:
         own_interfaces.find(tmp_path, "embedded")
     with pytest.raises(ArchoError, match=r"colcon build .* --packages-select archo_interfaces"):
         own_interfaces.find(package(tmp_path), "ros2")
+
+
+@pytest.mark.real_time
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
+def test_a_second_folder_adds_to_the_first_and_may_use_its_types(tmp_path: Path) -> None:
+    for name, text in (("first_msgs", "float32 x"), ("second_msgs", "first_msgs/Thing inner")):
+        folder = tmp_path / name / "msg"
+        folder.mkdir(parents=True)
+        (folder / "Thing.msg").write_text(f"{text}\n")
+        (folder.parent / "package.xml").write_text(f"<package><name>{name}</name></package>\n")
+    folders = [tmp_path / "first_msgs", tmp_path / "second_msgs"]
+    assert [*own_interfaces.find_all(folders, "embedded")] == ["first_msgs", "second_msgs"]
+    script = Script("--interfaces", str(folders[0]), "--interfaces", str(folders[1]))
+    script.type("status\n")
+    script.until("battery ")
+    script.type("quit\n")
+    script.end()

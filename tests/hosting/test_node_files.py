@@ -93,6 +93,7 @@ async def test_it_is_stopped_started_and_not_copied_under_its_own_name(here: Pat
         ("x = 1\n", ": ", "defines no subclass of rclpy.node.Node"),
         ("import rclpy\nrclpy.init()\n", ":2: RuntimeError: ", "call it in main()"),
         ("import nosuchpackage\n", ":1: ModuleNotFoundError: ", "nosuchpackage"),
+        ("import no_such_msgs.msg\n", ":1: ModuleNotFoundError: ", "--interfaces DIR takes the"),
         ("import sys\nsys.exit(3)\n", ":2: SystemExit: ", "3"),
         (
             "from rclpy.node import Node\nclass X(Node):\n    def __init__(self):\n"

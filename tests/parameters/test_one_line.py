@@ -49,3 +49,13 @@ async def test_the_screen_shows_it_in_one_line(here: Path) -> None:
         await op.until("first")
         lines = [line.strip(" │┃") for line in op.text.splitlines()]
         assert [line for line in lines if line.startswith(FAKED)] == []
+
+
+async def test_a_long_list_is_cut_with_its_length(here: Path) -> None:
+    file = here / "long.py"
+    file.write_text(SIGN.replace('"name\\n12:00:00 goal ABORTED", 1', '"long", [7] * 70_000'))
+    async with operated(node_files=[file], only=True) as person:
+        await person.until("WARN sign: first")
+        person.type("get sign long\n")
+        await person.until("7, 7 ... (210000 characters), integer[]")
+        assert len(person.said) < 5000
