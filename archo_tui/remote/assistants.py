@@ -10,9 +10,9 @@ from archo_tui.remote.waits import RanOut, timeout_of, wait_for
 from archo_tui.robot import forms
 from archo_tui.robot.asker import Asker
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.state import WATCHING, values_text
 from archo_tui.robot.text import harmless, hides
-from archo_tui.robot.values import text_of
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.requests import EXPIRES, Request, Stand, written
 from archo_tui.station.station import Station
@@ -127,7 +127,7 @@ class Assistants:
         for path in paths:
             if isinstance(given[path], (dict, list)) or given[path] is None:
                 raise ValueError(f"values: {path} is no number, text, true or false")
-            texts[path] = text_of(given[path])
+            texts[path] = typed_text(given[path])
         return forms.parse_all(leaves, verb.kind.form, texts)
 
     async def _wait(

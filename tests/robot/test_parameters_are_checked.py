@@ -100,8 +100,8 @@ def test_a_number_in_a_file_that_is_too_large_is_a_problem(here: Path) -> None:
     found = plan(path, [Parameter("/node", "count", "integer", 1, 1)])
     assert found.changes == ()
     assert found.problems == (
-        "p.yaml:3: node count: value: 9223372036854775808 is not within "
-        "-9223372036854775808 .. 9223372036854775807",
+        # rcl reads what has no room in an int64 as a double
+        "p.yaml:3: node count: needs a value of type integer, not 9.223372036854776e+18 (double)",
     )
 
 
