@@ -101,6 +101,7 @@ def test_a_goal_typed_around_the_board_before_a_stop_does_not_drive(
     terminal.write(typed)
     until_said("STOP: confirmed", f"go to shelf {shelf}: {NOT_SENT}")
     terminal.until("R releases")
+    terminal.until(NOT_SENT)  # the journal has it sooner than the queue
     terminal.write("\x1b")
     terminal.write("\x11")
     assert terminal.exit_code() == 0
