@@ -230,6 +230,13 @@ class Story:
         )
 
     @property
+    def readings(self) -> Snapshot:
+        """The part of the snapshot that curves are drawn from, cheap enough for each message."""
+        return Snapshot(
+            battery=self._telemetry.battery, motion=self._telemetry.motion, goal=self.goal
+        )
+
+    @property
     def snapshot(self) -> Snapshot:
         """What was known then."""
         state, telemetry = self.state, self._telemetry

@@ -56,12 +56,14 @@ class Window:
                 second += 1.0
             try:
                 story.apply(*said)
+                self.history.take(story.readings, said.time)
             except Exception:  # whatever a file says: the others are told
                 self.unreadable += 1
             if said.topic == JOURNAL:
                 self._mark_event(story.snapshot, said.time)
             self._said.append(said)
             self._times.append(said.time)
+        self.history.take(story.snapshot, self.end)  # what ended in the last, broken second
         if len(self._said) >= MOST_MESSAGES:  # the rest is read when it is asked for
             self.end = self._times[-1]
         self._kept = self._kept or [story.kept()]

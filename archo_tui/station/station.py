@@ -209,6 +209,7 @@ class Station:
     def take(self, snapshot: Snapshot) -> list[Alarm]:
         """Something was heard. Returns the alarms that changed."""
         self._snapshot = snapshot
+        self.history.take(snapshot, self.clock.monotonic())
         if self.robot.stops.elsewhere > self._elsewhere:
             self._elsewhere = self.robot.stops.elsewhere
             self.ask_no_more()

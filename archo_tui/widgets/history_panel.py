@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from itertools import groupby
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ from archo_tui.station.history import SPANS, Quantity, readings
 from archo_tui.station.station import View
 from archo_tui.widgets.by_lines import ByLines
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
-from archo_tui.widgets.plot import MARK, curve
+from archo_tui.widgets.plot import MARK, Range, curve
 from archo_tui.widgets.shown import Shown
 from archo_tui.widgets.styled import rich_style
 from archo_tui.words.state import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans
@@ -67,17 +68,18 @@ def history_lines(
     lines: list[Spans] = []
     latest = readings(view.snapshot, view.now)  # the newest sample may be a second old
     for plot in shown:
-        values = view.history.columns(plot.quantity, span, 2 * cells, view.second)
+        values = view.history.ranges(plot.quantity, span, 2 * cells, view.second)
         mark = view.snapshot.threshold if plot.fixed else None
         lines += _plot(plot, values, latest[plot.quantity], rows, mark)
-    lines.append(((" " * (_LABEL + 1), PLAIN), (_ends(view, span, cells), PLAIN)))
+    ends = end_marks(view.history.ends, view.time, span, cells)
+    lines.append(((" " * (_LABEL + 1), PLAIN), (ends, PLAIN)))
     return [*lines, ((f"{'└':>{_LABEL + 1}}{_times(view, span, cells)}", OLD),)]
 
 
 def _plot(
-    plot: Plot, values: Sequence[float | None], latest: float | None, rows: int, mark: float | None
+    plot: Plot, values: Sequence[Range | None], latest: float | None, rows: int, mark: float | None
 ) -> list[Spans]:
-    known = [value for value in values if value is not None]
+    known = [value for both in values if both is not None for value in both]
     low = 0.0 if plot.fixed else min([0.0, *known])
     high = plot.least if plot.fixed else _round(max([plot.least, *known]))
     form = f".{plot.places}f"
@@ -102,16 +104,51 @@ def _round(high: float) -> float:
     return next(step * power for step in (1, 2, 5, 10) if high <= step * power)
 
 
-def _ends(view: View, span: float, cells: int) -> str:
-    """How goals ended, where they did: `✓ 12`, the newest seen where two have no room."""
+def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
+    """Return a line with a mark for each goal that ended, where it did: `✓  ✓ 7   3✓ 1✗`.
+
+    The target stands behind a mark where there is room; marks that share a cell are counted.
+
+    Args:
+        ends: The goals, the newest first.
+        now: The Unix time at the right end of the line.
+        span: How much time the line stands for, in s.
+        cells: How long the line is.
+    """
+    groups: list[tuple[int, list[Goal]]] = []  # the cell where each begins; from the right
+    for goal in ends:
+        place, group = cells - 1 - int((now - goal.time) / span * cells), [goal]
+        if not 0 <= place < cells:
+            continue
+        while groups and place + _needed(group, groups[-1][1]) > groups[-1][0]:
+            group = groups.pop()[1] + group
+            place = max(min(place, cells - len(_mark(group))), 0)
+        groups.append((place, group))
     row = [" "] * cells
-    for goal in view.snapshot.history:
-        place = cells - 1 - int((view.time - goal.time) / span * cells)
-        text = f"{_GLYPHS.get(goal.phase, '✗')} {_target(goal)}".rstrip()
-        place = min(place, cells - len(text))
-        if place >= 0 and set(row[max(place - 1, 0) : place + len(text) + 1]) == {" "}:
-            row[place : place + len(text)] = text
-    return "".join(row)
+    for place, group in groups:
+        row[place : place + len(_mark(group))] = _mark(group)
+    for place, group in groups:
+        text = f"{_mark(group)} {_target(group[0])}".rstrip() if len(group) == 1 else ""
+        at = min(place, cells - len(text))
+        before = row[max(at - 1, 0) : place] if at < place else []
+        around = before + row[place + 1 : at + len(text) + 1]
+        if text and at >= 0 and set(around) <= {" "}:
+            row[place] = " "
+            row[at : at + len(text)] = text
+    return "".join(row[:cells])
+
+
+def _mark(group: Sequence[Goal]) -> str:
+    """A glyph, or how many there are of each: `3✓ 1✗`."""
+    glyphs = Counter(_GLYPHS.get(goal.phase, "✗") for goal in group)
+    if len(group) == 1:
+        return next(iter(glyphs))
+    return " ".join(f"{glyphs[glyph]}{glyph}" for glyph in "✓?✗" if glyphs[glyph])
+
+
+def _needed(group: Sequence[Goal], following: Sequence[Goal]) -> int:
+    """How many cells a mark takes, with the blank around a count."""
+    return len(_mark(group)) + (len(group) > 1 or len(following) > 1)
 
 
 def _target(goal: Goal) -> str:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
+import pytest
+
+from archo_tui.robot.state import Goal, Phase
 from archo_tui.station.history import History
+from archo_tui.widgets.history_panel import end_marks
 from archo_tui.widgets.plot import curve
 from tests.support.console import screen_text, send
 from tests.support.quiet import Quiet
@@ -49,6 +54,72 @@ def test_what_is_old_or_not_reported_is_a_gap() -> None:
     assert history.columns("speed", 10.0, 10, 9.0) == [None] * 10
 
 
+def test_a_drive_that_is_over_before_its_part_is_stays_in_the_hour() -> None:
+    history = History()
+    for second in range(3600):
+        speed = 0.8 if 3000 <= second < 3012 else 0.0
+        motion = replace(MOTOR, speed=speed, received=float(second))
+        history.add(NORMAL._replace(motion=motion), float(second))
+    found = [both for both in history.ranges("speed", 3600.0, 224, 3599.0) if both is not None]
+    assert [both for both in found if both != (0.0, 0.0)] in ([(0.0, 0.8)], [(0.0, 0.8)] * 2)
+
+
+def test_a_drive_between_two_samples_is_in_the_history() -> None:
+    history = History()
+    for tenth in range(40):
+        motion = replace(MOTOR, speed=0.8 if 13 <= tenth < 16 else 0.0, received=tenth / 10)
+        history.take(NORMAL._replace(motion=motion), tenth / 10)
+        if tenth % 10 == 0:
+            history.add(NORMAL._replace(motion=motion), tenth / 10)
+    assert (0.0, 0.8) in history.ranges("speed", 4.0, 4, 3.9)
+
+
+def test_goals_that_the_robot_lists_no_longer_are_kept_for_the_hour() -> None:
+    history = History()
+    for number in range(50):
+        newest = [_end(number - back, 60.0 * (number - back)) for back in range(min(number, 20))]
+        history.take(NORMAL._replace(history=tuple(newest)), 60.0 * number)
+    assert [goal.number for goal in history.ends] == list(range(49, 0, -1))
+    assert [goal.number for goal in history.until(180.0).ends] == [3, 2, 1]
+
+
+def _end(number: int, time: float, phase: Phase = Phase.ARRIVED) -> Goal:
+    fields = {"shelf_number": number}
+    return MOVING._replace(number=number, fields=fields, phase=phase, time=time)
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"),  # each goal, and the cell in which it ended
+    [
+        ("5✓10", "          ✓ 5       "),
+        ("5✓19", "                 ✓ 5"),
+        ("5✓8 6✓10 7✓12 8✓14", "        ✓ ✓ ✓ ✓ 8   "),
+        ("5✓8 6✓9 7✓10", "        ✓✓✓ 7       "),
+        ("5✓8 6✗14", "        ✓ 5   ✗ 6   "),
+        ("5✓8 6✓8 7✓8 8✓8", "        4✓          "),
+        ("5✓8 6✓8 7✗8 8✓15", "        2✓ 1✗  ✓ 8  "),
+        ("5✓8 6✓8 7✗8 8✓13", "        3✓ 1✗       "),
+        ("5✓8 6✓8 7✓9", "        3✓          "),
+        ("5✓18 6✓19 7✗19 8✓19", "               3✓ 1✗"),
+        ("5✓-1 6✓1", " ✓ 6                "),
+    ],
+)
+def test_each_end_has_a_mark_and_those_that_share_a_cell_a_count(ends: str, said: str) -> None:
+    phases = {"✓": Phase.ARRIVED, "✗": Phase.ABORTED}
+    found = [re.split("([✓✗])", one) for one in reversed(ends.split())]
+    made = [_end(int(number), int(cell) + 0.5, phases[how]) for number, how, cell in found]
+    assert end_marks(made, 20.0, 20.0, 20) == said
+
+
+def test_the_line_of_marks_keeps_its_length_and_counts_all_goals() -> None:
+    for apart in (0.01, 0.3, 0.7, 1.0, 3.0):
+        made = [_end(number, 100.0 - number * apart) for number in range(30)]
+        line = end_marks(made, 100.0, 40.0, 40)
+        assert len(line) == 40
+        seen = sum(int(count or 1) for count in re.findall(r"(\d*)✓", line))
+        assert seen == sum(int(n * apart) < 40 for n in range(30)), line
+
+
 def test_the_way_left_is_only_of_a_goal_that_runs() -> None:
     history = History()
     history.add(NORMAL._replace(goal=MOVING), 1.0)
@@ -78,6 +149,11 @@ def test_it_is_bounded_to_an_hour() -> None:
 
 
 def test_a_curve_joins_its_dots_and_dashes_the_row_of_a_mark() -> None:
-    assert curve([0, 0, 3, 3], 0, 3, 1) == ["⣀⡏"]
-    assert curve([None, 0.0], 0, 10, 2) == [" ", "⢀"]
-    assert curve([8.0, 8.0, None, None], 0, 8, 2, mark=1.0) == ["⠉ ", "┄┄"]
+    assert curve([(0, 0), (0, 0), (3, 3), (3, 3)], 0, 3, 1) == ["⣀⡏"]
+    assert curve([None, (0.0, 0.0)], 0, 10, 2) == [" ", "⢀"]
+    assert curve([(8, 8), (8, 8), None, None], 0, 8, 2, mark=1.0) == ["⠉ ", "┄┄"]
+
+
+def test_a_curve_shows_the_least_and_the_greatest_that_each_dot_stands_for() -> None:
+    assert curve([(0, 3), (1, 1)], 0, 3, 1) == ["⡧"]
+    assert curve([(2, 3), (0, 0)], 0, 3, 1) == ["⢳"]

@@ -49,6 +49,7 @@ MOVING = Goal(
 
 def ended(shelf: int, phase: Phase, message: str, remaining: float = 0.0) -> Goal:
     return MOVING._replace(
+        number=shelf,
         fields={"shelf_number": shelf},
         phase=phase,
         message=message,
