@@ -13,9 +13,12 @@ from archo_tui.chapter.asker import ANSWER, Asker, CrashedError
 from archo_tui.chapter.tap import Result
 from archo_tui.hosting.host import HostedNode
 from archo_tui.robot import message_classes
+from archo_tui.robot.outcome import Code
 
 _RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
+_RESET_ANSWERS = "reset_encoder answers True, 'Encoder reset to zero'"
 _STOP = "emergency_stop answers True"
+_STOP_ANSWERS = "emergency_stop answers"
 _WORDS = "Encoder reset to zero"
 # the names of attributes that count; those of a whole turn, ticks_per_revolution, do not
 _OF_ENCODERS = re.compile("^(?!.*_per_).*(tick|encoder)", re.IGNORECASE)
@@ -39,7 +42,7 @@ def _served(node: Node) -> dict[str, Any]:
     }
 
 
-Question = Callable[[Asker, list[HostedNode], Any, str], str]
+Question = Callable[[Asker, list[HostedNode], Any, str], Result]
 
 
 def _service(asker: Asker, title: str, name: str, ask: Question) -> Result:
@@ -53,7 +56,7 @@ def _service(asker: Asker, title: str, name: str, ask: Question) -> Result:
     try:
         asker.until(client.service_is_ready, ANSWER, nodes)
         where = asker.place_of(found[nodes[0]][name].callback)
-        return Result(title, ask(asker, nodes, client, where))
+        return ask(asker, nodes, client, where)
     except CrashedError as error:
         return Result(title, str(error))
     finally:
@@ -70,11 +73,12 @@ def _answer(asker: Asker, nodes: Sequence[HostedNode], client: Any) -> tuple[Any
     return None, f"no answer in {ANSWER:g} s{why}"
 
 
-def _reset(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> str:
+def _reset(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> Result:
     named = message_classes.name_of(client.srv_type)
     if named.rpartition("/")[2] != "ResetEncoder":
         called = asker.place_of_text("reset_encoder")
-        return f"{called}it is a {named}; the chapter's is an archo_interfaces/srv/ResetEncoder"
+        wrong = f"it is a {named}; the chapter's is an archo_interfaces/srv/ResetEncoder"
+        return Result(_RESET, called + wrong)
     before = _numbers(nodes[0].node)
     counters = {name: before[name] for name in before if _OF_ENCODERS.search(name)}
     for name, value in counters.items():
@@ -87,15 +91,18 @@ def _reset(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> st
         if value == _TICKS:
             setattr(nodes[0].node, name, counters[name])
     if answer is None:
-        return why
+        return Result(_RESET, why)
     if not answer.success or answer.message != _WORDS:
         lacks = "" if answer.success else ": set response.success = True"
-        return f"{where}answered {answer.success}, {answer.message!r}{lacks}"
+        return Result(_RESET, f"{where}answered {answer.success}, {answer.message!r}{lacks}")
     if any(before.get(name) and not value for name, value in after.items()):
-        return ""  # the one at zero is the encoder's, whatever its name
+        return Result(_RESET)  # the one at zero is the encoder's, whatever its name
     if left and all(abs(value) >= _TICKS for value in left.values()):
-        return f"{where}self.{next(iter(left))} is what it was before: set it to 0 in the callback"
-    return ""
+        kept = next(iter(left))
+        wrong = f"{where}self.{kept} is what it was before: set it to 0 in the callback"
+        return Result(_RESET, wrong)
+    # without an attribute that counts, only the answer was seen
+    return Result(_RESET if any(not value for value in left.values()) else _RESET_ANSWERS)
 
 
 def _numbers(node: Any) -> dict[str, Any]:
@@ -107,10 +114,11 @@ def _numbers(node: Any) -> dict[str, Any]:
     }
 
 
-def _stopped(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> str:
+def _stopped(asker: Asker, nodes: list[HostedNode], client: Any, where: str) -> Result:
     answer, why = _answer(asker, nodes, client)
     if answer is None:
-        return why
-    if message_classes.refuses(answer) and message_classes.fields(client.srv_type.Request) == set():
-        return f"{where}answered False: set response.success = True"
-    return ""
+        return Result(_STOP, why)
+    code = message_classes.outcome_of(answer).code
+    if code is Code.REFUSED and not message_classes.fields(client.srv_type.Request):
+        return Result(_STOP, f"{where}answered False: set response.success = True")
+    return Result(_STOP if code is Code.DONE else _STOP_ANSWERS)

@@ -18,11 +18,13 @@ from archo_tui.robot import message_classes
 LEVEL = "battery_level"
 _MOTOR = "motor_controller"
 _KIND = "battery_level is a std_msgs/msg/Float32"
+_KIND_OF_ARCHO = "battery_level is an archo_interfaces/msg/BatteryStatus, as ARCHO's own"
 _RATE = "battery_level is published about once a second"
-_FALLS = "the battery level only falls, and stays within 0 .. 100"
+_FALLS = "the battery level never rises, and is within 0 .. 100"
 _WARNS = "a level below 20 % is logged as a warning, any other is not"
+_WARNS_BELOW = "a level below 20 % is logged as a warning"
 _FLOAT = "std_msgs/msg/Float32"
-_KINDS = (_FLOAT, "archo_interfaces/msg/BatteryStatus")  # the chapter's, and the robot's own
+_KINDS = {_FLOAT: _KIND, "archo_interfaces/msg/BatteryStatus": _KIND_OF_ARCHO}
 _OWN = ("rosout", "parameter_events")  # every node's
 _PERIOD = 0.5, 1.5  # s between two battery levels, where the chapter asks for one a second
 _LEVELS = 5  # battery levels that are looked at
@@ -59,7 +61,8 @@ def _battery(asker: Asker, heard: list[float]) -> Iterator[Result]:
         return
     publisher = ends[nodes[0]][LEVEL]
     wrong = _wrong_type(publisher.msg_type)
-    yield Result(_KIND, f"{asker.place_of_text(LEVEL)}it is {wrong}" if wrong else "")
+    title = _KINDS.get(message_classes.name_of(publisher.msg_type), _KIND)
+    yield Result(title, f"{asker.place_of_text(LEVEL)}it is {wrong}" if wrong else "")
     times: list[float] = []
 
     def take(message: Any) -> None:
@@ -84,7 +87,8 @@ def _battery(asker: Asker, heard: list[float]) -> Iterator[Result]:
     slow = f"{where}one every {period:.2f} s: the first argument of create_timer is in seconds"
     well = _PERIOD[0] <= period <= _PERIOD[1]
     yield Result(_RATE, said if len(times) < _LEVELS else "" if well else slow)
-    yield Result(_FALLS, _wrong_levels(heard))
+    wrong = _wrong_levels(heard)
+    yield Result(_FALLS if wrong else _levels_seen(heard), wrong)
 
 
 def _silence(
@@ -112,6 +116,13 @@ def _wrong_levels(levels: Sequence[float]) -> str:
         return f"{said}: a level is in percent, 0 .. 100"
     falls = all(b <= a for a, b in pairwise(levels))
     return "" if falls else f"{said}: a battery that drains only falls"
+
+
+def _levels_seen(levels: Sequence[float]) -> str:
+    first, last = levels[0], levels[-1]
+    if first == last:
+        return f"the battery level stays at {last:g}, within 0 .. 100"
+    return f"the battery level falls from {first:g} to {last:g}, within 0 .. 100"
 
 
 def level_of(message: Any) -> float:
@@ -151,17 +162,17 @@ def _dashboard(asker: Asker, heard: list[float]) -> Result:
         return any(level < 20.0 for level in heard)
 
     try:
-        said = ""
+        said, title = "", _WARNS
         for level in _HIGH:
             said = said or _needless(asker, nodes, publisher, level)
         # the warning may have been heard before the level
         if said and asker.until(is_low, _AGAIN):
-            said = ""
+            said, title = "", _WARNS_BELOW  # whether it warns of others could not be seen
         for level in _LOW:
             said = said or _lacking(asker, nodes, publisher, level)
             if not said:  # one that warns once warns again when the battery was charged meanwhile
                 _published(asker, nodes, publisher, _HIGH[0], _EACH)
-        return Result(_WARNS, where + said if said else "")
+        return Result(title, where + said if said else "")
     except CrashedError as error:
         return Result(_WARNS, str(error))
     finally:

@@ -26,6 +26,7 @@ from tests.support import chosen, clock
 LISTINGS = Path(textbook.__file__).parent
 OURS = Path(archo_bringup.__file__).parent
 FOLDER = Path(__file__).parent.parent / "share" / "learners"
+RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
 FILES = sorted(path.stem for path in FOLDER.glob("*.py"))
 LAST = 11  # no node crashes
 _SHORT = 0.05  # s; what sleeps in a constructor, before there is anybody to move the clock
@@ -173,6 +174,36 @@ def test_a_listing_is_asked_for_what_it_offers_only(capsys: pytest.CaptureFixtur
     code, lines = check(capsys, LISTINGS / "reset_service.py")
     assert code == 0
     assert [line[:6] for line in lines] == ["ok 9 -", "ok 11 "]
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "title"),
+    [
+        ("battery_as_printed", 1, "battery_level is a std_msgs/msg/Float32"),
+        ("battery_with_status", 1, "battery_level is an archo_interfaces/msg/BatteryStatus, as"),
+        ("battery_is_a_float64", 1, "battery_level is a std_msgs/msg/Float32"),
+        ("battery_as_printed", 3, "the battery level falls from 100 to 9"),
+        ("battery_of_the_page", 3, "the battery level stays at 87.5, within 0 .. 100"),
+        ("battery_rises", 3, "the battery level never rises, and is within 0 .. 100"),
+    ],
+)
+def test_a_title_says_what_was_seen(
+    name: str, number: int, title: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, lines = check(capsys, FOLDER / f"{name}.py")
+    said = next(line for line in lines if re.match(rf"(not )?ok {number} - ", line))
+    assert said.partition(" - ")[2].startswith(title), said
+
+
+def test_a_reset_of_what_nobody_can_see_is_only_an_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listing = (LISTINGS / "reset_service.py").read_text()
+    _, lines = check(capsys, LISTINGS / "reset_service.py")
+    assert f"ok 9 - {RESET}" in lines
+    (tmp_path / "reset.py").write_text(re.sub(r".*self\.encoder_ticks.*\n", "", listing))
+    _, lines = check(capsys, tmp_path / "reset.py")
+    assert "ok 9 - reset_encoder answers True, 'Encoder reset to zero'" in lines
 
 
 def test_a_crash_leaves_the_other_checks_and_a_node_of_the_same_name(
