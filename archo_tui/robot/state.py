@@ -451,6 +451,13 @@ class Snapshot(NamedTuple):
         low = None if self.file.battery is None else self.file.battery.low
         return None if low is None else linked(self.parameters, self.namespace, low, 0.0, 100.0)
 
+    @property
+    def time_factor(self) -> float | None:
+        """How many simulated seconds pass in a real one; None: as many, or nobody says."""
+        link = None if self.file.motion is None else self.file.motion.time_factor
+        found = None if link is None else linked(self.parameters, self.namespace, link, 0.0)
+        return None if found == 1.0 else found
+
     def limit(self, given: Limit) -> float | None:
         """A limit of what may be typed, as the robot has it now; None: there is none known."""
         if isinstance(given, Link):

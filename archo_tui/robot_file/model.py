@@ -95,6 +95,11 @@ class MotionTopic:
         "the fields, by message type; a topic of another type is not used",
     ]
     title: Annotated[str, "of the panel"] = "Motion"
+    time_factor: Annotated[
+        Link | None,
+        "of a simulation: how many of its seconds pass in a real one; "
+        "`x 7.5` stands beside the speed and the time left",
+    ] = None
     period: Annotated[float | None, "s between two messages; measured when left out"] = None
     where: str = _where()
 

@@ -34,6 +34,7 @@ def state(station: Station) -> dict[str, Any]:
             "moving": motion.moving,
             "stopped": None if snapshot.latch is Latch.UNCERTAIN else motion.stopped,
             "speed": _number(motion.speed),
+            "time_factor": snapshot.time_factor,  # None: the robot's seconds are real ones
             "word": _word(snapshot, now, 80),
             "age": _age(motion.received, now),
             "source": "measured",

@@ -7,7 +7,18 @@ from collections.abc import Sequence
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.words.state import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, seconds_text
+from archo_tui.words.state import (
+    ACTIVE,
+    BAD,
+    EDGE,
+    OLD,
+    PLAIN,
+    STRONG,
+    WARN,
+    Spans,
+    faster,
+    seconds_text,
+)
 
 _WORD = 14  # cells for the word, as long as it is no longer
 _LIST = 12  # cells of the queue without which its keys are not said
@@ -55,6 +66,10 @@ def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None
         ),
     }
     tone, word, rest = texts[goal.phase]
+    if goal.phase == Phase.MOVING and _time_left(goal, now):
+        longer = f"{rest} {faster(snapshot)}".rstrip()
+        # a part of the factor would be another one; whole, it stands beside the speed
+        rest = longer if width is None or len(f"{word}   {longer}") <= width else rest
     if goal.is_running and snapshot.running > 1:
         rest += f"   +{snapshot.running - 1} more"
     has_room = width is None or _WORD + 1 + len(rest) <= width
@@ -184,9 +199,14 @@ def _progress(goal: Goal, now: float) -> str:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
     if goal.length is None:  # not known yet: no bar, no percentage
         return f"{way_left(goal)}   {so_far}"
-    left = goal.seconds_left(now)
-    about = "" if left is None else f", about {seconds_text(left)} left"
-    return f"{goal.remaining:.1f}{unit} left of {goal.length:.1f}{unit}   {so_far}{about}"
+    way = f"{goal.remaining:.1f}{unit} left of {goal.length:.1f}{unit}"
+    return f"{way}   {so_far}{_time_left(goal, now)}"
+
+
+def _time_left(goal: Goal, now: float) -> str:
+    """Return `, about 1.5 s left`; empty while what is left is not known."""
+    left = None if goal.unreadable or goal.feedback else goal.seconds_left(now)
+    return "" if left is None else f", about {seconds_text(left)} left"
 
 
 def _where_ended(goal: Goal) -> str:

@@ -8,7 +8,14 @@ from collections.abc import Sequence
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.words.goal import goal_line
-from archo_tui.words.state import Spans, battery_source, battery_word, motion_unit, motion_word
+from archo_tui.words.state import (
+    Spans,
+    battery_source,
+    battery_word,
+    faster,
+    motion_unit,
+    motion_word,
+)
 
 _GLYPHS = "●○✗✓▲▶↯? "  # each stands before a word that says the same
 _WIDTH = 80  # cells, within which nothing is shortened
@@ -51,7 +58,8 @@ def motion(snapshot: Snapshot, now: float) -> str:
     if found.count is not None:
         parts.append(f"{found.count} {motion_unit(snapshot, 'count') or ''}".rstrip())
     if found.speed is not None:
-        parts.append(f"{found.speed:.2f} {motion_unit(snapshot, 'speed') or ''}".rstrip())
+        speed = f"{found.speed:.2f} {motion_unit(snapshot, 'speed') or ''}".rstrip()
+        parts.append(f"{speed} {faster(snapshot)}".rstrip())
     return ", ".join(parts)
 
 

@@ -114,9 +114,15 @@ def motion_line(snapshot: Snapshot, now: float) -> Spans:
     if count is not None:
         parts.append(f"{thousands(motion.count):>9} {count}".rstrip())
     if speed is not None:
-        parts.append(f"{number(motion.speed, '4.2f')} {speed}".rstrip())
+        scaled = f"{number(motion.speed, '4.2f')} {speed}".rstrip()
+        parts.append(f"{scaled} {faster(snapshot)}".rstrip())
     tone = OLD if motion.received is None or motion.is_old(now) else PLAIN
     return tuple((f"{' ' if number else ''}{part}", tone) for number, part in enumerate(parts))
+
+
+def faster(snapshot: Snapshot) -> str:
+    """Return `x 7.5` where a simulated robot drives 7.5 times as fast as its own speed says."""
+    return "" if snapshot.time_factor is None else f"x {snapshot.time_factor:g}"
 
 
 def motion_unit(snapshot: Snapshot, name: str) -> str | None:

@@ -93,7 +93,7 @@ async def test_the_state_is_read_out_without_a_table() -> None:
     _, said = await plain("status\n")
     assert lines(said) == [
         "battery GOOD, 87.5 %, 24.1 V",
-        "motor IDLE, 15420 ticks, 0.00 m/s",
+        "motor IDLE, 15420 ticks, 0.00 m/s x 7.5",
         "goal No goal yet. Type go and the shelf number.",
     ]
 

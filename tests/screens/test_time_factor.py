@@ -1,0 +1,53 @@
+"""A robot that drives faster than its speed says: a simulation, which says so itself."""
+
+from __future__ import annotations
+
+import pytest
+
+from archo_tui.robot.state import Parameter, Snapshot
+from archo_tui.words import spoken
+from archo_tui.words.goal import goal_line
+from archo_tui.words.state import motion_line, plain
+from tests.support.clock import NOW
+from tests.support.console import console
+from tests.support.states import MOTOR, MOVING, NORMAL
+
+
+def simulated(value: object) -> Snapshot:
+    scale = Parameter("/motor_controller", "time_scale", "double", value, value)
+    return NORMAL._replace(goal=MOVING, motion=MOTOR, parameters=(*NORMAL.parameters, scale))
+
+
+def test_the_factor_stands_beside_the_speed_and_the_time_left() -> None:
+    snapshot = simulated(7.5)
+    assert plain(motion_line(snapshot, NOW)).endswith("0.00 m/s x 7.5")
+    assert plain(goal_line(snapshot, NOW, "")).endswith("about 1.5 s left x 7.5")
+    assert spoken.motion(snapshot, NOW).endswith("0.00 m/s x 7.5")
+    assert spoken.goal(snapshot, NOW, "").endswith("about 1.5 s left x 7.5")
+
+
+@pytest.mark.parametrize("value", [1.0, 1, "fast", float("nan"), -2.0])
+def test_nothing_is_said_of_real_time_nor_of_what_is_no_factor(value: object) -> None:
+    assert simulated(value).time_factor is None
+    assert plain(motion_line(simulated(value), NOW)).endswith("0.00 m/s")
+    assert plain(goal_line(simulated(value), NOW, "")).endswith("about 1.5 s left")
+
+
+def test_the_factor_is_whole_or_not_beside_the_time_left() -> None:
+    whole = plain(goal_line(simulated(7.5), NOW, ""))
+    for width in range(40, 90):
+        said = plain(goal_line(simulated(7.5), NOW, "", width))
+        assert said.endswith((" x 7.5", " left"))
+        assert len(said) <= max(width, len(whole.removesuffix(" x 7.5")))
+
+
+async def test_archo_says_that_it_drives_faster_until_it_does_not() -> None:
+    async with console("-p", "route_length:=100.0") as op:
+        await op.press("g", "5", "enter")
+        await op.until("0.80 m/s x 7.5")
+        await op.until("s left x 7.5")
+        await op.press("h")
+        await op.until("speed 0.80 m/s x 7.5")
+        await op.press("escape")
+        await op.app.station.robot.set_parameters("/motor_controller", {"time_scale": 1.0})
+        await op.until(lambda: "x 7.5" not in op.text)
