@@ -28,6 +28,7 @@ from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps
 from archo_tui.hosting.workers import Workers, multi_threaded
 from archo_tui.robot import message_classes
+from archo_tui.robot.fields import filled
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 
@@ -113,8 +114,12 @@ class HostedNode:
         """Begin to spin."""
         self._thread.start()
 
-    def take_stop(self, service: str) -> str:
+    def take_stop(self, service: str, request: Mapping[str, Any]) -> str:
         """Have a node that does not spin yet carry out a STOP.
+
+        Args:
+            service: Its full name.
+            request: What is sent, by field: all the fields that the request must have.
 
         Returns:
             Why that is not confirmed; empty: it is.
@@ -123,7 +128,9 @@ class HostedNode:
         kind = served.srv_type
 
         def stop() -> Any:
-            answer = served.callback(kind.Request(), kind.Response())
+            if message_classes.fields(kind.Request) != set(request):
+                raise ValueError("the request of its service differs: not called")
+            answer = served.callback(filled(kind.Request(), request), kind.Response())
             if isinstance(answer, Coroutine):
                 try:
                     answer.send(None)
@@ -245,7 +252,7 @@ class Host:
         context: Context,
         on_event: Callable[[str, str, str], None],
         on_end: Callable[[Sequence[str]], None],
-        stop_to_tell: Callable[[], str] = str,
+        stop_to_tell: Callable[[], tuple[str, Mapping[str, Any]]] = lambda: ("", {}),
         told_stop: Callable[[str], None] = lambda _: None,
     ) -> None:
         """Host no node yet.
@@ -254,7 +261,7 @@ class Host:
             context: The rclpy context of the nodes.
             on_event: Called from the nodes' threads with level, source and text.
             on_end: Called with the services and actions that went with a node of this process.
-            stop_to_tell: Returns the service of a STOP that is not released, or "".
+            stop_to_tell: Returns the service of a STOP that is not released, or "", and a request.
             told_stop: Called with the name of a node that has confirmed it before it spins.
         """
         self._context = context
@@ -298,7 +305,7 @@ class Host:
             if not hosted.stop():
                 return Outcome(Code.TIMEOUT, f"{name} does not stop: its callback does not return")
             self._gone(hosted)
-            holds = self._stop_to_tell() in hosted.state.serves
+            holds = self._stop_to_tell()[0] in hosted.state.serves
             held = "; it held the STOP, and is told of it again before it starts" if holds else ""
             return Outcome(Code.DONE, f"{name} stopped{held}")
 
@@ -369,9 +376,10 @@ class Host:
         Returns:
             What becomes of the STOP; its text is put behind that the node was started.
         """
-        service, outcome = self._stop_to_tell(), Outcome(Code.DONE, "")
+        service, request = self._stop_to_tell()
+        outcome = Outcome(Code.DONE, "")
         if service in new.state.serves:
-            refusal = new.take_stop(service)
+            refusal = new.take_stop(service, request)
             if refusal:
                 why = f"the STOP is not confirmed by it ({refusal}): use the hardware stop"
                 self._on_event("ERROR", new.name.lstrip("/"), why)

@@ -134,7 +134,7 @@ class Robot:
         self._nodes = Nodes(node, self._services)
         self._services.answered = self._on_answer
         if file.stop is not None:
-            stops.known_as(file.stop.service, self._offers.full(file.stop.service))
+            stops.known_as(file.stop, self._offers.full(file.stop.service))
         commands = {word for one in file.commands for word in (one.id, one.off_word) if word}
         self._others = Others(commands, self._verbs_by_service())
         self._stopping = Stopping(
@@ -196,7 +196,7 @@ class Robot:
         if stop is None:
             return Outcome(Code.NOT_OFFERED, f"{self.file.name} {model.NO_STOP}")
 
-        command = self._offers.call_command(stop.service, {})
+        command = self._offers.call_command(stop.service, stop.request)
         self.stops.overtaken = False
         try:
             return await self._do("stop", {}, "STOP", command, lambda _: self._stopping.send())
@@ -208,16 +208,16 @@ class Robot:
         stop = self.file.stop
         if stop is None or not stop.release:
             return Outcome(Code.NOT_OFFERED, f"{self.file.name} has no service to release a stop")
-        name = stop.release
+        name, request = stop.release, stop.release_request
 
         async def call(gate: Gate) -> Outcome:
             turn = self._services.turn()
-            outcome = await self._call(name, {}, gate)
+            outcome = await self._call(name, request, gate)
             if outcome.ok:
                 self._stopping.past(turn)
             return outcome
 
-        ros2 = self._offers.call_command(name, {})
+        ros2 = self._offers.call_command(name, request)
         return await self._do("release", {}, "release stop", ros2, call)
 
     async def command(self, command: model.Service, on: bool = True) -> Outcome:
@@ -382,14 +382,17 @@ class Robot:
 
         self._thread.submit(end)
 
-    def stop_to_tell(self) -> str:
+    def stop_to_tell(self) -> tuple[str, Mapping[str, Any]]:
         """Return the service of a STOP that is not released, for a node that starts. Any thread.
 
-        Empty: there is none.
+        Returns:
+            The full name of the service, empty when there is no such STOP; and its request.
         """
         stop, stopping = self.file.stop, self._stopping
         is_over = stopping.open is None and stopping.latch is Latch.NONE and self.stops.are_answered
-        return "" if stop is None or is_over else self._offers.full(stop.service)
+        if stop is None or is_over:
+            return "", {}
+        return self._offers.full(stop.service), stop.request
 
     def told_stop(self, node: str) -> None:
         """A node that starts here was told of the STOP before anything else. Any thread."""
@@ -423,12 +426,16 @@ class Robot:
             return "send_goal", {"action": self._offers.full(kind.action), "values": values}
         return "go" if kind == self.file.goals[0] else kind.id, values
 
-    def _verbs_by_service(self) -> dict[str, str]:
-        """The verbs that call a service of the robot file, by its full name."""
-        verbs = {command.service: command.id for command in self.file.commands}
+    def _verbs_by_service(self) -> dict[str, list[str]]:
+        """Return the verbs that call a service of the robot file, by its full name."""
+        called = [(command.service, command.id) for command in self.file.commands]
         if self.file.stop is not None:
-            verbs |= {self.file.stop.release: "release", self.file.stop.service: "stop"}
-        return {self._offers.full(name): verb for name, verb in verbs.items() if name}
+            called += [(self.file.stop.service, "stop"), (self.file.stop.release, "release")]
+        found: dict[str, list[str]] = {}
+        for service, verb in called:
+            if service:
+                found.setdefault(self._offers.full(service), []).append(verb)
+        return found
 
     def _way(self, kind: model.GoalKind) -> float | None:
         """The length of the whole way to a goal, where a node of the robot has it."""

@@ -5,13 +5,13 @@ ROS thread only.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rclpy.node import Node
 
 from archo_tui.robot import forms, message_classes, messages, ros2_command
-from archo_tui.robot.fields import filled
+from archo_tui.robot.fields import checked, filled
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.state import Leaf
 from archo_tui.robot_file import check, model
@@ -41,29 +41,34 @@ class Offers:
             types = self._graph.served_types(full)
         return types[0] if len(types) == 1 else ""
 
-    def fitting(self, name: str, fields: Iterable[str]) -> tuple[Any, str]:
-        """The class of a service whose request has just those bools, or None and why not."""
+    def fitting(self, name: str, values: Mapping[str, Any]) -> tuple[Any, str]:
+        """Return the class of a service, when its request has exactly these fields for the values.
+
+        Returns:
+            None in place of the class where it does not fit; and why not.
+        """
         full, kind = self.full(name), self._type(name)
         if not kind:
             return None, f"{full} has servers of different types: not called"
         srv_type = message_classes.load(kind)
         if srv_type is None:
             return None, check.missing(full, kind)
-        if message_classes.fields(srv_type.Request) != set(fields):
+        if message_classes.fields(srv_type.Request) != set(values):
             return None, f"{full} is {kind}, whose request differs: not called"
         kinds = srv_type.Request.get_fields_and_field_types()
-        for field in fields:
-            if kinds[field] != "boolean":
+        for field, value in values.items():
+            try:
+                checked(kinds[field], value, field)
+            except ValueError:
                 return None, f"{full} is {kind}, whose {field} is {kinds[field]}: not called"
         return srv_type, ""
 
     def misfits(self) -> dict[str, str]:
         """Why what is offered is not used: it is not what the robot file says."""
-        stop, offered = self._robot.stop, self._graph.offered
-        needs: dict[str, Iterable[str]] = {c.service: c.toggle for c in self._robot.commands}
-        if stop is not None:
-            needs |= {stop.service: (), stop.release: ()}
-        found = {name: self.fitting(name, needs[name])[1] for name in needs if name in offered}
+        found: dict[str, str] = {}
+        for name, values in self._requests():
+            if name in self._graph.offered and not found.get(name):
+                found[name] = self.fitting(name, values)[1]
         for kind in self._robot.goals:
             types = self._graph.action_types.get(kind.action, ())
             fault = check.types_fault(kind.action, types, (kind.type,))
@@ -71,6 +76,15 @@ class Offers:
                 fault = check.missing(kind.action, kind.type)
             found[kind.action] = fault or self.unfit.get(kind.action, "")
         return {name: reason for name, reason in found.items() if reason}
+
+    def _requests(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
+        """Yield each service of the robot file with a request that is sent to it."""
+        for command in self._robot.commands:
+            yield command.service, dict.fromkeys(command.toggle, True)
+        stop = self._robot.stop
+        if stop is not None:
+            yield stop.service, stop.request
+            yield stop.release, stop.release_request
 
     def call_command(self, name: str, fields: Mapping[str, Any]) -> str:
         """The `ros2` command line for a call, empty when its type is not known, or another one."""

@@ -28,8 +28,8 @@ class _Seen(NamedTuple):
     node: str = ""
     parameter: str = ""
 
-    def is_done_by(self, verb: str, arguments: Mapping[str, Any]) -> bool:
-        if verb not in self.verbs:
+    def is_done_by(self, verbs: Collection[str], arguments: Mapping[str, Any]) -> bool:
+        if not set(verbs) & set(self.verbs):
             return False
         values = arguments.get("values")
         named = isinstance(values, Mapping) and self.parameter in values
@@ -39,10 +39,11 @@ class _Seen(NamedTuple):
 class Others:
     """Holds what changed against what consoles, this one too, say they did."""
 
-    def __init__(self, commands: Collection[str], services: Mapping[str, str]) -> None:
+    def __init__(self, commands: Collection[str], services: Mapping[str, Collection[str]]) -> None:
         """`commands` are the verbs of the robot file's own: one of them may zero the count.
 
         `services` are the verbs by the services that they call: these can be called by name, too.
+        By its request one service may stop, and release.
         """
         self._commands, self._services = commands, services
         self._told: deque[tuple[Act, float]] = deque(maxlen=_MOST)
@@ -94,13 +95,13 @@ class Others:
     def _is_told(self, seen: _Seen) -> bool:
         return any(
             -_PATIENCE <= seen.at - at <= (_LATE if act.code == Code.TIMEOUT else _PATIENCE)
-            and seen.is_done_by(self._verb(act), act.arguments)
+            and seen.is_done_by(self._verbs(act), act.arguments)
             for act, at in self._told
         )
 
-    def _verb(self, act: Act) -> str:
-        """Its verb; of a service that is called by its name the one that calls it."""
+    def _verbs(self, act: Act) -> Collection[str]:
+        """Return its verb; of a service that is called by its name those that call it."""
         service = act.arguments.get("service")
         if act.verb != "call" or not isinstance(service, str):
-            return act.verb
-        return self._services.get(service, act.verb)
+            return (act.verb,)
+        return self._services.get(service, (act.verb,))

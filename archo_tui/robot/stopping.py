@@ -14,6 +14,7 @@ from rclpy.node import Node
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import message_classes, services
+from archo_tui.robot.fields import filled
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.offers import Offers
 from archo_tui.robot.outcome import Code, Outcome
@@ -108,7 +109,7 @@ class Stopping:
 
         try:
             await self._found(self._stop.service)
-            said = await self._call(self._stop.service, late)
+            said = await self._call(self._stop, late)
         except Exception as error:  # whatever it is, nobody was stopped
             said = _not_sent(Code.REFUSED, in_one_line(error))
         return said.outcome, self._take(said, number, sent)
@@ -240,19 +241,21 @@ class Stopping:
             await self._services.pause(_FIND_PERIOD)
             self._look()
 
-    async def _call(self, name: str, late: Callable[[_Said], None]) -> _Said:
+    async def _call(self, stop: model.Stop, late: Callable[[_Said], None]) -> _Said:
         """One call: what its servers said of it, in time; or `late`."""
+        name = stop.service
         if name not in self._graph.offered:
             reason = not_offered(self._offers.full(name))
             return _not_sent(Code.NOT_OFFERED, reason)
-        srv_type, reason = self._offers.fitting(name, ())
+        srv_type, reason = self._offers.fitting(name, stop.request)
         if srv_type is None:
             return _not_sent(Code.REFUSED, reason)
+        request = filled(srv_type.Request(), stop.request)
         servers = max(self._node.count_services(name), 1)
         wait = services.DEADLINE if servers == 1 else ALL_ANSWERS
         self._left, self._asked = self._services.turn(), self._graph.holders(name)
         answers = await self._services.call_all(
-            *(srv_type, name, srv_type.Request(), servers, wait),
+            *(srv_type, name, request, servers, wait),
             lambda answers: late(_said(answers, servers, wait)),
         )
         return _said(answers, servers, wait)

@@ -13,6 +13,9 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import NamedTuple
 
+from archo_tui.robot.typed_request import typed_request
+from archo_tui.robot_file.model import Stop
+
 NOT_SENT = "not sent: STOP came after it"
 NEVER_LEFT = "cancelled before it was sent"
 APART = 1.0  # s between a STOP and the next but one, when they are all that is asked for
@@ -31,6 +34,7 @@ class Stops:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
+        self._stop: Stop | None = None
         self._services: frozenset[str] = frozenset()  # names of the STOP's service
         self.count = 0
         self.answered = 0  # of these, when the answer to the last one came, or did not in time
@@ -38,17 +42,27 @@ class Stops:
         self.overtaken = False  # something else was asked for since the last one left
         self._carried: ContextVar[int | None] = ContextVar("stops", default=None)
 
-    def known_as(self, service: str, full: str) -> None:
-        """Set what the service of the STOP is called: in the robot file, and on the graph."""
-        self._services = frozenset((service, full, full.lstrip("/")))
+    def known_as(self, stop: Stop, full: str) -> None:
+        """Set the robot's STOP, and the name that its service has on the graph."""
+        self._stop = stop
+        self._services = frozenset((stop.service, full, full.lstrip("/")))
 
     def is_call(self, words: Sequence[str]) -> bool:
         """Return True for `call SERVICE` of the STOP's own service: it is a STOP, too.
 
-        Whatever stands behind the service, but for exactly `--help`, which explains.
+        Whatever stands behind the service, but for exactly `--help`, which explains; of a STOP
+        that has a request, exactly that: with another one the service may release.
         """
         verb, *rest = [word for word in words if word != "--yes"] or [""]
-        return verb == "call" and bool(rest) and rest[0] in self._services and rest[1:] != _HELP
+        if verb != "call" or not rest or rest[0] not in self._services or self._stop is None:
+            return False
+        request = self._stop.request
+        if not request:
+            return rest[1:] != _HELP
+        try:
+            return typed_request(rest[0], rest[1:], request) == request
+        except ValueError:
+            return False
 
     def read(self) -> int:
         """A STOP was read, whoever will carry it out; returns its number."""

@@ -149,8 +149,12 @@ def _goal(goal: GoalKind) -> Faults:
 
 
 def _stop(stop: Stop) -> Faults:
-    if stop.release.lstrip("/") == stop.service.lstrip("/"):
-        yield stop.where, f"release is the service that stops, {stop.service}: name its own or none"
+    is_same = stop.release.lstrip("/") == stop.service.lstrip("/")
+    if is_same and stop.release_request == stop.request:
+        said = f"release is the service that stops, {stop.service}"
+        yield stop.where, f"{said}: give it a release_request of its own, name another or none"
+    if stop.release_request and not stop.release:
+        yield stop.where, "release_request is for a release: name its service"
 
 
 def _toggle(command: Service) -> Faults:

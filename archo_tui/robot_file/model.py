@@ -162,8 +162,16 @@ class GoalKind:
 class Stop:
     """The services of the software stop."""
 
-    service: Annotated[str, "the service that stops; its request has no field"]
-    release: Annotated[str, "the service that releases the stop"] = ""
+    service: Annotated[str, "the service that stops"]
+    request: Annotated[
+        Mapping[str, Scalar], "what is sent to stop, by field; left out: the request has no field"
+    ] = field(default_factory=dict)
+    release: Annotated[
+        str, "the service that releases the stop; it may be the same one with another request"
+    ] = ""
+    release_request: Annotated[
+        Mapping[str, Scalar], "what is sent to release, by field; left out: it has no field"
+    ] = field(default_factory=dict)
     where: str = _where()
 
 

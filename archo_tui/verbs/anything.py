@@ -7,10 +7,9 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
-from archo_tui.embedded import bounded_yaml
-from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot import forms
 from archo_tui.robot.state import Leaf, Snapshot, in_namespace
+from archo_tui.robot.typed_request import mapping
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import FormField
 from archo_tui.station.station import Station
@@ -62,17 +61,6 @@ async def fields_of(
 
 
 _SHOWN = 40  # characters of a wrong word that are shown
-
-
-def mapping(text: str) -> dict[str, Any]:
-    """Return the fields of `{field: value, ...}`. Raises ValueError."""
-    try:
-        values = bounded_yaml.load(text)
-    except YamlFault as fault:
-        raise ValueError(str(fault)) from None
-    if not isinstance(values, dict):
-        raise ValueError("expected {field: value, ...}")
-    return values
 
 
 def _expected(leaves: Sequence[Leaf]) -> str:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from archo_tui.robot import forms
-from archo_tui.robot.state import Leaf, Snapshot
-from archo_tui.robot_file.model import FormField
+from archo_tui.robot.state import Snapshot
+from archo_tui.robot.typed_request import typed_request, written
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import full_name, mapping
+from archo_tui.verbs.anything import full_name
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.goals import Go, kind_of
 from archo_tui.verbs.parse import YES, named
 from archo_tui.verbs.services import Call, Give
 from archo_tui.verbs.stop import Release, StopNow
 
+Called = StopNow | Release | Give  # a verb that calls a service of the robot file
 _ACTION_PART = "/_action/"  # between an action's name and the services that it is made of (rclpy)
 
 
@@ -46,44 +46,33 @@ def choose_verb(
     return meant, [YES] if meant.may_ask and YES in rest else []
 
 
-def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str, list[Verb]]:
+def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str, list[Called]]:
     """Return the verbs that call a service of the robot file, by the full name of the service."""
-    found: dict[str, list[Verb]] = {}
+    found: dict[str, list[Called]] = {}
     for verb in verbs.values():
         if isinstance(verb, (StopNow, Release, Give)) and verb.service:
             found.setdefault(snapshot.full(verb.service), []).append(verb)
     return found
 
 
-def _pick(found: Sequence[Verb], service: str, fields: Sequence[str]) -> Verb:
+def _pick(found: Sequence[Called], service: str, fields: Sequence[str]) -> Called:
+    """Return the verb whose request is the one that was typed."""
     stop = next((verb for verb in found if isinstance(verb, StopNow)), None)
-    if stop is not None:  # whatever stands behind it
+    if stop is not None and not stop.request:  # whatever stands behind it
         return stop
-    toggles = [verb for verb in found if isinstance(verb, Give) and verb.given.toggle]
-    if len(found) == 2 and len(toggles) == 2 and toggles[0].given == toggles[1].given:
-        return _pick_way(toggles, service, fields)
-    if len(found) > 1:
-        raise ValueError(f"{service} is called by several: type {_either(found)}")
-    if any(field != "{}" for field in fields):
+    asked = next((verb.request for verb in found if verb.request), {})
+    if not asked and any(field != "{}" for field in fields):
         raise ValueError(f"{service} takes no field, not {' '.join(fields)}")
-    return found[0]
-
-
-def _pick_way(toggles: Sequence[Give], service: str, fields: Sequence[str]) -> Give:
-    """Return the way of a toggle that its field says."""
-    (path,) = toggles[0].given.toggle
-    if len(fields) == 1 and fields[0].startswith("{"):
-        given = mapping(fields[0])
-    else:
-        given = dict(field.partition("=")[::2] for field in fields)
-    for name in given:
-        if name != path:
-            raise ValueError(f"{service} takes {path}=..., not {name}")
-    if path not in given or len(fields) > 1:
-        ways = " or ".join(f"{path}={str(verb.is_on).lower()} ({verb.id})" for verb in toggles)
+    given = typed_request(service, fields, asked)
+    meant = [verb for verb in found if verb.request == given]
+    if stop is not None and stop in meant:
+        return stop
+    if len(meant) > 1:
+        raise ValueError(f"{service} is called by several: type {_either(meant)}")
+    if not meant:
+        ways = " or ".join(f"{written(verb.request)} ({verb.id})" for verb in found)
         raise ValueError(f"{service} needs {ways}")
-    value = forms.parse(Leaf(path, "boolean", False), FormField(), str(given[path]))
-    return next(verb for verb in toggles if verb.is_on is value)
+    return meant[0]
 
 
 def _either(found: Sequence[Verb]) -> str:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot_file.model import Service
+from archo_tui.robot_file.model import Scalar, Service
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import fields_of, full_name, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
@@ -29,6 +31,7 @@ class Give(Verb):
             does = given.help or given.title
         self.help = f"{does}{ASKS[given.ask]}"
         self.service, self.moves = given.service, given.moves
+        self.request: Mapping[str, Scalar] = dict.fromkeys(given.toggle, on)
         self.may_ask = given.ask != "never"
 
     def asks(self, station: Station, values: Values) -> Question | None:

@@ -16,6 +16,7 @@ class StopNow(Verb):
 
     def __init__(self, stop: model.Stop | None) -> None:
         self.service = "" if stop is None else stop.service
+        self.request = {} if stop is None else stop.request
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return await station.robot.emergency_stop()
@@ -28,6 +29,7 @@ class Release(Verb):
 
     def __init__(self, stop: model.Stop | None) -> None:
         self.service = "" if stop is None else stop.release
+        self.request = {} if stop is None else stop.release_request
 
     def blocked(self, station: Station) -> str:
         snapshot = station.robot.snapshot

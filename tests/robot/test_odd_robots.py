@@ -257,7 +257,7 @@ def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
 def test_a_robot_files_command_zeroes_the_count_however_it_is_called(
     act: Act, said: list[str]
 ) -> None:
-    others = Others({"reset"}, {"/r1/reset": "reset"})
+    others = Others({"reset"}, {"/r1/reset": ("reset",)})
     others.motion(Motion(count=5, received=10.0), 10.0)
     others.motion(Motion(count=0, received=10.2), 10.2)
     others.told(act, 10.3)

@@ -11,7 +11,7 @@ import pytest
 from archo_tui.plain.lines import words_of
 from archo_tui.remote.server import _stop_in
 from archo_tui.robot.stops import Stops
-from archo_tui.robot_file.model import Service
+from archo_tui.robot_file.model import Service, Stop
 from archo_tui.verbs import verbs
 from archo_tui.verbs.called import choose_verb
 from tests.support.archo import ARCHO, FORMS
@@ -92,6 +92,37 @@ def test_two_commands_on_one_service_are_asked_which() -> None:
     assert said == "/reset_encoder is called by several: type reset or zero"
 
 
+LATCH = Stop("emergency_stop")
+E_STOP = Stop("e_stop", {"e_stop_on": True}, "e_stop", {"e_stop_on": False})
+
+
+@pytest.mark.parametrize(
+    ("line", "verb"),
+    [
+        ("call e_stop e_stop_on=true", "stop"),
+        ('call /e_stop {"e_stop_on":true}', "stop"),
+        ("call e_stop e_stop_on=true --yes", "stop"),
+        ("call e_stop e_stop_on=false", "release"),
+        ("call e_stop --yes e_stop_on=no", "release --yes"),
+        ("call e_stop", "/e_stop needs e_stop_on=true (stop) or e_stop_on=false (release)"),
+        ("call e_stop {}", "/e_stop needs e_stop_on=true (stop) or e_stop_on=false (release)"),
+        ("call e_stop e_stop_on=maybe", "e_stop_on: not true or false: maybe"),
+        ("call e_stop on=true", "/e_stop takes e_stop_on=..., not on"),
+        ("call e_stop e_stop_on=false e_stop_on=true", "/e_stop: e_stop_on is given twice"),
+    ],
+)
+def test_the_request_says_whether_one_service_stops_or_releases(line: str, verb: str) -> None:
+    file = replace(ARCHO, stop=E_STOP)
+    assert chosen(line, file=file) == verb
+
+
+def test_a_request_that_only_stops_is_never_sent_otherwise() -> None:
+    file = replace(ARCHO, stop=Stop("e_stop", {"data": True}))
+    assert chosen("call e_stop data=true", file=file) == "stop"
+    assert chosen("call e_stop data=false", file=file) == "/e_stop needs data=true (stop)"
+    assert chosen("call e_stop", file=file) == "/e_stop needs data=true (stop)"
+
+
 async def test_a_release_asks_and_what_it_answers_is_told() -> None:
     async with operated() as person:
         person.type("stop\n")
@@ -120,10 +151,10 @@ CALLS_OF_OTHERS = [
 ]
 
 
-def read_as_stop(words: list[str]) -> set[bool]:
+def read_as_stop(words: list[str], stop: Stop = LATCH) -> set[bool]:
     """Which of the three that read lines take these words for a STOP."""
     stops = Stops()
-    stops.known_as("emergency_stop", "/north/emergency_stop")
+    stops.known_as(stop, f"/north/{stop.service}")
     line = json.dumps({"id": 1, "words": words})
     escaped = line.replace("call", "c\\u0061ll").replace("emergency", "\\u0065mergency")
     return {
@@ -137,6 +168,24 @@ def test_a_call_of_the_stop_is_a_stop_where_lines_are_read(words: list[str]) -> 
     assert read_as_stop(words) == {True}
 
 
+@pytest.mark.parametrize(
+    ("words", "is_stop"),
+    [
+        ("call e_stop e_stop_on=true", True),
+        ("call north/e_stop e_stop_on=yes", True),
+        ("call --yes e_stop e_stop_on=true", True),
+        ("call e_stop e_stop_on=false", False),
+        ("call e_stop", False),
+        ("call e_stop --help", False),
+        ("call e_stop e_stop_on=", False),
+    ],
+)
+def test_a_call_with_the_request_of_the_stop_is_a_stop_where_lines_are_read(
+    words: str, is_stop: bool
+) -> None:
+    assert read_as_stop(words.split(), E_STOP) == {is_stop}
+
+
 @pytest.mark.parametrize("words", CALLS_OF_OTHERS, ids=" ".join)
 def test_another_call_is_no_stop_where_lines_are_read(words: list[str]) -> None:
     assert read_as_stop(words) == {False}
@@ -144,7 +193,7 @@ def test_another_call_is_no_stop_where_lines_are_read(words: list[str]) -> None:
 
 def test_a_name_that_only_the_graph_resolves_is_counted_as_a_stop_once() -> None:
     robot: Any = StubRobot(STATES["motor stopped"]._replace(namespace="/north"))
-    robot.stops.known_as("emergency_stop", "/north/emergency_stop")
+    robot.stops.known_as(LATCH, "/north/emergency_stop")
     known = verbs(ARCHO, FORMS)
     for name, counted in (("/emergency_stop", 1), ("emergency_stop", 0)):  # which is read before
         before = robot.stops.count

@@ -1,0 +1,63 @@
+"""The request that was typed behind `call SERVICE`, for a service of the robot file. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from archo_tui.embedded import bounded_yaml
+from archo_tui.embedded.core_schema import YamlFault
+from archo_tui.robot import forms
+from archo_tui.robot.state import Leaf
+from archo_tui.robot_file.model import FormField, Scalar
+
+Request = Mapping[str, Scalar]  # by field, as the robot file has it
+_TYPES = {bool: "boolean", int: "int64", float: "double", str: "string"}
+
+
+def mapping(text: str) -> dict[str, Any]:
+    """Return the fields of `{field: value, ...}`. Raises ValueError."""
+    try:
+        values = bounded_yaml.load(text)
+    except YamlFault as fault:
+        raise ValueError(str(fault)) from None
+    if not isinstance(values, dict):
+        raise ValueError("expected {field: value, ...}")
+    return values
+
+
+def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str, Any]:
+    """Parse `field=value ...`, or one YAML mapping.
+
+    Args:
+        service: The name that an error says.
+        words: What stands behind the service.
+        form: A request of the service: which fields it has, and of which types.
+
+    Raises:
+        ValueError: A field is none of the form, is given twice, or has a value of another type.
+    """
+    given: dict[str, Any] = {}
+    if len(words) == 1 and words[0].startswith("{"):
+        given = mapping(words[0])
+    else:
+        for word in words:
+            name, _, text = word.partition("=")
+            if name in given:
+                raise ValueError(f"{service}: {name} is given twice")
+            given[name] = text
+    for name in given:
+        if name not in form:
+            fields = " ".join(f"{field}=..." for field in form)
+            raise ValueError(f"{service} takes {fields}, not {name}")
+    return {name: _parsed(name, form[name], value) for name, value in given.items()}
+
+
+def _parsed(name: str, example: Scalar, value: Any) -> Any:
+    return forms.parse(Leaf(name, _TYPES[type(example)], None), FormField(), str(value))
+
+
+def written(request: Request) -> str:
+    """Write a request as it is typed: `e_stop_on=true`."""
+    texts = {name: str(v).lower() if isinstance(v, bool) else v for name, v in request.items()}
+    return " ".join(f"{name}={text}" for name, text in texts.items())

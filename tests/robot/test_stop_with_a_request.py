@@ -1,0 +1,140 @@
+"""A STOP whose service takes a request, as the Create 3's: with another one it releases."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from std_srvs.srv import SetBool, Trigger
+
+from archo_tui.robot.client import Robot
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Latch
+from tests.support.plain import operated
+from tests.support.quiet import ended, until
+from tests.support.robot import making, robot
+
+FILE = """
+version: 1
+name: Base
+stop: {service: e_stop, request: {data: true}, release: e_stop, release_request: {data: false}}
+"""
+
+
+class Base(Node):
+    """Stops when it is sent true, and goes on when it is sent false."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("base", **options)
+        self.asked: list[bool] = []
+        self.create_service(SetBool, "e_stop", self.e_stop)
+
+    def e_stop(self, request: Any, response: Any) -> Any:
+        self.asked.append(request.data)
+        response.success, response.message = True, "stopped" if request.data else "released"
+        return response
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    made = here / "base.yaml"
+    made.write_text(FILE)
+    return made
+
+
+def latch_of(it: Robot) -> Latch:
+    return it.snapshot.latch
+
+
+async def test_stop_and_release_send_what_the_file_says(file: Path) -> None:
+    made: list[Base] = []
+    async with robot(making(made, Base), robot=file) as it:
+        await until(lambda: "e_stop" in it.snapshot.offered)
+        it.stops.read()
+        outcome = await ended(it.emergency_stop())
+        assert outcome.ok
+        assert made[0].asked == [True]
+        assert it.snapshot.open_stop is None
+        assert latch_of(it) is Latch.HELD
+        assert (await ended(it.release_emergency_stop())).ok
+        assert made[0].asked == [True, False]
+        assert latch_of(it) is Latch.NONE
+
+
+async def test_the_ros2_commands_hold_the_request(file: Path) -> None:
+    async with robot(Base, robot=file) as it:
+        await until(lambda: "e_stop" in it.snapshot.offered)
+        it.stops.read()
+        await ended(it.emergency_stop())
+        await ended(it.release_emergency_stop())
+        commands = [event.command for event in it.snapshot.events if event.command]
+        call = "ros2 service call /e_stop std_srvs/srv/SetBool"
+        assert commands == [f"{call} '{{data: true}}'", f"{call} '{{data: false}}'"]
+
+
+async def test_the_line_of_a_call_is_the_stop_or_asks_as_the_release_does(file: Path) -> None:
+    made: list[Base] = []
+    async with operated(making(made, Base), robot=file) as person:
+        person.type("call e_stop data=true\n")
+        await person.until("STOP: confirmed")
+        person.type("call e_stop\n")
+        await person.until("/e_stop needs data=true (stop) or data=false (release)")
+        person.type("call e_stop data=false\n")
+        await person.until("failed: call: Release the stop?")
+        assert made[0].asked == [True]
+        person.type("call e_stop data=false --yes\n")
+        await person.until("release stop: released")
+        assert made[0].asked == [True, False]
+        await person.end("")
+
+
+class Bare(Node):
+    """Has the service, and its request no field."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("bare", **options)
+        self.asked = 0
+        self.create_service(Trigger, "e_stop", self.e_stop)
+
+    def e_stop(self, request: Any, response: Any) -> Any:
+        self.asked += 1
+        response.success = True
+        return response
+
+
+@pytest.mark.parametrize(
+    ("file_text", "kind", "said"),
+    [
+        (FILE, Bare, "/e_stop is std_srvs/srv/Trigger, whose request differs: not called"),
+        ("stop: e_stop\n", Base, "/e_stop is std_srvs/srv/SetBool, whose request differs"),
+        ("stop: {service: e_stop, request: {on: true}}\n", Base, "whose request differs"),
+        ("stop: {service: e_stop, request: {data: 1}}\n", Base, "whose data is boolean"),
+    ],
+)
+async def test_a_request_that_does_not_fit_is_said_and_not_sent(
+    here: Path, file_text: str, kind: Any, said: str
+) -> None:
+    file = here / "robot.yaml"
+    file.write_text(file_text)
+    made: list[Any] = []
+    async with robot(making(made, kind), robot=file) as it:
+        await until(lambda: said in it.snapshot.faults.get("e_stop", ""))
+        it.stops.read()
+        outcome = await ended(it.emergency_stop())
+        assert outcome.code is Code.REFUSED
+        assert said in outcome.text
+        assert outcome.text.endswith("use the hardware stop")
+        assert not made[0].asked
+
+
+async def test_a_node_that_starts_behind_a_stop_is_sent_its_request_first(file: Path) -> None:
+    made: list[Base] = []
+    async with operated(making(made, Base), robot=file) as person:
+        person.type("stop\n")
+        await person.until("STOP: confirmed")
+        person.type("halt base\nstart base\n")
+        await person.until("base was told STOP first, and is stopped")
+        assert [node.asked for node in made] == [[True], [True]]
+        await person.end("")
