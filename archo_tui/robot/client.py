@@ -57,7 +57,7 @@ from archo_tui.robot.state import (
     values_text,
 )
 from archo_tui.robot.stopping import ALL_ANSWERS, FIRST_FOUND, Stopping
-from archo_tui.robot.stops import HELD, NOT_SENT, UNCERTAIN, UNCONFIRMED, Gate, Stops, Void
+from archo_tui.robot.stops import HELD, HOLDS, NOT_SENT, UNCERTAIN, UNCONFIRMED, Gate, Stops, Void
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
@@ -240,7 +240,10 @@ class Robot:
 
         async def go(gate: Gate) -> Outcome:
             turn = self._services.turn()
-            if queued and (self._stopping.open is not None or self._says_stopped):
+            heard = self._heard
+            if queued and (
+                self._stopping.open is not None or heard.says_stopped or heard.stop_holds
+            ):
                 return Outcome(Code.HELD, HELD)
             # it may not have come, and would be asked for no more; a goal from before it is void
             if self._stopping.open is not None and not gate.is_shut:
@@ -248,6 +251,8 @@ class Robot:
             self._stopping.look_at_holders()  # its node may have been restarted since the last look
             if self._stopping.latch is Latch.UNCERTAIN and not gate.is_shut:
                 return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
+            if heard.stop_holds and not gate.is_shut:
+                return Outcome(Code.REFUSED, HOLDS)
             rivals = self._graph.rivals(kind.action)
             if rivals:  # of another one than the robot file's as well
                 return Outcome(Code.REFUSED, check.several(kind.action, rivals))
@@ -534,14 +539,14 @@ class Robot:
         self._tell_of_stop(said, outcome.code)
 
     @property
-    def _says_stopped(self) -> bool:
-        """As `Snapshot.says_stopped`, of what was heard by now."""
-        heard = Snapshot(
+    def _heard(self) -> Snapshot:
+        """What was heard by now of whether the robot is stopped."""
+        return Snapshot(
+            file=self.file,
             motion=self._telemetry.motion,
             latch=self._stopping.latch,
             released=self._stopping.released,
         )
-        return heard.says_stopped
 
     def _motion_restarted(self) -> bool:
         """Return whether another node than before tells how the robot moves."""
@@ -678,7 +683,7 @@ class Robot:
         self.stops.elsewhere += told.act.verb == "stop"
         self.stops.overtaken |= told.act.verb != "stop"
         if told.act.verb == "release" and told.act.code is Code.DONE:
-            self._stopping.released_elsewhere()
+            self._stopping.released_elsewhere(told.console)
         now = self._clock.now()
         self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))
 
@@ -753,6 +758,7 @@ class Robot:
                 open_stop=self._stopping.open,
                 latch=self._stopping.latch,
                 latch_lost=self._stopping.lost,
+                latch_time=self._stopping.time,
                 released=self._stopping.released,
                 moves_on=self._stopping.is_unheeded,
                 outlived=self._outlived,

@@ -398,7 +398,8 @@ class Snapshot(NamedTuple):
     charge: tuple[tuple[float, float], ...] = ()  # (monotonic s, %) since it last turned
     open_stop: OpenStop | None = None
     latch: Latch = Latch.NONE
-    latch_lost: str = ""  # what became of the node that held an UNCERTAIN one
+    latch_lost: str = ""  # why an UNCERTAIN one is not certain
+    latch_time: float = 0.0  # Unix time of that STOP
     released: float | None = None  # when the robot confirmed a release, monotonic s
     moves_on: bool = False  # the robot, though it has confirmed a STOP
     outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
@@ -418,8 +419,27 @@ class Snapshot(NamedTuple):
 
     @property
     def is_stopped(self) -> bool:
-        """True when the robot says so, and while a STOP is not confirmed, or no longer certain."""
-        return self.open_stop is not None or self.latch is Latch.UNCERTAIN or self.says_stopped
+        """True when the robot says so, and while a STOP is not confirmed, or no longer certain.
+
+        Also while a confirmed STOP holds that the robot does not report.
+        """
+        in_doubt = self.open_stop is not None or self.latch is Latch.UNCERTAIN
+        return in_doubt or self.says_stopped or self.stop_holds
+
+    @property
+    def stop_holds(self) -> bool:
+        """True while a STOP that was confirmed is not released, of a robot that never reports it.
+
+        Where nothing releases a STOP, it is over as soon as it is confirmed.
+        """
+        stop = self.file.stop
+        is_latched = self.latch is Latch.HELD and stop is not None and bool(stop.release)
+        return is_latched and self.motion.stopped is None
+
+    @property
+    def is_at_rest(self) -> bool:
+        """True when it is stopped: by its own word, or behind a STOP of ours and not moving."""
+        return self.says_stopped or (self.stop_holds and not self.motion.moving)
 
     @property
     def says_stopped(self) -> bool:

@@ -70,7 +70,11 @@ class Stopping:
         self.is_unheeded = False  # the robot says that it moves, though it has confirmed a STOP
         self._left: int | None = None  # the turn of the last one, that nothing was accepted behind
         self.latch = Latch.NONE
-        self.lost = ""  # what became of the node that held an UNCERTAIN one
+        self.lost = ""  # why an UNCERTAIN one is not certain
+        self.time = 0.0  # Unix time of that STOP
+        self._doubt = ""  # why one that the robot does not report is not certain, whoever holds it
+        self._reports = False  # the robot says whether it is stopped
+        self._moves_since: float | None = None  # since when it says that it moves, monotonic s
         self.released: float | None = None  # when the robot confirmed a release, monotonic s
         self._holders: dict[str, frozenset[bytes]] = {}  # the nodes that hold it, and their ids
         self._asked: dict[str, frozenset[bytes]] = {}  # those that the last STOP was sent to
@@ -149,14 +153,15 @@ class Stopping:
         if self.is_behind(turn):
             return
         self._left = self._unheeded = None
-        self.latch, self.released = Latch.NONE, self._clock.monotonic()
+        self.latch, self.released, self._doubt = Latch.NONE, self._clock.monotonic(), ""
         if self.open is not None:
             self.over()
 
     def _hold(self) -> None:
         """Remember that the robot is stopped, and by which nodes."""
         assert self._stop is not None
-        self.latch, self.lost = Latch.HELD, ""
+        self.latch, self.lost, self._doubt = Latch.HELD, "", ""
+        self.time = self._clock.now()
         # a node may leave as it confirms: any node that comes later would pass for it
         self._holders = self._graph.holders(self._stop.service) or self._asked
         self._told_anew.clear()
@@ -166,13 +171,25 @@ class Stopping:
         self._told_anew.add(node)
         self.look_at_holders()
 
-    def released_elsewhere(self) -> None:
-        """Another console has released it."""
-        self.latch = Latch.NONE
+    def released_elsewhere(self, console: str) -> None:
+        """Take another console's word that it has released the STOP.
+
+        Of a robot that does not report a stop itself the STOP is then no longer certain.
+        """
+        if self._reports:
+            self.latch = Latch.NONE
+        else:
+            self._cast_doubt(f"console {console} released it")
+
+    def _cast_doubt(self, why: str) -> None:
+        """Hold a STOP that the robot does not report for uncertain, until a release or another."""
+        if self.latch is not Latch.NONE and not self._doubt:
+            self.latch, self.lost, self._doubt = Latch.UNCERTAIN, why, why
+            self._changed()
 
     def look_at_holders(self) -> None:
         """See whether the nodes that hold the STOP are those that confirmed it."""
-        if self.latch is Latch.NONE or self._stop is None:
+        if self.latch is Latch.NONE or self._stop is None or self._doubt:
             return
         now, before = self._graph.holders(self._stop.service), (self.latch, self.lost)
         anew = {node: ids for node, ids in now.items() if node in self._told_anew}
@@ -198,6 +215,7 @@ class Stopping:
                 said = "STOP, sent again: the robot says that it is stopped"
                 self._tell(said, Code.DONE)
             self.over()
+        self._reports = motion.stopped is not None
         released = self._is_latched and motion.stopped is False
         self._is_latched = bool(motion.stopped)
         if motion.stopped:
@@ -214,6 +232,12 @@ class Stopping:
             self._unheeded = motion.received
         since, now = self._unheeded, motion.received
         self.is_unheeded = since is not None and now is not None and now - since >= OBEYED
+        if not motion.moving or now is None:
+            self._moves_since = None
+        elif self._moves_since is None:
+            self._moves_since = now
+        elif now - self._moves_since >= OBEYED and since is None and not self._reports:
+            self._cast_doubt("the robot moves")
 
     def over(self) -> None:
         """It is confirmed, past, or given up."""

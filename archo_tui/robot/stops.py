@@ -21,6 +21,7 @@ NEVER_LEFT = "cancelled before it was sent"
 APART = 1.0  # s between a STOP and the next but one, when they are all that is asked for
 UNCONFIRMED = "the STOP is not confirmed: release it first, or give it up"
 UNCERTAIN = "the STOP is no longer certain: release it, or stop again"
+HOLDS = "the robot is stopped: release it first"
 _HELP = ["--help"]
 HELD = "held: STOP"  # of the queue: the robot is stopped, or is to be
 

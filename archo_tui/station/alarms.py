@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
+from archo_tui.clock import time_of_day
 from archo_tui.robot.period import LEAST_SILENCE
 from archo_tui.robot.state import (
     Hosted,
@@ -214,7 +215,8 @@ def conditions(
         found[UNCONFIRMED] = f"{text}: use the hardware stop"
     if snapshot.latch is Latch.UNCERTAIN:
         found[UNCERTAIN] = (
-            f"THE STOP IS NO LONGER CERTAIN: {snapshot.latch_lost}: stop again, or release it"
+            f"STOP OF {time_of_day(snapshot.latch_time)[:-3]} IS NO LONGER CERTAIN: "
+            f"{snapshot.latch_lost}: stop again, or release it"
         )
     stop = snapshot.file.stop
     if stop is not None and stop.service in snapshot.several:
@@ -288,7 +290,7 @@ def conditions(
             f"NO WORD FROM {goal.kind.title.upper()} for {now - (goal.heard or goal.sent):.0f} s: "
             "the robot may still be driving"
         )
-    if snapshot.says_stopped:
+    if snapshot.is_at_rest:
         found[STOPPED] = "STOPPED: look for the cause"
     for reading in snapshot.gauges:
         if reading.warns and not reading.is_old(now):

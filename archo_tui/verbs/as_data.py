@@ -32,7 +32,7 @@ def state(station: Station) -> dict[str, Any]:
         },
         "motion": {
             "moving": motion.moving,
-            "stopped": None if snapshot.latch is Latch.UNCERTAIN else motion.stopped,
+            "stopped": None if snapshot.latch is Latch.UNCERTAIN else _stopped(snapshot),
             "speed": _number(motion.speed),
             "time_factor": snapshot.time_factor,  # None: the robot's seconds are real ones
             "word": _word(snapshot, now, 80),
@@ -57,6 +57,11 @@ def state(station: Station) -> dict[str, Any]:
         "stop": _stop(snapshot),
         "line": in_line(station),
     }
+
+
+def _stopped(snapshot: Snapshot) -> bool | None:
+    """Return whether the robot is stopped, as it says, or as a STOP that holds says for it."""
+    return True if snapshot.stop_holds else snapshot.motion.stopped
 
 
 def _stop(snapshot: Snapshot) -> str:

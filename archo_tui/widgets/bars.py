@@ -224,7 +224,7 @@ def _doing(view: View) -> tuple[str, str]:
     stop = "" if snapshot.file.stop is not None else "no STOP"
     if snapshot.latch is Latch.UNCERTAIN:
         return "✗ STOP NOT CERTAIN", ""
-    if snapshot.says_stopped:
+    if snapshot.is_at_rest:
         return "✗ STOPPED", ""
     if goal is None:
         return stop, ""

@@ -141,6 +141,8 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
         return ((text[:width], BAD),)
     if snapshot.latch is Latch.UNCERTAIN:
         return (("✗ STOP NOT CERTAIN", BAD),)
+    if snapshot.stop_holds and not motion.moving and not motion.is_old(now):
+        return STOPPED
     if described is None:
         return (("the robot file names no motion", OLD),)
     if motion.received is None:

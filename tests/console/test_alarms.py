@@ -147,6 +147,8 @@ async def test_a_goal_that_outlives_a_stop_is_cancelled_and_the_operator_is_told
         await op.until(lambda: node.cancelled)
         assert node.cancelled[0] - node.answered == pytest.approx(OBEYED, abs=0.5)
         await op.until("Cancelled at last")
+        await op.until("STOPPED: look for the cause   +1 more")
+        await op.press("a")
         await op.until("✗ was: STOP WAS ANSWERED, BUT shelf 12 STILL RUNS, since ")
         assert len(node.cancelled) == 1
 

@@ -1,0 +1,163 @@
+"""A STOP of a robot that never reports one: the console remembers it until a release."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from archo_interfaces.action import MoveToShelf
+from archo_interfaces.msg import MotorStatus
+from rclpy.action import ActionServer
+from rclpy.node import Node
+from std_srvs.srv import Trigger
+
+from archo_tui.remote.waits import RanOut, wait_for
+from archo_tui.robot.client import Robot
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Latch
+from archo_tui.robot.stops import HOLDS, UNCERTAIN
+from archo_tui.station.alarms import UNCERTAIN as NOT_CERTAIN
+from archo_tui.station.alarms import conditions
+from archo_tui.verbs import verbs
+from archo_tui.words.state import motion_word, plain
+from tests.support.clock import seconds
+from tests.support.peer import Peer
+from tests.support.plain import operated
+from tests.support.quiet import ended, until
+from tests.support.robot import making, robot
+
+FILE = """
+version: 1
+name: Base
+motion: {topic: motor_status, types: {archo_interfaces/msg/MotorStatus: {moving: moving}}}
+goals:
+  - {id: drive, title: Go, noun: shelf, action: move_to_shelf,
+     type: archo_interfaces/action/MoveToShelf, form: {shelf_number: {label: Shelf}}}
+stop: {service: e_stop, release: e_release}
+"""
+
+
+class Base(Node):
+    """Stops, and says of itself only whether it moves; takes every goal, and arrives at once."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("base", **options)
+        self.is_moving = False
+        self.status = self.create_publisher(MotorStatus, "motor_status", 10)
+        self.create_timer(0.1, self.tell)
+        for name in ("e_stop", "e_release"):
+            self.create_service(Trigger, name, self.obey)
+        self.server = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
+
+    def tell(self) -> None:
+        self.status.publish(MotorStatus(moving=self.is_moving))
+
+    def obey(self, _: Any, response: Any) -> Any:
+        response.success = True
+        return response
+
+    def execute(self, goal: Any) -> Any:
+        goal.succeed()
+        return MoveToShelf.Result(success=True)
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    made = here / "base.yaml"
+    made.write_text(FILE)
+    return made
+
+
+def go(it: Robot) -> Any:
+    return it.send(it.file.goals[0], {"shelf_number": 3})
+
+
+async def stopped(it: Robot) -> None:
+    """Stop it once it is heard."""
+    await until(lambda: it.snapshot.motion.received is not None)
+    await until(lambda: {"e_stop", "move_to_shelf"} <= it.snapshot.offered)
+    assert (await ended(it.emergency_stop())).ok
+    await until(lambda: it.snapshot.latch is Latch.HELD)
+
+
+async def while_passes(time: float) -> None:
+    later = seconds() + time
+    await until(lambda: seconds() >= later)
+
+
+async def test_it_is_shown_and_no_goal_goes_out_until_it_is_released(file: Path) -> None:
+    async with robot(Base, robot=file) as it:
+        await stopped(it)
+        assert it.snapshot.is_stopped
+        assert plain(motion_word(it.snapshot, seconds(), 80)) == "✗ STOPPED"
+        assert "STOPPED: look for the cause" in conditions(it.snapshot, seconds()).values()
+        await while_passes(3.0)
+        refused = await ended(go(it))
+        assert (refused.code, refused.text) == (Code.REFUSED, HOLDS)
+        assert (await ended(it.release_emergency_stop())).ok
+        await until(lambda: not it.snapshot.is_stopped)
+        assert plain(motion_word(it.snapshot, seconds(), 80)) == "● IDLE"
+        assert (await ended(go(it))).ok
+
+
+async def test_when_the_robot_moves_it_is_no_longer_certain_until_r_or_another_stop(
+    file: Path,
+) -> None:
+    made: list[Any] = []
+    async with robot(making(made, Base), robot=file) as it:
+        await stopped(it)
+        await while_passes(1.0)
+        made[0].is_moving = True
+        await until(lambda: it.snapshot.latch is Latch.UNCERTAIN)
+        made[0].is_moving = False
+        await until(lambda: it.snapshot.motion.moving is False)
+        await while_passes(3.0)
+        assert plain(motion_word(it.snapshot, seconds(), 80)) == "✗ STOP NOT CERTAIN"
+        text = conditions(it.snapshot, seconds())[NOT_CERTAIN]
+        assert text.startswith("STOP OF ")
+        assert text.endswith(" IS NO LONGER CERTAIN: the robot moves: stop again, or release it")
+        assert (await ended(go(it))).text == UNCERTAIN
+        assert (await ended(it.emergency_stop())).ok
+        await until(lambda: it.snapshot.latch is Latch.HELD)
+        assert (await ended(go(it))).text == HOLDS
+
+
+async def test_a_short_move_as_it_brakes_leaves_it_certain(file: Path) -> None:
+    made: list[Any] = []
+    async with robot(making(made, Base), robot=file) as it:
+        await until(lambda: made)
+        made[0].is_moving = True
+        await until(lambda: it.snapshot.motion.moving)
+        await stopped(it)
+        await while_passes(0.4)
+        made[0].is_moving = False
+        await while_passes(3.0)
+        assert it.snapshot.latch is Latch.HELD
+        assert not it.snapshot.moves_on
+
+
+async def test_another_consoles_release_leaves_it_uncertain(file: Path) -> None:
+    made: list[Any] = []
+    async with robot(Base, making(made, Peer), nodes=1, robot=file) as it:
+        await stopped(it)
+        await until(lambda: it.snapshot.consoles)
+        made[0].tell("release")
+        await until(lambda: it.snapshot.latch is Latch.UNCERTAIN)
+        assert it.snapshot.latch_lost == "console other_lab_1 released it"
+
+
+async def test_a_program_that_waits_for_ready_is_told_so_after_the_release_only(
+    file: Path,
+) -> None:
+    async with operated(Base, robot=file) as typed:
+        station = typed._plain._station
+        spoken = verbs(station.robot.file, station.robot.snapshot.forms)
+        await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
+        typed.type("stop\ngo 3\n")
+        await typed.until(HOLDS)
+        with pytest.raises(RanOut):
+            await ended(wait_for(station, spoken, ["ready"], {"timeout": 3.0}))
+        assert (await ended(wait_for(station, spoken, ["stopped"], {"timeout": 3.0}))).ok
+        typed.type("release --yes\n")
+        assert (await ended(wait_for(station, spoken, ["ready"], {"timeout": 10.0}))).ok
