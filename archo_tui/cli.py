@@ -464,7 +464,10 @@ def _replay(options: Namespace) -> int:
         except ArchoError as error:  # what a replay has in place of --plain
             raise ArchoError(str(error).replace("--plain", "--text")) from None
     given = [Path(folder) for folder in options.interfaces]
-    engine.activate("embedded", own=own_interfaces.find_all(given, "embedded"))
+    own, mistakes = own_interfaces.find_all(given, "embedded")
+    for line in mistakes:
+        _complain(f"not read: {line}")
+    engine.activate("embedded", own=own)
     from archo_tui.clock import Clock
     from archo_tui.replay.found import bag_of, robot_of
 

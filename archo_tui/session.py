@@ -148,12 +148,14 @@ class Session:
 
     def _activate(self) -> dict[str, Path]:
         """The engine; returns the interface packages of the user's own."""
-        options, own = self.options, {}
+        options = self.options
+        own: dict[str, Path] = {}
+        self._mistakes: list[str] = []  # in interfaces of the user's own
         others = options.attach or options.node_makers or options.only
         if options.interfaces:
             from archo_tui.hosting import own_interfaces
 
-            own = own_interfaces.find_all(options.interfaces, options.engine)
+            own, self._mistakes = own_interfaces.find_all(options.interfaces, options.engine)
         engine.activate(options.engine, hosting=not others, own=own)
         return own
 
@@ -337,6 +339,8 @@ class Session:
         for file in self._node_files:
             if file.not_run:
                 self.robot.note("WARN", file.path.name, file.not_run)
+        for line in self._mistakes:
+            self.robot.note("WARN", "interfaces", f"not read: {line}")
         for line in files.unknown(self._users(), declared):
             self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:

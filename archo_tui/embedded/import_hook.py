@@ -82,12 +82,11 @@ class InterfaceFinder:
             return make_service(type_name, sections, self._resolve)
         return make_action(type_name, sections, self._resolve, self.load)
 
-    def check(self) -> None:
-        """Make every class of the user's packages. Raises InterfaceError with file and line."""
-        for package in self._own:
-            for kind in KINDS:
-                for name in self.names(package, kind):
-                    self.load(f"{package}/{kind}/{name}")
+    def check(self, package: str) -> None:
+        """Make every class of a package. Raises InterfaceError with file and line."""
+        for kind in KINDS:
+            for name in self.names(package, kind):
+                self.load(f"{package}/{kind}/{name}")
 
     def _resolve(self, section: Section, field: Field) -> Any:
         package, name = field.type.base.split("/")
@@ -146,20 +145,21 @@ def _has_interfaces(folder: Path) -> bool:
     return folder.is_dir() and any((folder / kind).is_dir() for kind in KINDS)
 
 
-def packages_in(folder: Path) -> dict[str, Path]:
-    """The interface packages of a folder by name: itself, or those of a workspace's `src/`.
-
-    Raises InterfaceError with file and line where one cannot be used.
-    """
+def packages_in(folder: Path) -> list[Path]:
+    """Return the interface packages of a folder: itself, or those of a workspace's `src/`."""
     places = [folder, *sorted(path.parent for path in folder.glob("**/package.xml"))]
-    interfaces = [place for place in dict.fromkeys(places) if _has_interfaces(place)]
-    return {_name(place / "package.xml"): place for place in interfaces}
+    return [place for place in dict.fromkeys(places) if _has_interfaces(place)]
 
 
-def _name(file: Path) -> str:
-    """What package.xml says."""
+def name_of(package: Path) -> str:
+    """Return the name in the package.xml of an interface package.
+
+    Raises:
+        InterfaceError: There is no name that can be used; it has file and line.
+    """
     from xml.etree import ElementTree  # slow to import, and needed for the user's packages only
 
+    file = package / "package.xml"
     try:
         text = file.read_bytes()
         name = (ElementTree.fromstring(text).findtext("name") or "").strip()

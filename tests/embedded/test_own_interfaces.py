@@ -37,6 +37,15 @@ def package(folder: Path, *lines: str) -> Path:
     return folder / "src"
 
 
+def things(source: Path, **lines: str) -> None:
+    """Write packages by their names, each with a Thing.msg of that line."""
+    for name, line in lines.items():
+        folder = source / name / "msg"
+        folder.mkdir(parents=True)
+        (folder / "Thing.msg").write_text(f"{line}\n")
+        (folder.parent / "package.xml").write_text(f"<package><name>{name}</name></package>\n")
+
+
 @pytest.mark.real_time
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
 def test_a_saved_interface_restarts_everything_and_a_broken_one_does_not(tmp_path: Path) -> None:
@@ -91,15 +100,57 @@ def test_without_a_package_or_on_ros_2_it_is_one_line(tmp_path: Path) -> None:
 @pytest.mark.real_time
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
 def test_a_second_folder_adds_to_the_first_and_may_use_its_types(tmp_path: Path) -> None:
-    for name, text in (("first_msgs", "float32 x"), ("second_msgs", "first_msgs/Thing inner")):
-        folder = tmp_path / name / "msg"
-        folder.mkdir(parents=True)
-        (folder / "Thing.msg").write_text(f"{text}\n")
-        (folder.parent / "package.xml").write_text(f"<package><name>{name}</name></package>\n")
+    things(tmp_path, first_msgs="float32 x", second_msgs="first_msgs/Thing inner")
     folders = [tmp_path / "first_msgs", tmp_path / "second_msgs"]
-    assert [*own_interfaces.find_all(folders, "embedded")] == ["first_msgs", "second_msgs"]
+    assert [*own_interfaces.find_all(folders, "embedded").packages] == ["first_msgs", "second_msgs"]
     script = Script("--interfaces", str(folders[0]), "--interfaces", str(folders[1]))
     script.type("status\n")
     script.until("battery ")
+    script.type("quit\n")
+    script.end()
+
+
+def test_of_several_packages_one_with_a_mistake_is_named_and_the_others_are_used(
+    tmp_path: Path,
+) -> None:
+    things(tmp_path, bad_msgs="floot32 x", good_msgs="float32 x", user_msgs="bad_msgs/Thing inner")
+    (tmp_path / "worse_msgs" / "msg").mkdir(parents=True)
+    (tmp_path / "worse_msgs" / "package.xml").write_text("<package>\n")
+    packages, warnings = own_interfaces.find(tmp_path, "embedded")
+    assert "good_msgs" in packages
+    worse, bad = warnings  # user_msgs is not at fault
+    assert worse.startswith(f"{tmp_path / 'worse_msgs' / 'package.xml'}:2: not XML")
+    assert bad.startswith(f"{tmp_path / 'bad_msgs' / 'msg' / 'Thing.msg'}:1: ")
+    with pytest.raises(ArchoError, match=r"Thing\.msg:1: .*floot32"):  # alone it is given by name
+        own_interfaces.find(tmp_path / "bad_msgs", "embedded")
+
+
+def test_a_known_mistake_does_not_keep_a_saved_package_from_counting(tmp_path: Path) -> None:
+    things(tmp_path, bad_msgs="floot32 x", good_msgs="float32 x")
+    said: list[str] = []
+    packages = own_interfaces.find(tmp_path, "embedded").packages
+    files = own_interfaces.OwnInterfaces(
+        packages, lambda *event: said.append(event[2]), said.append
+    )
+    files.reload()
+    assert said == ["interfaces were saved"]
+    (tmp_path / "good_msgs" / "msg" / "Thing.msg").write_text("float32 y\nfloot64 x\n")
+    files.reload()
+    (new,) = said[1:]
+    assert new.startswith("not read: good_msgs/msg/Thing.msg:2: ")
+
+
+@pytest.mark.real_time
+@pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
+def test_a_node_runs_on_the_good_package_beside_a_bad_one_which_is_a_warning(
+    tmp_path: Path,
+) -> None:
+    things(tmp_path / "src", bad_msgs="floot32 x", good_msgs="float32 temperature")
+    node = tmp_path / "teller.py"
+    of_good = TELLER.replace("archo_interfaces", "good_msgs").replace("BatteryStatus", "Thing")
+    node.write_text(of_good)
+    script = Script("--interfaces", str(tmp_path / "src"), "--only", "--node", str(node))
+    script.until("bad_msgs/msg/Thing.msg:1: ")
+    script.until("the last is temperature")
     script.type("quit\n")
     script.end()

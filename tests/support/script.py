@@ -29,6 +29,7 @@ class Script:
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "OFF",
         }
         arguments = "-m", "archo_tui", "--engine", chosen.ENGINE, "--plain", *words
+        fresh |= "--interfaces" in words  # the loaded process has chosen the engine's packages
         command = [sys.executable, *arguments] if fresh else warm.python(*arguments)
         self._process = subprocess.Popen(
             command,
