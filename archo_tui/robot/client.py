@@ -585,10 +585,10 @@ class Robot:
         self._mismatches = frozenset(mismatches)
         self._parameters.follow(self._graph.count, self._graph.services)
         graph, now = self._graph, self._clock.monotonic()
-        for said in self._limits.unknown(
+        for level, said in self._limits.unknown(
             now, graph.offered, graph.namespace, graph.names, self._parameters.all()
         ):
-            self._warn(said)
+            self._say(level, said)
 
     def _watch(self) -> None:
         if not self._goals.running:

@@ -257,6 +257,6 @@ def said_by(goal: Goal, feedback: Any) -> dict[str, Any]:
     if left is None:
         return {"unreadable": as_received(said)}
     changes = {"remaining": left, "unreadable": ""}
-    if remaining.length is None:  # the longest that was left is the way
-        changes["length"] = max(left, goal.length or 0.0)
+    if goal.length is None or goal.length_is_guessed:  # the longest that was left is the way
+        changes |= {"length": max(left, goal.length or 0.0), "length_is_guessed": True}
     return changes

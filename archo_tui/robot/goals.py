@@ -384,9 +384,11 @@ class Goals:
     def way_is(self, length_of: Callable[[GoalKind], float | None]) -> None:
         """The length of a whole way may become known only after its goal was sent."""
         for one in list(self._running.values()):
-            length = length_of(one.goal.kind) if one.goal.length is None else None
+            if one.goal.length is not None and not one.goal.length_is_guessed:
+                continue
+            length = length_of(one.goal.kind)
             if length is not None:
-                one.update(length=length)
+                one.update(length=length, length_is_guessed=False)
 
     def refused(self, reason: str) -> None:
         """Remember a log line that says why a goal is refused."""

@@ -18,10 +18,10 @@ class Limits:
 
     def __init__(self, robot: RobotFile) -> None:
         self._links = [
-            (kind.action, f"{name} of {given.label or path}", link, basename(link.where))
+            (kind.action, given.label or path, name, link, basename(link.where))
             for kind in robot.goals
             for path, given in kind.form.items()
-            for name, link in (("low", given.low), ("high", given.high))
+            for name, link in (("lower", given.low), ("upper", given.high))
             if isinstance(link, Link)
         ]
         self._since: dict[str, float] = {}  # what is to be said, and since when it is so
@@ -34,37 +34,50 @@ class Limits:
         namespace: str,
         nodes: Collection[str],
         parameters: Iterable[Parameter],
-    ) -> Iterator[str]:
-        """What is to be said at `now` (s); nothing of a goal whose action nobody offers."""
-        told = tuple(parameters)
-        found = {}
-        for action, of, link, where in self._links:
-            why = _why(namespace, nodes, told, link) if action in offered else ""
+    ) -> Iterator[tuple[str, str]]:
+        """Yield the level and text of each event due; none of a goal whose action nobody offers.
+
+        Only a value that is no number is a warning: a node need not hold the limit.
+
+        Args:
+            now: The monotonic time in s.
+            offered: The names of the robot file that somebody serves.
+            namespace: The robot's.
+            nodes: The full names of the nodes on the graph.
+            parameters: All that nodes report.
+        """
+        reported = tuple(parameters)
+        found, levels = dict[str, float](), dict[str, str]()
+        for action, label, name, link, where in self._links:
+            why, level = _why(namespace, nodes, reported, link) if action in offered else ("", "")
             if why:
-                used = "" if link.otherwise is None else f": {link.otherwise:g} is used"
-                said = f"{of}: {why}{used} ({where})"
-                found[said] = self._since.get(said, now)
+                limit = f"{label} has no {name} limit yet"
+                if link.otherwise is not None:
+                    limit = f"{label} has the {name} limit {link.otherwise:g}"
+                said = f"{limit}: {why} ({where})"
+                found[said], levels[said] = self._since.get(said, now), level
         self._since, self._said = found, self._said & found.keys()
         for said, since in found.items():
             if now - since >= _SURE and said not in self._said:
                 self._said.add(said)
-                yield said
+                yield levels[said], said
 
 
 def _why(
     namespace: str, nodes: Collection[str], parameters: Iterable[Parameter], link: Link
-) -> str:
-    """Why the link leads to no number; empty when it leads to one."""
+) -> tuple[str, str]:
+    """Return why the link leads to no number, and the level of that; empty when it leads to one."""
     node = in_namespace(namespace, link.node.lstrip("/"))
+    name = node.removeprefix("/")
     own = {parameter.name: parameter for parameter in parameters if parameter.node == node}
     if node not in nodes:
-        return f"no node {node} is on the graph"
+        return f"no node {name} is on the graph", "INFO"
     if not own:
-        return f"{node} does not report its parameters"
+        return f"{name} does not report its parameters", "INFO"
     if link.parameter not in own:
-        return f"{node} has no parameter {link.parameter}"
+        return f"{name} has no parameter {link.parameter}", "INFO"
     sure = Link(link.node, link.parameter)
     if linked(own.values(), namespace, sure) is None:
         value = harmless(text_of(own[link.parameter].value))
-        return f"{link.parameter} of {node} is {value[:20]}, not a number"
-    return ""
+        return f"{link.parameter} of {name} is {value[:20]}, not a number", "WARN"
+    return "", ""

@@ -142,6 +142,7 @@ class Goal(NamedTuple):
     message: str = ""  # the robot's own words for the end, or the reason of a refusal
     mine: bool = True  # else another client's, whose values are not on the graph
     number: int = 0  # tells the goals of a session apart
+    length_is_guessed: bool = False  # it is the longest remainder heard: no node tells it
 
     @property
     def target(self) -> str:

@@ -128,7 +128,9 @@ class Remaining:
 
     field: Annotated[str, "its dotted path in the feedback"]
     unit: Annotated[str, "what is shown behind it"] = ""
-    length: Annotated[Link | None, "of the whole way; without it the first remainder"] = None
+    length: Annotated[
+        Link | None, "of the whole way; without it, and while no node has it, the first remainder"
+    ] = None
     where: str = _where()
 
 

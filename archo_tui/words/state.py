@@ -149,7 +149,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
         if described.topic in snapshot.faults:
             return ((snapshot.faults[described.topic], WARN),)
         offered = described.topic in snapshot.offered
-        return (("? NO DATA" if offered else "not offered by any node", OLD),)
+        return (("? NO DATA" if offered else f"no node publishes {described.topic}", OLD),)
     if motion.is_old(now):
         return ((f"? silent, {age(now - motion.received)}", OLD),)
     if snapshot.says_stopped:
@@ -191,4 +191,4 @@ def battery_source(snapshot: Snapshot) -> str:
     topic = described.topic
     if topic in snapshot.faults:
         return snapshot.faults[topic]
-    return f"waiting for {topic}" if topic in snapshot.offered else "not offered by any node"
+    return f"waiting for {topic}" if topic in snapshot.offered else f"no node publishes {topic}"

@@ -66,6 +66,23 @@ async def test_a_textbooks_node_takes_the_place_of_the_robots_of_its_name() -> N
         assert sorted(names) == ["/battery_monitor", *others]
 
 
+@pytest.mark.real_time
+async def test_a_textbooks_motor_shows_its_way_and_says_what_it_lacks_in_words() -> None:
+    listing = LISTINGS / "move_action_server.py"
+    async with console(node_files=[listing], only=True, wait=False) as op:
+        await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
+        await op.press("g", "5", "enter")
+        await op.until("9.0 m left of 15.0 m")
+        await op.until("   40 %")
+        assert "no node publishes motor_status" in op.text
+        await op.until("ARRIVED")
+        await op.until(lambda: any("Shelf" in e.text for e in op.app.view.snapshot.events))
+        (event,) = [e for e in op.app.view.snapshot.events if "Shelf" in e.text]
+        assert (event.level, event.count) == ("INFO", 1)
+        limit = "Shelf has no upper limit yet: motor_controller has no parameter shelf_count"
+        assert event.text.startswith(limit)
+
+
 async def test_only_leaves_the_robots_own_nodes_out(here: Path) -> None:
     async with console(node_files=[written(here, GREETER)], only=True, wait=False) as op:
         await op.until("hello from my own node")

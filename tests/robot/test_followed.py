@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from archo_interfaces.action import MoveToShelf
 from rclpy.task import Future
 
-from archo_tui.robot.followed import Followed
+from archo_tui.robot.followed import Followed, said_by
 from archo_tui.robot.state import Goal, Motion, Phase
 from tests.support.archo import SHELF
 from tests.support.stub import StandingClock
@@ -92,6 +93,16 @@ def test_a_parameter_that_is_its_period_counts_at_once() -> None:
         followed.on_feedback(Feedback())
     followed.measure_anew(0.5, 5.0)
     assert phases(followed, clock, 14.9, 15.1) == [Phase.MOVING, Phase.LOST]
+
+
+def test_the_longest_remainder_is_the_way_until_a_node_tells_it() -> None:
+    goal = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0)
+    for left, longest in ((15.0, 15.0), (12.0, 15.0), (16.0, 16.0)):
+        goal = goal._replace(**said_by(goal, MoveToShelf.Feedback(distance_remaining=left)))
+        assert (goal.length, goal.remaining) == (longest, left)
+    known = goal._replace(length=18.0, length_is_guessed=False)
+    feedback = MoveToShelf.Feedback(distance_remaining=20.0)
+    assert known._replace(**said_by(known, feedback)).length == 18.0
 
 
 def test_the_time_that_is_left_is_that_of_the_way_so_far() -> None:

@@ -23,20 +23,22 @@ def shelves(value: Any) -> Parameter:
     return Parameter(MOTOR, "shelf_count", "integer", value, value)
 
 
-def said(limits: Limits, now: float, *parameters: Parameter, nodes: Any = (MOTOR,)) -> list[str]:
+def said(
+    limits: Limits, now: float, *parameters: Parameter, nodes: Any = (MOTOR,)
+) -> list[tuple[str, str]]:
     return list(limits.unknown(now, OFFERED, "/", nodes, parameters))
 
 
 @pytest.mark.parametrize(
     ("nodes", "parameters", "why"),
     [
-        ((), (), "no node /motor_controller is on the graph"),
-        ((MOTOR,), (), "/motor_controller does not report its parameters"),
-        ((MOTOR,), (SPEED,), "/motor_controller has no parameter shelf_count"),
-        ((MOTOR,), (shelves("many"),), "shelf_count of /motor_controller is many, not a number"),
-        ((MOTOR,), (shelves(True),), "shelf_count of /motor_controller is true, not a number"),
-        ((MOTOR,), (shelves(None),), "shelf_count of /motor_controller is --, not a number"),
-        ((MOTOR,), (shelves(float("nan")),), "shelf_count of /motor_controller is nan, not a"),
+        ((), (), "no node motor_controller is on the graph"),
+        ((MOTOR,), (), "motor_controller does not report its parameters"),
+        ((MOTOR,), (SPEED,), "motor_controller has no parameter shelf_count"),
+        ((MOTOR,), (shelves("many"),), "shelf_count of motor_controller is many, not a number"),
+        ((MOTOR,), (shelves(True),), "shelf_count of motor_controller is true, not a number"),
+        ((MOTOR,), (shelves(None),), "shelf_count of motor_controller is --, not a number"),
+        ((MOTOR,), (shelves(float("nan")),), "shelf_count of motor_controller is nan, not a"),
     ],
 )
 def test_why_a_limit_is_not_known_is_said_once_with_file_and_line(
@@ -44,8 +46,9 @@ def test_why_a_limit_is_not_known_is_said_once_with_file_and_line(
 ) -> None:
     limits = Limits(ARCHO)
     assert said(limits, 10.0, *parameters, nodes=nodes) == []
-    (line,) = said(limits, 15.0, *parameters, nodes=nodes)
-    assert line.startswith(f"high of Shelf: {why}")
+    ((level, line),) = said(limits, 15.0, *parameters, nodes=nodes)
+    assert level == ("WARN" if "not a" in why else "INFO")
+    assert line.startswith(f"Shelf has no upper limit yet: {why}")
     assert re.search(r" \(archo\.yaml:\d+\)$", line)
     assert said(limits, 20.0, *parameters, nodes=nodes) == []
 
@@ -85,7 +88,7 @@ class Strange(Node):
 
 async def test_the_operator_sees_it_and_the_robot_alone_decides() -> None:
     async with console(node_makers=[Strange], wait=False) as op:
-        await op.until("high of Shelf: shelf_count of /motor_controller is many, not a number")
+        await op.until("Shelf has no upper limit yet: shelf_count of motor_controller is many, not")
         await op.press("g", *"4711", "enter")
         await op.until("ARRIVED")
 
