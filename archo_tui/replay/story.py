@@ -76,11 +76,12 @@ class Story:
         self._telemetry = Telemetry(node, file, self._clock, self._on_reading, lambda _: None)
         self._telemetry.look()
         self._feedback = {
-            self._topics.full(f"{kind.action}/_action/feedback"): kind for kind in file.goals
+            self._topics.resolve_topic_name(f"{kind.action}/_action/feedback"): kind
+            for kind in file.goals
         }
         self._kinds = {(kind.id, kind.action): kind for kind in file.goals}
         self._forms = {kind.id: _form(kind) for kind in file.goals}
-        heard = {name for name in file.topics if self._topics.full(name) in types}
+        heard = {name for name in file.topics if self._topics.resolve_topic_name(name) in types}
         actions = {kind.action: "not recorded" for kind in file.goals}
         offered = frozenset(heard | {*actions, *file.services})
         self._unsaid = State(namespace=namespace, offered=offered, faults=actions)
@@ -210,7 +211,7 @@ class Story:
         self._log.add(Event(self._clock.time, level, message.name, message.msg))
 
     def _on_reading(self, topic: str, _news: News) -> None:
-        full, now = self._topics.full(topic), self._clock.time
+        full, now = self._topics.resolve_topic_name(topic), self._clock.time
         pace = self._paces.get(full)
         self._paces[full] = Pace(now) if pace is None else pace.again(now)
         for resource in self.state.resources:

@@ -21,13 +21,13 @@ class Topics:
         self._types, self._below = types, f"{namespace.rstrip('/')}/"
         self.callbacks: dict[str, Callable[[Any], None]] = {}  # by full names
 
-    def full(self, name: str) -> str:
+    def resolve_topic_name(self, name: str) -> str:
         """The topic's full name."""
         return name if name.startswith("/") else f"{self._below}{name}"
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
         """One publisher of what is in the recording."""
-        kind = self._types.get(self.full(topic))
+        kind = self._types.get(self.resolve_topic_name(topic))
         if kind is None:
             return []
         nobody = {"node_name": "", "node_namespace": "/"}  # a bag does not name its publishers
@@ -37,7 +37,7 @@ class Topics:
         self, _kind: Any, topic: str, callback: Callable[[Any], None], _qos: Any
     ) -> Callable[[Any], None]:
         """From now on it is called with each message of the topic."""
-        self.callbacks[self.full(topic)] = callback
+        self.callbacks[self.resolve_topic_name(topic)] = callback
         return callback
 
     def destroy_subscription(self, callback: Callable[[Any], None]) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from enum import Enum, auto
 from functools import partial
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
@@ -44,6 +44,26 @@ class News(Enum):
     WORDS = auto()  # what a person acts on: that it is stopped, or cannot be read
 
 
+_WEIGHT = attrgetter("value")  # of what a message says: the greater one counts
+
+
+class _Reader(NamedTuple):
+    """What takes a reading from a topic."""
+
+    key: object  # "battery", "motion", or the place of a gauge
+    topic: str  # as in the robot file
+    types: Mapping[str, Mapping[str, MessageField]]  # the fields to read, by message type
+    callback: Callable[[Any, Mapping[str, MessageField]], News]
+
+
+class _Subscription(NamedTuple):
+    """One topic that is listened to."""
+
+    qos: tuple[bool, bool]  # reliable, latched
+    keys: tuple[object, ...]  # of its readers
+    subscription: Any = None
+
+
 Kept = tuple[
     Battery,
     Motion,
@@ -68,7 +88,8 @@ class Telemetry:
         self._node, self._robot, self._clock = node, robot, clock
         self._heard = heard
         self._warn = warn
-        self._subscriptions: dict[object, tuple[tuple[str, bool, bool], Any]] = {}
+        self._readers = tuple(self._make_readers())
+        self._subscriptions: dict[tuple[str, str], _Subscription] = {}  # by full topic and type
         self._periods: dict[object, Period] = {}
         self._graces: dict[object, float | None] = {}  # see Battery
         self._publishers: dict[object, frozenset[str]] = {}  # nodes, fully qualified
@@ -80,22 +101,18 @@ class Telemetry:
 
     def look(self) -> None:
         """(Re)subscribe to what is published now."""
-        battery, motion = self._robot.battery, self._robot.motion
         faults: dict[str, str] = {}
-        if battery is not None:
-            types = {kind: _given(fields) for kind, fields in battery.types.items()}
-            self._follow("battery", battery.topic, types, self._on_battery, faults)
-        if motion is not None:
-            types = {kind: _given(fields) for kind, fields in motion.types.items()}
-            self._follow("motion", motion.topic, types, self._on_motion, faults)
-        for place, gauge in enumerate(self._robot.gauges):
-            self._follow(
-                place,
-                gauge.topic,
-                {gauge.type: {"value": gauge.field}},
-                partial(self._on_gauge, place),
-                faults,
-            )
+        wanted: dict[tuple[str, str], list[_Reader]] = {}  # by full topic and type
+        for reader in self._readers:
+            if (kind := self._usable(reader, faults)) is not None:
+                topic = self._node.resolve_topic_name(reader.topic)
+                wanted.setdefault((topic, kind), []).append(reader)
+        for key in [key for key in self._subscriptions if key not in wanted]:
+            # what nobody publishes any more is listened to all the same: it may come back
+            if self._node.get_publishers_info_by_topic(key[0]):
+                self._node.destroy_subscription(self._subscriptions.pop(key).subscription)
+        for key, readers in wanted.items():
+            self._subscribe(key, readers)
         self.battery = self.battery._replace(grace=self._grace("battery"))
         self.motion = replace(self.motion, grace=self._grace("motion"))
         self.gauges = tuple(
@@ -105,6 +122,18 @@ class Telemetry:
             if self.faults.get(topic) != fault:
                 self._warn(fault)
         self.faults = faults
+
+    def _make_readers(self) -> Iterator[_Reader]:
+        battery, motion = self._robot.battery, self._robot.motion
+        if battery is not None:
+            types = {kind: _given(fields) for kind, fields in battery.types.items()}
+            yield _Reader("battery", battery.topic, types, self._on_battery)
+        if motion is not None:
+            types = {kind: _given(fields) for kind, fields in motion.types.items()}
+            yield _Reader("motion", motion.topic, types, self._on_motion)
+        for place, gauge in enumerate(self._robot.gauges):
+            types = {gauge.type: {"value": gauge.field}}
+            yield _Reader(place, gauge.topic, types, partial(self._on_gauge, place))
 
     def measure_anew(self, node: str, old: object, new: object) -> None:
         """Measure every period anew: a parameter has changed, and may be one of them.
@@ -136,60 +165,71 @@ class Telemetry:
         self.battery, self.motion, self.gauges, self.charge, periods = kept
         self._periods = dict(periods)
 
-    def _follow(
-        self,
-        key: object,
-        topic: str,
-        types: Mapping[str, Mapping[str, MessageField]],
-        callback: Callable[[Any, Mapping[str, MessageField]], None],
-        faults: dict[str, str],
-    ) -> None:
-        publishers = self._node.get_publishers_info_by_topic(topic)
-        self._publishers[key] = frozenset(
+    def _usable(self, reader: _Reader, faults: dict[str, str]) -> str | None:
+        """Return the type that a reader can read of its topic now; None: there is none.
+
+        Args:
+            reader: Its topic's publishers are noted, and how long it may be silent.
+            faults: What is wrong with a topic is put into it.
+        """
+        publishers = self._node.get_publishers_info_by_topic(reader.topic)
+        self._publishers[reader.key] = frozenset(
             in_namespace(info.node_namespace, info.node_name) for info in publishers
         )
         if not publishers:
-            self._graces[key] = LEAST_SILENCE  # nobody is there to say more
-            return  # keep listening: the publisher may come back
+            self._graces[reader.key] = LEAST_SILENCE  # nobody is there to say more
+            return None
         kinds = sorted({info.topic_type for info in publishers})
+        types = reader.types
         known = {kind: message_classes.load(kind) for kind in kinds if kind in types}
-        lacking = {kind: _lacking(topic, kind, known[kind], types[kind]) for kind in known}
+        lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
         usable = [kind for kind in known if not lacking[kind]]
-        said = next(filter(None, lacking.values()), "") or check.types_fault(topic, kinds, types)
+        said = next(filter(None, lacking.values()), "")
+        said = said or check.types_fault(reader.topic, kinds, types)
         if said:
-            faults.setdefault(topic, said)
-        old = self._subscriptions.get(key)
+            faults.setdefault(reader.topic, said)
         if not usable:
-            if old is not None:
-                self._node.destroy_subscription(self._subscriptions.pop(key)[1])
-            return
-        kind = usable[0]
+            return None
+        # what is latched may be said once, and holds while its publisher is there
+        self._graces[reader.key] = None if _is_latched(publishers) else UNMEASURED
+        return usable[0]
+
+    def _subscribe(self, key: tuple[str, str], readers: Sequence[_Reader]) -> None:
+        """Have one subscription for all readers of a topic and type, with a QoS that fits.
+
+        Two would be recorded twice, and counted twice as often as messages come.
+        """
+        topic, kind = key
+        publishers = self._node.get_publishers_info_by_topic(topic)
+        latched = _is_latched(publishers)
         reliable = all(
             info.qos_profile.reliability == ReliabilityPolicy.RELIABLE for info in publishers
         )
-        latched = all(
-            info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers
-        )
-        # what is latched may be said once, and holds while its publisher is there
-        self._graces[key] = None if latched else UNMEASURED
-        wanted = (kind, reliable, latched)
-        if old is not None and old[0] == wanted:
+        made = _Subscription((reliable, latched), tuple(reader.key for reader in readers))
+        old = self._subscriptions.get(key)
+        if old is not None and old[:2] == made[:2]:
             return
         if old is not None:
-            self._node.destroy_subscription(old[1])
+            self._node.destroy_subscription(old.subscription)
         qos = QoSProfile(
             depth=_DEPTH,
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             # where the last message is kept; of others a subscriber that asks for it hears nothing
             durability=(DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE),
         )
-        fields = types[kind]
-        subscription = self._node.listen_quietly(
-            known[kind], topic, lambda message: callback(message, fields), qos
-        )
-        self._subscriptions[key] = (wanted, subscription)
 
-    def _on_battery(self, message: Any, fields: Mapping[str, MessageField]) -> None:
+        def on_message(message: Any) -> None:
+            news: dict[str, News] = {}  # by the topic's name in the robot file
+            for reader in readers:
+                said = reader.callback(message, reader.types[kind])
+                news[reader.topic] = max(news.get(reader.topic, said), said, key=_WEIGHT)
+            for name, said in news.items():
+                self._heard(name, said)
+
+        subscription = self._node.listen_quietly(message_classes.load(kind), topic, on_message, qos)
+        self._subscriptions[key] = made._replace(subscription=subscription)
+
+    def _on_battery(self, message: Any, fields: Mapping[str, MessageField]) -> News:
         assert self._robot.battery is not None
         topic = self._robot.battery.topic
         found = {name: read(field, message) for name, field in fields.items()}
@@ -211,9 +251,9 @@ class Telemetry:
             grace=self._grace("battery"),
         )
         self._sample(now, turned=charging != self.battery.charging)
-        self._heard(topic, _news(last, self.battery, *_BATTERY))
+        return _news(last, self.battery, *_BATTERY)
 
-    def _on_motion(self, message: Any, fields: Mapping[str, MessageField]) -> None:
+    def _on_motion(self, message: Any, fields: Mapping[str, MessageField]) -> News:
         assert self._robot.motion is not None
         found = {name: read(field, message) for name, field in fields.items()}
         now, last = self._clock.monotonic(), self.motion
@@ -226,9 +266,9 @@ class Telemetry:
             period=self._fixed(self._robot.motion) or self._measured("motion", now),
             grace=self._grace("motion"),
         )
-        self._heard(self._robot.motion.topic, _news(last, self.motion, *_MOTION))
+        return _news(last, self.motion, *_MOTION)
 
-    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, MessageField]) -> None:
+    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, MessageField]) -> News:
         gauge, last, now = self._robot.gauges[place], self.gauges[place], self._clock.monotonic()
         value = read(fields["value"], message)
         reading = number(value, *_range(gauge))
@@ -238,7 +278,7 @@ class Telemetry:
         period, grace = self._measured(place, now), self._grace(place)
         new = Reading(gauge, reading, now, period, unreadable, grace)
         self.gauges = (*self.gauges[:place], new, *self.gauges[place + 1 :])
-        self._heard(gauge.topic, _news(last, new, *_GAUGE))
+        return _news(last, new, *_GAUGE)
 
     def _measured(self, key: object, now: float) -> float | None:
         self._periods[key] = self._periods.get(key, Period()).heard(now)
@@ -265,6 +305,13 @@ def _news(last: object, new: object, words: attrgetter[Any], numbers: attrgetter
     if words(last) != words(new):
         return News.WORDS
     return News.NONE if numbers(last) == numbers(new) else News.NUMBERS
+
+
+def _is_latched(publishers: Sequence[Any]) -> bool:
+    """Return whether all of them keep their last message for who subscribes later."""
+    return all(
+        info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers
+    )
 
 
 def _given(fields: Any) -> dict[str, MessageField]:

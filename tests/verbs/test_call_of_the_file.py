@@ -180,9 +180,7 @@ def test_a_call_of_the_stop_is_a_stop_where_lines_are_read(words: list[str]) -> 
         ("call e_stop e_stop_on=", False),
     ],
 )
-def test_a_call_with_the_stops_request_is_a_stop_as_it_is_read(
-    words: str, is_stop: bool
-) -> None:
+def test_a_call_with_the_stops_request_is_a_stop_as_it_is_read(words: str, is_stop: bool) -> None:
     assert read_as_stop(words.split(), E_STOP) == {is_stop}
 
 

@@ -1,0 +1,73 @@
+"""A topic with several readers is subscribed to once: recorded once, counted once."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from std_msgs.msg import Float32
+
+from archo_tui.replay.topics import Topics
+from archo_tui.robot.telemetry import Telemetry
+from archo_tui.robot_file.load import load
+from tests.support.clock import seconds
+from tests.support.quiet import until
+from tests.support.robot import making, robot
+from tests.support.stub import StandingClock
+
+FILE = """
+version: 1
+name: Base
+battery: {topic: level, types: {std_msgs/msg/Float32: {percentage: data}}}
+gauges:
+  - {title: Level, topic: level, type: std_msgs/msg/Float32, field: data, unit: "%"}
+stop: none
+"""
+
+
+class Talker(Node):
+    """Publishes at 10 Hz."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("talker", **options)
+        level = self.create_publisher(Float32, "level", 10)
+        self.create_timer(0.1, lambda: level.publish(Float32(data=80.0)))
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    made = here / "base.yaml"
+    made.write_text(FILE)
+    return made
+
+
+async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Path) -> None:
+    made: list[Any] = []
+    async with robot(making(made, Talker), robot=file) as it:
+        await until(lambda: it.snapshot.battery.percentage == 80.0)
+        await until(lambda: it.snapshot.gauges[0].value == 80.0)
+        later = seconds() + 3
+        await until(lambda: seconds() > later)
+        rate = it.snapshot.paces["/level"].rate
+        assert rate is not None
+        assert 8.0 < rate < 13.0
+        assert made[0].count_subscribers("level") == 1
+
+
+def test_in_a_replay_both_are_read(file: Path) -> None:
+    topics = Topics({"/level": "std_msgs/msg/Float32"}, "/")
+    heard: list[str] = []
+    telemetry = Telemetry(
+        topics,  # type: ignore[arg-type]
+        load(file),
+        StandingClock(),
+        lambda topic, _: heard.append(topic),
+        lambda _: None,
+    )
+    telemetry.look()
+    topics.callbacks["/level"](Float32(data=80.0))
+    assert telemetry.battery.percentage == 80.0
+    assert telemetry.gauges[0].value == 80.0
+    assert heard == ["level"]
