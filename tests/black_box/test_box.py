@@ -166,7 +166,9 @@ async def test_a_full_disk_is_an_alarm_that_goes_when_there_is_room(
         await op.press("escape")
         assert list(state_file("recordings").iterdir()) == []
         op.session.station.recorder.keep()
-        (recording,) = await recorded(op)
+        await op.at(clock.seconds() + 6.5)
+        await outside(found, "a recording")  # the failure before it stands until then
+        (recording,) = found()
         await op.until(lambda: not op.session.box.trouble)
     assert recording.kept
 
