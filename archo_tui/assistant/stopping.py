@@ -10,6 +10,7 @@ from archo_tui.assistant.link import Link
 from archo_tui.assistant.tool import Hints, Tool
 from archo_tui.remote.client import Unreached
 from archo_tui.robot.text import harmless
+from archo_tui.robot_file.model import NO_STOP
 
 _BY_HAND = "Tell the people at the robot at once to use its hardware stop."
 
@@ -37,6 +38,11 @@ class Stop(Tool):
             return failure("lost", summary, robot)
         robot = {"consoles": [said(result) for result in results]}
         bad = [result["code"] for result in results if result["code"] != "done"]
+        if bad and all(NO_STOP in str(result.get("text")) for result in results):
+            summary = (
+                f"The robot has NO STOP. Cancelling every goal was asked for instead. {_BY_HAND}"
+            )
+            return failure(bad[0], f"{summary}{ignored}", robot)
         if bad:
             summary = (
                 f"STOP was sent and is NOT confirmed: the robot may still move. {_BY_HAND}{ignored}"

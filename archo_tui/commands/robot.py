@@ -99,10 +99,14 @@ class CancelAll(Speak):
 
 
 class StopNow(Speak):
-    key, footer = "ctrl+x", "STOP"
+    key = "ctrl+x"
     where = EVERYWHERE
     insists = True  # never dropped: the robot may only just have been found
     every = 0.5
+
+    def __init__(self, verb: Verb) -> None:
+        super().__init__(verb)
+        self.footer = "STOP" if verb.service else "Cancel all"
 
     def run(self, console: Console) -> Work | None:
         stops = console.station.robot.stops

@@ -97,6 +97,7 @@ class Robot:
         self.file = file
         self._secrets = secrets or SecretNames()
         self._clock, self._happened = clock, happened
+        self._begun = clock.monotonic()
         self.stops = stops = Stops()
         self._mailbox = Mailbox()
         self._log = EventLog()
@@ -191,17 +192,36 @@ class Robot:
     # verbs
 
     async def emergency_stop(self) -> Outcome:
-        """Stop at once; stays stopped until released."""
-        stop = self.file.stop
-        if stop is None:
-            return Outcome(Code.NOT_OFFERED, f"{self.file.name} {model.NO_STOP}")
+        """Stop at once; stays stopped until released.
 
-        command = self._offers.call_command(stop.service, stop.request)
+        A robot whose file names no STOP has every goal cancelled, which is never called a STOP:
+        the outcome's code is that of what is not offered.
+        """
+        stop = self.file.stop
         self.stops.overtaken = False
         try:
+            if stop is None:
+                return await self._cancel_for_want_of_stop()
+            command = self._offers.call_command(stop.service, stop.request)
             return await self._do("stop", {}, "STOP", command, lambda _: self._stopping.send())
         finally:
             self.stops.answered = self.stops.count
+
+    async def _cancel_for_want_of_stop(self) -> Outcome:
+        """Cancel every goal of every action on the graph, for a robot that has no STOP."""
+
+        async def cancel(_: Gate) -> Outcome:
+            everything, found = self._graph.actions, self._begun + FIRST_FOUND
+            outcome = await self._goals.cancel_all(everything, found)
+            said = f"{self.file.name} {model.NO_STOP}"
+            return Outcome(Code.NOT_OFFERED, f"{said} (this is not a STOP: {outcome.text})")
+
+        return await self._do("stop", {}, "cancel every goal", self._cancel_commands(), cancel)
+
+    def _cancel_commands(self) -> str:
+        """Return the `ros2` command lines that cancel every goal of the robot file's actions."""
+        names = [self._offers.full(kind.action) for kind in self.file.goals]
+        return "; ".join(ros2_command.cancel(name) for name in names)
 
     async def release_emergency_stop(self) -> Outcome:
         """Allow moves again; none resumes by itself."""
@@ -326,13 +346,11 @@ class Robot:
 
     async def cancel_all(self) -> Outcome:
         """Ask to cancel every goal of the robot's actions, whoever sent it."""
-        names = [self._offers.full(kind.action) for kind in self.file.goals]
-        command = "; ".join(ros2_command.cancel(name) for name in names)
         return await self._do(
             "cancel",
             {"all": True},
             "cancel every goal",
-            command,
+            self._cancel_commands(),
             lambda _: self._goals.cancel_all(),
         )
 

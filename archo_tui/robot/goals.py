@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import uuid
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from action_msgs.msg import GoalStatus
@@ -66,6 +66,7 @@ class _Action:
         `since` is the time now, in s since the epoch.
         """
         self._node, self.kind, self.since = node, kind, since
+        self.name = str(node.resolve_service_name(kind.action))  # fully qualified
         self.told: set[bytes] | None = None  # the goals in its last status
         self.type = message_classes.load(kind.type)  # None: not installed here, all else works
         if self.type is None:
@@ -343,21 +344,32 @@ class Goals:
             Code.REFUSED, "the robot rejected the cancel: the goal continues or has ended"
         )
 
-    async def cancel_all(self) -> Outcome:
-        """Ask every action that is known to cancel whatever it runs, whoever sent it."""
-        served = [action for action in self._actions.values() if action.is_served]
-        if not served:
+    async def cancel_all(self, others: Iterable[str] = (), until: float = 0.0) -> Outcome:
+        """Ask every action that is known to cancel whatever it runs, whoever sent it.
+
+        All of them at once: one that does not answer keeps no other from its cancel.
+
+        Args:
+            others: The full names of further actions that are asked.
+            until: Monotonic time in s until which servers that are not found yet are waited for.
+        """
+        asked: dict[str, Any] = {}
+        while True:
+            for name in (*others, *(action.name for action in self._known if action.is_served)):
+                if name not in asked:
+                    asked[name] = self._task(self._cancel_every, name)
+            is_found = all(action.is_served for action in self._known)
+            if is_found or self._clock.monotonic() >= until:
+                break
+            await self._services.pause(_FIND_PERIOD)
+        if not asked:
             return Outcome(Code.NOT_OFFERED, "no action is offered by any node")
         taken, silent = 0, []
-        for action in served:
-            name = f"{action.kind.action}/_action/cancel_goal"
-            # no goal id and no time mean all
-            answers = await self._services.call_all(
-                CancelGoal, name, CancelGoal.Request(), action.servers, services.DEADLINE
-            )
-            if len(answers) < action.servers:
-                silent.append(action.kind.action)
-            taken += sum(len(answer.goals_canceling) for answer in answers)
+        for name, task in asked.items():
+            cancelling, is_answered = await task
+            taken += cancelling
+            if not is_answered:
+                silent.append(name)
         if silent:
             waited = f"{services.DEADLINE:g} s"
             return Outcome(
@@ -366,6 +378,28 @@ class Goals:
         if not taken:
             return Outcome(Code.REFUSED, "none was cancelled")
         return Outcome(Code.ACCEPTED, f"cancelling {taken} {'goal' if taken == 1 else 'goals'}")
+
+    @property
+    def _known(self) -> list[_Action]:
+        """The actions whose type is installed here."""
+        return [action for action in self._actions.values() if action.type is not None]
+
+    async def _cancel_every(self, action: str) -> tuple[int, bool]:
+        """Ask an action to cancel all its goals.
+
+        Returns:
+            How many it cancels, and whether all its servers have answered.
+        """
+        name = f"{action}/_action/cancel_goal"
+        servers = max(self._node.count_services(name), 1)
+        answers = await self._services.call_all(
+            CancelGoal,
+            name,
+            CancelGoal.Request(),  # no goal id and no time mean all
+            servers,
+            services.DEADLINE,
+        )
+        return sum(len(answer.goals_canceling) for answer in answers), len(answers) >= servers
 
     async def _in_time(self, future: Any) -> Any:
         """The answer to a cancel, None after the deadline; a rejection that comes later is said."""
@@ -517,8 +551,8 @@ class Goals:
                 self._ended(goal, _end_of(goal))
         self._changed(goal.phase != before.phase)
 
-    def _task(self, function: Callable[..., Any], *arguments: Any) -> None:
-        self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
+    def _task(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        return self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
 
     def _future(self) -> Future[bool]:
         return Future(executor=self._node.executor)

@@ -17,6 +17,8 @@ class StopNow(Verb):
     def __init__(self, stop: model.Stop | None) -> None:
         self.service = "" if stop is None else stop.service
         self.request = {} if stop is None else stop.request
+        if stop is None:
+            self.help = "Cancel every goal at once; the robot has no STOP: use the hardware stop"
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return await station.robot.emergency_stop()

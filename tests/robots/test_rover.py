@@ -112,8 +112,13 @@ async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
 async def test_without_a_stop_the_header_says_so_and_the_key_too() -> None:
     async with rover() as (op, _):
         assert "no STOP" in op.line(" Rover ")
+        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
+        await op.until("m left of")
         await op.press("ctrl+x")
         await op.until("Rover has no STOP: use the hardware stop")
+        await op.until("this is not a STOP")
+        await op.until("✗ CANCELLED")
+        assert "STOPPED" not in op.text
 
 
 async def test_a_gauge_beyond_its_limit_is_an_alarm() -> None:

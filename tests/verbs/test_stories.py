@@ -369,7 +369,6 @@ async def test_what_a_robot_does_not_have_is_said(here: Path) -> None:
         "events": "no events yet\n",
         "history": "nothing yet\n",
         "status": "motion the robot file names no motion\ngoal the robot file names no goal\n",
-        "stop": "failed: stop: Bare has no STOP: use the hardware stop\n",
         "release": "failed: release: Bare has no service to release a stop\n",
         "go 1": "failed: go: no command 'go' (help lists them)\n",
         "undo": "failed: undo: nothing to undo\n",
@@ -379,6 +378,10 @@ async def test_what_a_robot_does_not_have_is_said(here: Path) -> None:
     assert code == 1
     for told in lines.values():
         assert told in said, said
+    code, said = await plain("stop\n", robot=here / "bare.yaml", only=True)
+    assert code == 1
+    why = "Bare has no STOP: use the hardware stop (this is not a STOP: no action is offered"
+    assert f"failed: stop: {why} by any node)\n" in said
 
 
 async def test_a_nodes_log_level_is_shown_set_and_unset() -> None:

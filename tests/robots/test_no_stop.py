@@ -1,0 +1,121 @@
+"""A robot whose file names no STOP: its key cancels every goal, and never calls that a STOP."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("depot_interfaces")
+
+from action_msgs.srv import CancelGoal
+from depot_interfaces.action import Dock
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+
+import archo_tui
+from archo_tui.robot.client import Robot
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Phase
+from archo_tui.robot_file.load import load
+from tests.robots.rover import Rover
+from tests.support.plain import operated
+from tests.support.quiet import ended, until
+from tests.support.robot import making, robot
+from tests.support.shells import served, typed
+
+FILE = Path(__file__).with_name("rover.yaml")
+GO = load(FILE).goals[0]
+THERE = {"target.pose.position.x": 9.0, "target.pose.position.y": 0.0}
+NONE = "Rover has no STOP: use the hardware stop (this is not a STOP: "
+
+
+async def moving(it: Robot) -> None:
+    """Have the rover drive."""
+    await until(lambda: {"go_to", "dock", "undock"} <= it.snapshot.offered)
+    turned = {"target.pose.orientation": 0.0}
+    assert (await ended(it.send(GO, {**THERE, **turned}))).ok
+    await until(lambda: phase_of(it) is Phase.MOVING)
+
+
+def phase_of(it: Robot) -> Phase | None:
+    return None if it.snapshot.goal is None else it.snapshot.goal.phase
+
+
+async def test_every_goal_is_cancelled_and_that_is_called_no_stop() -> None:
+    async with robot(Rover, robot=FILE) as it:
+        await moving(it)
+        it.stops.read()
+        outcome = await ended(it.emergency_stop())
+        assert outcome == (Code.NOT_OFFERED, f"{NONE}cancelling 1 goal)")
+        await until(lambda: phase_of(it) is Phase.CANCELLED)
+        assert it.stops.are_answered
+        assert not it.snapshot.is_stopped
+
+
+class Silent(Node):
+    """Serves an action that the robot file does not name, and answers no cancel."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("silent", **options)
+        self.asked = 0
+        self.awake: Future[bool] = Future()
+        group, impl = ReentrantCallbackGroup(), Dock.Impl
+        self.create_publisher(impl.FeedbackMessage, "asleep/_action/feedback", 10)
+        self.create_service(impl.SendGoalService, "asleep/_action/send_goal", lambda *_: None)
+        name = "asleep/_action/cancel_goal"
+        self.create_service(CancelGoal, name, self.cancel, callback_group=group)
+
+    async def cancel(self, _: Any, response: Any) -> Any:
+        self.asked += 1
+        await self.awake
+        return response
+
+
+async def test_a_server_that_does_not_answer_keeps_no_other_goal_running() -> None:
+    made: list[Silent] = []
+    async with robot(Rover, making(made, Silent), robot=FILE) as it:
+        await moving(it)
+        await until(lambda: "/asleep" in it.snapshot.actions)
+        it.stops.read()
+        stop = asyncio.ensure_future(it.emergency_stop())
+        await until(lambda: phase_of(it) is Phase.CANCELLED)
+        assert not stop.done()
+        outcome = await ended(stop)
+        assert outcome.text == f"{NONE}no answer to the cancel in 2 s: /asleep)"
+        assert made[0].asked == 1
+        made[0].awake.set_result(True)
+
+
+async def test_goals_that_wait_are_held_behind_it() -> None:
+    made: list[Rover] = []
+    async with operated(making(made, Rover), robot=FILE) as person:
+        person.type("go x=1 y=2 yaw=0\ngo x=3 y=4 yaw=0\n")
+        await person.until("goal MOVING")
+        person.type("stop\n")
+        await person.until(f"failed: stop: {NONE}cancelling 1 goal)")
+        await person.until("goal CANCELLED")
+        await person.until("held")
+        assert [target.pose.position.x for target in made[0].heard] == [1.0]
+        assert await person.end("") == 1
+
+
+@pytest.mark.real_time
+async def test_a_shell_and_python_are_told_that_it_was_no_stop() -> None:
+    async with served(Rover, robot=FILE):
+        said = await typed("stop")
+        assert said.code != 0
+        assert f"{NONE}none was cancelled)" in said.err
+
+        def stop() -> str:
+            with archo_tui.connect() as rover:
+                try:
+                    rover.stop()
+                except archo_tui.NotDone as failed:
+                    return str(failed)
+            return "stopped"
+
+        assert f"{NONE}none was cancelled)" in await asyncio.to_thread(stop)
