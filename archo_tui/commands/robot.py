@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from archo_tui.commands.base import EVERYWHERE, Command, Console, Speak, Work
@@ -129,7 +130,10 @@ class Skip(Speak):
 
 
 class Give(Speak):
-    """A command of the robot file; a toggle inverts what the robot says of itself."""
+    """A command of the robot file; a toggle inverts what the robot says of itself.
+
+    Where the robot does not say it, a person says which way: a guess could be the wrong one.
+    """
 
     once = True
 
@@ -144,11 +148,29 @@ class Give(Speak):
         self.footer = "" if given.is_about("battery") else given.title.split()[0]
 
     def run(self, console: Console) -> Work | None:
-        is_on = any(_reading(console, name) for name in self._on.given.toggle.values())
-        return console.speak(self._off if is_on and self._off is not None else self._on, {})
+        if self._off is None:
+            return console.speak(self._on, {})
+        (name,) = self._on.given.toggle.values()
+        is_on = _reading(console, name)
+        if is_on is None:
+            self._ask(console, name, self._off)
+            return None
+        return console.speak(self._off if is_on else self._on, {})
+
+    def _ask(self, console: Console, reading: str, off: services.Give) -> None:
+        title = self._on.given.title
+        question = f"The robot does not report {reading}: {title} or {off.title}?"
+        answers = {verb.title: partial(console.speak, verb, {}) for verb in (self._on, off)}
+        console.confirm(title, question, "Leave it", answers)
 
 
-def _reading(console: Console, name: str) -> bool:
-    """What a toggle inverts: `battery.charging`, `motion.moving`, `motion.stopped`."""
+def _reading(console: Console, name: str) -> bool | None:
+    """Return what a toggle inverts, None when nobody reports it.
+
+    Args:
+        console: Shows what was heard last.
+        name: `battery.charging`, `motion.moving` or `motion.stopped`.
+    """
     topic, _, reading = name.partition(".")
-    return bool(getattr(getattr(console.view.snapshot, topic), reading))
+    found: bool | None = getattr(getattr(console.view.snapshot, topic), reading)
+    return found

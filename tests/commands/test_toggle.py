@@ -1,0 +1,82 @@
+"""A toggle whose reading nobody reports: a person says which way."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.node import Node
+from std_srvs.srv import SetBool
+
+from tests.support.console import Console, console
+
+FILE = """
+name: Lamp
+battery: {topic: b, types: {std_msgs/msg/Float32: {percentage: data}}}
+commands:
+  - {id: light, title: Light, key: l, service: light, ask: ASK, toggle: {data: battery.charging}}
+"""
+
+
+class Lamp(Node):
+    """`asked` holds what it was sent."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("lamp", **options)
+        self.asked: list[bool] = []
+        self.create_service(SetBool, "light", self.light)
+
+    def light(self, request: Any, response: Any) -> Any:
+        self.asked.append(request.data)
+        response.success = True
+        return response
+
+
+@asynccontextmanager
+async def lamp(folder: Path, ask: str = "never") -> AsyncIterator[tuple[Console, Lamp]]:
+    file, made = folder / "lamp.yaml", list[Lamp]()
+    file.write_text(FILE.replace("ASK", ask))
+
+    def make(**given: Any) -> Lamp:
+        made.append(Lamp(**given))
+        return made[-1]
+
+    async with console(robot=file, node_makers=[make], wait=False) as op:
+        await op.until(lambda: "light" in op.app.view.snapshot.offered)
+        yield op, made[0]
+
+
+@pytest.mark.parametrize(
+    ("keys", "sent"), [(("right", "enter"), [True]), (("right", "right", "enter"), [False])]
+)
+async def test_it_is_asked_on_or_off(here: Path, keys: tuple[str, ...], sent: list[bool]) -> None:
+    async with lamp(here) as (op, node):
+        await op.press("l")
+        await op.until("The robot does not report battery.charging: Light or Light off?")
+        assert node.asked == []
+        await op.press(*keys)
+        await op.until(lambda: node.asked == sent)
+
+
+async def test_the_safe_answer_changes_nothing(here: Path) -> None:
+    async with lamp(here) as (op, node):
+        await op.press("l")
+        await op.until("Light or Light off?")
+        await op.press("enter")
+        await op.settle()
+        assert "Light or Light off?" not in op.text
+        assert node.asked == []
+
+
+async def test_what_the_command_asks_is_asked_behind_it(here: Path) -> None:
+    async with lamp(here, "always") as (op, node):
+        await op.press("l")
+        await op.until("Light or Light off?")
+        await op.press("right", "right", "enter")
+        await op.until("Light off now?")
+        assert node.asked == []
+        await op.press("y")
+        await op.until(lambda: node.asked == [False])
