@@ -461,11 +461,11 @@ class Robot:
         return found
 
     def _way(self, kind: model.GoalKind) -> float | None:
-        """The length of the whole way to a goal, where a node of the robot has it."""
-        link = None if kind.remaining is None else kind.remaining.length
-        if link is None:
-            return None
-        return linked(self._parameters.all(), self._graph.namespace, link, 0.0, FARTHEST)
+        """Return the length of the whole way to a goal; None: it is not known."""
+        length = None if kind.remaining is None else kind.remaining.length
+        if isinstance(length, model.Link):
+            return linked(self._parameters.all(), self._graph.namespace, length, 0.0, FARTHEST)
+        return length
 
     async def _call(self, name: str, fields: Mapping[str, Any], gate: Gate) -> Outcome:
         """Call a service with the type that its server has, if its request is what is meant."""

@@ -10,10 +10,21 @@ from archo_tui.robot_file.model import MessageField
 _INT64 = 2**63
 
 
-def read(field: MessageField | None, message: Any) -> Any:
-    """What the field of a robot file says about a message; None when there is no such field."""
-    if field is None:
-        return None
+Fields = MessageField | tuple[MessageField, ...]  # of one reading
+
+
+def read(given: Fields | None, message: Any) -> Any:
+    """Return what a robot file makes of a message; None when there is no such field.
+
+    Of several fields: true when one of them is, false when all of them are.
+    """
+    if isinstance(given, tuple):
+        flags = [flag(_read(field, message)) for field in given]
+        return True if True in flags else None if None in flags else False
+    return None if given is None else _read(given, message)
+
+
+def _read(field: MessageField, message: Any) -> Any:
     value = message
     for name in field.field.split("."):
         value = getattr(value, name, None)

@@ -38,6 +38,7 @@ class Battery(NamedTuple):
     period: float | None = 1.0  # s; None before two readings
     unreadable: str = ""  # what came instead of a percentage
     grace: float | None = UNMEASURED  # s of silence before the period is known; None: any
+    discharging: bool | None = None  # None: whenever it does not charge
 
     def is_old(self, now: float) -> bool:
         """True when nothing was heard for three of its periods."""
@@ -470,7 +471,9 @@ class Snapshot(NamedTuple):
     def threshold(self) -> float | None:
         """The charge (%) below which it is low, as the robot has it; None: it says nothing."""
         low = None if self.file.battery is None else self.file.battery.low
-        return None if low is None else linked(self.parameters, self.namespace, low, 0.0, 100.0)
+        if isinstance(low, Link):
+            return linked(self.parameters, self.namespace, low, 0.0, 100.0)
+        return low
 
     @property
     def time_factor(self) -> float | None:

@@ -15,11 +15,11 @@ from archo_tui.clock import Clock
 from archo_tui.robot import message_classes, messages
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.period import LEAST_SILENCE, UNMEASURED, Period
-from archo_tui.robot.readings import as_received, flag, integer, number, read
+from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read
 from archo_tui.robot.state import Battery, Motion, Reading, in_namespace
 from archo_tui.robot.text import harmless
 from archo_tui.robot_file import check
-from archo_tui.robot_file.model import Gauge, MessageField, RobotFile
+from archo_tui.robot_file.model import Gauge, RobotFile, fields_of
 
 _DEPTH = 10
 _SAMPLE_PERIOD = 1.0  # s between two samples of the charge that are kept
@@ -29,7 +29,7 @@ _MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V, m/s; beyond that it is not a reading
 _MOST = 1e15  # of a gauge without a range: so many digits a double has
 
 _BATTERY = (
-    attrgetter("charging", "health", "period", "unreadable"),
+    attrgetter("charging", "discharging", "health", "period", "unreadable"),
     attrgetter("percentage", "voltage"),
 )
 _MOTION = attrgetter("moving", "stopped", "period"), attrgetter("count", "speed")
@@ -52,8 +52,8 @@ class _Reader(NamedTuple):
 
     key: object  # "battery", "motion", or the place of a gauge
     topic: str  # as in the robot file
-    types: Mapping[str, Mapping[str, MessageField]]  # the fields to read, by message type
-    callback: Callable[[Any, Mapping[str, MessageField]], News]
+    types: Mapping[str, Mapping[str, Fields]]  # the fields to read, by message type
+    callback: Callable[[Any, Mapping[str, Fields]], News]
 
 
 class _Subscription(NamedTuple):
@@ -229,7 +229,7 @@ class Telemetry:
         subscription = self._node.listen_quietly(message_classes.load(kind), topic, on_message, qos)
         self._subscriptions[key] = made._replace(subscription=subscription)
 
-    def _on_battery(self, message: Any, fields: Mapping[str, MessageField]) -> News:
+    def _on_battery(self, message: Any, fields: Mapping[str, Fields]) -> News:
         assert self._robot.battery is not None
         topic = self._robot.battery.topic
         found = {name: read(field, message) for name, field in fields.items()}
@@ -244,6 +244,7 @@ class Telemetry:
             percentage=reading,
             voltage=number(found.get("voltage"), 0.0, _MOST_VOLTS),
             charging=flag(found.get("charging")),
+            discharging=flag(found.get("discharging")),
             health=harmless(str(found.get("health") or "")) or None,
             received=now,
             period=self._fixed(self._robot.battery) or self._measured("battery", now),
@@ -253,7 +254,7 @@ class Telemetry:
         self._sample(now, turned=charging != self.battery.charging)
         return _news(last, self.battery, *_BATTERY)
 
-    def _on_motion(self, message: Any, fields: Mapping[str, MessageField]) -> News:
+    def _on_motion(self, message: Any, fields: Mapping[str, Fields]) -> News:
         assert self._robot.motion is not None
         found = {name: read(field, message) for name, field in fields.items()}
         now, last = self._clock.monotonic(), self.motion
@@ -268,7 +269,7 @@ class Telemetry:
         )
         return _news(last, self.motion, *_MOTION)
 
-    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, MessageField]) -> News:
+    def _on_gauge(self, place: int, message: Any, fields: Mapping[str, Fields]) -> News:
         gauge, last, now = self._robot.gauges[place], self.gauges[place], self._clock.monotonic()
         value = read(fields["value"], message)
         reading = number(value, *_range(gauge))
@@ -314,16 +315,17 @@ def _is_latched(publishers: Sequence[Any]) -> bool:
     )
 
 
-def _given(fields: Any) -> dict[str, MessageField]:
+def _given(fields: Any) -> dict[str, Fields]:
     """The readings that a message type has, by name."""
     return {name: field for name, field in vars(fields).items() if field is not None}
 
 
-def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, MessageField]) -> str:
+def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
     """Why a type cannot be read: not installed, or without a field that the robot file names."""
     if message_class is None:
         return check.missing(topic, kind)
-    wanted = [(field.where, field.field) for field in fields.values()]
+    named = [field for given in fields.values() for field in fields_of(given)]
+    wanted = [(field.where, field.field) for field in named]
     return check.fields_fault(kind, wanted, messages.paths(message_class))
 
 

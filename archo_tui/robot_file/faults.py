@@ -6,7 +6,16 @@ import re
 from collections.abc import Iterator
 
 from archo_tui.robot_file import reserved
-from archo_tui.robot_file.model import GoalKind, Limit, Link, MessageField, RobotFile, Service, Stop
+from archo_tui.robot_file.model import (
+    GoalKind,
+    Limit,
+    Link,
+    MessageField,
+    RobotFile,
+    Service,
+    Stop,
+    fields_of,
+)
 
 _NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as rclpy takes them
 _TYPE = re.compile(r"\w+/(msg|srv|action)/\w+", re.ASCII)
@@ -90,16 +99,19 @@ def _readings(robot: RobotFile) -> Faults:
         if topic.period is not None and topic.period <= 0:
             yield topic.where, f"period is {topic.period:g}: a time in s, above 0"
         for fields in topic.types.values():
-            for field in vars(fields).values():
-                yield from _field(field)
-    low = None if robot.battery is None else robot.battery.low
-    if low is not None and low.otherwise is not None and not 0 <= low.otherwise <= 100:
-        yield low.where, f"otherwise is {low.otherwise:g}: a charge is within 0 .. 100"
+            for name, given in vars(fields).items():
+                for field in fields_of(given):
+                    yield from _field(field)
+                if given == ():
+                    yield topic.where, f"{name} is empty: name a reading, or leave it out"
+    if robot.battery is not None:
+        low = _number(robot.battery.low)
+        if low is not None and not 0 <= low <= 100:
+            where, name = _place(robot.battery.where, "low", robot.battery.low)
+            yield where, f"{name} is {low:g}: a charge is within 0 .. 100"
 
 
-def _field(field: MessageField | None) -> Faults:
-    if field is None:
-        return
+def _field(field: MessageField) -> Faults:
     if field.scale == 0:
         yield field.where, "scale is 0: every reading would be the same"
     if field.equals is not None and field.beyond is not None:
@@ -130,6 +142,11 @@ def _number(limit: Limit) -> float | None:
     return limit.otherwise if isinstance(limit, Link) else limit
 
 
+def _place(where: str, name: str, limit: Limit) -> tuple[str, str]:
+    """Return where a limit's number stands, and what it is called there."""
+    return (limit.where, "otherwise") if isinstance(limit, Link) else (where, name)
+
+
 def _goal(goal: GoalKind) -> Faults:
     labels = set()
     for path, given in goal.form.items():
@@ -143,9 +160,11 @@ def _goal(goal: GoalKind) -> Faults:
                 yield given.where, f"{other} is a part of {path}: give one of them"
         if path in goal.fixed:
             yield given.where, f"{path} is both in the form and fixed: give one of them"
-    length: Link | None = None if goal.remaining is None else goal.remaining.length
-    if length is not None and length.otherwise is not None and length.otherwise <= 0:
-        yield length.where, f"otherwise is {length.otherwise:g}: a length is above 0"
+    if goal.remaining is not None:
+        length = _number(goal.remaining.length)
+        if length is not None and length <= 0:
+            where, name = _place(goal.remaining.where, "length", goal.remaining.length)
+            yield where, f"{name} is {length:g}: a length is above 0"
 
 
 def _stop(stop: Stop) -> Faults:

@@ -33,6 +33,13 @@ class MessageField:
     where: str = _where()
 
 
+def fields_of(given: MessageField | tuple[MessageField, ...] | None) -> tuple[MessageField, ...]:
+    """Return the fields of a message that a reading is made of."""
+    if given is None:
+        return ()
+    return given if isinstance(given, tuple) else (given,)
+
+
 @dataclass(frozen=True)
 class Link:
     """A number that a node of the robot holds as a parameter."""
@@ -43,7 +50,7 @@ class Link:
     where: str = _where()
 
 
-Limit = float | Link | None  # of what may be typed; None: there is none
+Limit = float | Link | None  # None: there is none
 
 
 @dataclass(frozen=True)
@@ -53,6 +60,9 @@ class BatteryFields:
     percentage: Annotated[MessageField, "the charge: 0 .. 100 %"]
     voltage: Annotated[MessageField | None, "V"] = None
     charging: Annotated[MessageField | None, "true while it charges"] = None
+    discharging: Annotated[
+        MessageField | None, "true while it discharges; left out: whenever it does not charge"
+    ] = None
     health: Annotated[
         MessageField | None, "the battery's own word; what it means is in `health`"
     ] = None
@@ -64,7 +74,10 @@ class MotionFields:
 
     count: Annotated[MessageField | None, "a whole number that is counted: encoder ticks"] = None
     speed: Annotated[MessageField | None, "the speed, in its own unit"] = None
-    moving: Annotated[MessageField | None, "true while it moves"] = None
+    moving: Annotated[
+        MessageField | tuple[MessageField, ...] | None,
+        "true while it moves; of several readings while one of them is true",
+    ] = None
     stopped: Annotated[MessageField | None, "true while the software stop is latched"] = None
 
 
@@ -77,7 +90,9 @@ class BatteryTopic:
         Mapping[str, BatteryFields],
         "the fields, by message type; a topic of another type is not used",
     ]
-    low: Annotated[Link | None, "%; a charge below it is low"] = None
+    low: Annotated[
+        Limit, "%; a charge below it is low; or a parameter: `{node, parameter, otherwise}`"
+    ] = None
     health: Annotated[
         Mapping[str, Literal["good", "low", "replace"]], "what the battery's words mean"
     ] = field(default_factory=dict)
@@ -129,7 +144,9 @@ class Remaining:
     field: Annotated[str, "its dotted path in the feedback"]
     unit: Annotated[str, "what is shown behind it"] = ""
     length: Annotated[
-        Link | None, "of the whole way; without it, and while no node has it, the first remainder"
+        Limit,
+        "of the whole way; or a parameter: `{node, parameter, otherwise}`; "
+        "without it, and while no node has it, the first remainder",
     ] = None
     where: str = _where()
 

@@ -121,6 +121,10 @@ def _one_of(kinds: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
     if type(None) in kinds and _is_none(node):
         return None
     kinds = tuple(kind for kind in kinds if kind is not type(None))
+    lists = tuple(kind for kind in kinds if get_origin(kind) is tuple)
+    if lists:
+        is_list = isinstance(node, yaml.SequenceNode)
+        kinds = lists if is_list else tuple(kind for kind in kinds if kind not in lists)
     if len(kinds) > 1:  # a record stands in lines, all else in a word
         in_lines = isinstance(node, yaml.MappingNode)
         kinds = tuple(kind for kind in kinds if is_dataclass(kind) == in_lines)

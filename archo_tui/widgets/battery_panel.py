@@ -76,6 +76,9 @@ def _trend(snapshot: Snapshot, now: float, width: int) -> Spans:
         return (("not within 0 .. 100 %", WARN),)
     if battery.charging is None:
         return (("charging: not reported", OLD),)
+    if not battery.charging and battery.discharging is False:
+        neither = "neither charging nor discharging"
+        return ((neither if len(neither) <= width else "not charging", PLAIN),)
     does = "charging" if battery.charging else "discharging"
     empty = battery.percentage is not None and battery.percentage <= 0 and not battery.charging
     end = "" if empty else trend.end_text(snapshot.charge, charging=battery.charging)

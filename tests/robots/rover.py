@@ -12,6 +12,8 @@ from rclpy.action import ActionServer, CancelResponse
 from rclpy.node import Node
 from rclpy.task import Future
 
+FULL = 4  # POWER_SUPPLY_STATUS_FULL of sensor_msgs/msg/BatteryState
+
 
 def accept(_: Any) -> CancelResponse:
     return CancelResponse.ACCEPT
@@ -24,6 +26,7 @@ class Rover(Node):
         super().__init__("rover", **options)
         self.heard: list[Any] = []
         self.celsius, self.docked, self.speed = 31.5, False, 0.3
+        self.is_full, self.turning = False, 0.0
         self._left = 0.0
         self._goal: Any = None
         self._end: Any = None
@@ -36,9 +39,12 @@ class Rover(Node):
 
     def _tick(self) -> None:
         status = Charge.STATUS_CHARGING if self.docked else Charge.STATUS_DISCHARGING
+        if self.is_full:
+            status = FULL
         said = Charge(fraction=0.75, volts=14.5, status=status, celsius=self.celsius)
         self._battery.publish(said)
         odometry = Odometry()
+        odometry.angular.z = self.turning
         odometry.linear.x = self.speed if self._goal is not None else 0.0
         self._odometry.publish(odometry)
         if self._goal is not None:

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,9 +14,10 @@ from archo_tui.cli import SUBCOMMANDS
 from archo_tui.commands import registry
 from archo_tui.errors import ArchoError
 from archo_tui.plain.plain import help_text
+from archo_tui.robot.readings import read
 from archo_tui.robot_file import reserved
 from archo_tui.robot_file.load import default, load
-from archo_tui.robot_file.model import Link, RobotFile
+from archo_tui.robot_file.model import Link, MessageField, RobotFile
 from archo_tui.robot_file.save import dump
 from archo_tui.verbs import verbs
 from tests.robots.mutated import mutated
@@ -110,6 +113,7 @@ def test_a_mistake_names_its_line(tmp_path: Path, text: str, line: int, said: st
 BATTERY = "battery:\n  topic: a\n  types: {a/msg/B: {percentage: {field: p, CHANGED}}}\n"
 LOW = "battery:\n  topic: a\n  low: CHANGED\n  types: {a/msg/B: {percentage: p}}\n"
 GOAL = "goals:\n- {id: a, title: t, action: a, type: a/action/B}\n- {id: b, title: t, action: a, type: a/action/B,\n   CHANGED}\n"
+MOVING = "motion:\n  topic: a\n  types: {a/msg/B: {moving: CHANGED}}\n"
 STOP = "stop: {service: halt, CHANGED}\n"
 COMMAND = "commands:\n  - {id: a, title: t, service: s, CHANGED}\n"
 TOGGLE = "commands:\n- {id: a, title: t, service: s}\n- {title: t, service: s, toggle: {on: motion.moving}, CHANGED}\n"
@@ -145,9 +149,15 @@ GAUGE = "gauges:\n  - {title: t, topic: a, type: a/msg/B, field: f, CHANGED}\n"
         (BATTERY, "beyond: -1", 3, "beyond is -1: it must not be negative"),
         (LOW, "{node: n, parameter: p, otherwise: 500}", 3, "otherwise is 500: a charge is within 0 .. 100"),
         (LOW, "{node: n, parameter: p, otherwise: -1}", 3, "otherwise is -1"),
-        (LOW, "word", 3, "expected lines like 'name: value'"),
+        (LOW, "word", 3, "low: expected a number, not word"),
+        (LOW, "101", 2, "low is 101: a charge is within 0 .. 100"),
+        (LOW, "-0.5", 2, "low is -0.5: a charge is within 0 .. 100"),
         (LOW, "none\n  period: 0", 2, "period is 0: a time in s, above 0"),
         (GOAL, "remaining: {field: f, length: {node: n, parameter: p, otherwise: 0}}", 4, "a length is above 0"),
+        (GOAL, "remaining: {field: f, length: 0}", 4, "length is 0: a length is above 0"),
+        (MOVING, "[]", 2, "moving is empty"),
+        (MOVING, "[{field: x, beyond: -1}]", 3, "beyond is -1: it must not be negative"),
+        (MOVING, "[x, {beyond: 1}]", 3, "field is missing"),
         (STOP, "release: halt", 1, "release is the service that stops, halt: give it a release_request of its own"),
         (STOP, "release: /halt", 1, "release is the service that stops"),
         (STOP, "request: {on: true}, release: halt, release_request: {on: true}", 1, "release is the service"),
@@ -235,6 +245,48 @@ def test_a_limit_of_a_form_is_a_number_or_a_parameter(tmp_path: Path) -> None:
     assert (x.low, x.high, y.low) == (1.0, Link("n", "p", 9.0), Link("n", "p", 9.0))
     file.write_text(dump(robot))
     assert load(file) == robot
+
+
+def test_every_limit_of_a_file_is_a_number_or_a_parameter(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    link = Link("n", "p", 9.0)
+    for text, meant in (("20", 20.0), ("{node: n, parameter: p, otherwise: 9}", link)):
+        left = f"    remaining: {{field: f, length: {text}}}\n"
+        file.write_text(LOW.replace("CHANGED", text) + ONE_GOAL + left)
+        robot = load(file)
+        assert robot.battery is not None
+        assert robot.goals[0].remaining is not None
+        assert robot.battery.low == robot.goals[0].remaining.length == meant
+        file.write_text(dump(robot))
+        assert load(file) == robot
+
+
+def test_moving_is_one_reading_or_several(tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    one, other = MessageField("x"), MessageField("y", beyond=0.1)
+    for text, meant in (
+        ("x", one),
+        ("{field: x}", one),
+        ("[x, {field: y, beyond: 0.1}]", (one, other)),
+    ):
+        file.write_text(MOVING.replace("CHANGED", text))
+        robot = load(file)
+        assert robot.motion is not None
+        assert robot.motion.types["a/msg/B"].moving == meant
+        file.write_text(dump(robot))
+        assert load(file) == robot
+
+
+@pytest.mark.parametrize(
+    ("values", "moving"),
+    [((0.0, 0.0), False), ((0.5, 0.0), True), ((0.0, -0.5), True), ((math.nan, 0.5), True)],
+)
+def test_of_several_readings_one_is_enough_to_move(
+    values: tuple[float, float], moving: bool
+) -> None:
+    fields = tuple(MessageField(name, beyond=0.1) for name in ("x", "y"))
+    assert read(fields, SimpleNamespace(x=values[0], y=values[1])) is moving
+    assert read(fields, SimpleNamespace(x=0.0, y=math.nan)) is None
 
 
 def test_quotes_keep_a_text_that_would_be_no_value(tmp_path: Path) -> None:

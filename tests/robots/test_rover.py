@@ -109,6 +109,43 @@ async def test_it_docks_and_undocks_by_keys_of_its_file() -> None:
         await op.until("undock succeeded: is_docked false")
 
 
+async def test_a_full_battery_on_its_dock_is_not_called_discharging() -> None:
+    async with rover() as (op, node):
+        await op.until("discharging")
+        node.is_full = True
+        await op.until("neither charging nor discharging")
+        assert "empty in" not in op.text
+
+
+async def test_turning_on_the_spot_is_moving() -> None:
+    async with rover() as (op, node):
+        await op.until("● IDLE")
+        node.turning = -0.4
+        await op.until("▶ MOVING")
+        assert "0.00 m/s" in op.text
+        node.turning = 0.0
+        await op.until("● IDLE")
+
+
+async def test_a_charge_below_a_number_of_the_file_is_low(tmp_path: Path) -> None:
+    file = tmp_path / "rover.yaml"
+    link = "{node: bms, parameter: none_such, otherwise: 25.0}"
+    file.write_text(FILE.read_text().replace(link, "80"))
+    async with rover(file) as (op, _):
+        await op.until("▲ LOW")
+        await op.until("low 80")
+        await op.until("LOW BATTERY")
+
+
+async def test_a_way_whose_length_the_file_says_has_its_bar(tmp_path: Path) -> None:
+    file = tmp_path / "rover.yaml"
+    remaining = "remaining: {field: distance_remaining, unit: m"
+    file.write_text(FILE.read_text().replace(remaining, f"{remaining}, length: 20"))
+    async with rover(file) as (op, _):
+        await op.press("g", *"1.5", "enter", *"-2", "enter", *"90", "enter")
+        await op.until("m left of 20.0 m")
+
+
 async def test_without_a_stop_the_header_says_so_and_the_key_too() -> None:
     async with rover() as (op, _):
         assert "no STOP" in op.line(" Rover ")
@@ -141,7 +178,7 @@ async def test_a_field_that_the_type_has_not_is_said_with_file_and_line(tmp_path
         fault = (
             "depot_interfaces/action/GoTo Goal has no field target.pose.x (nearest: target.pose)"
         )
-        await op.until(lambda: f"{file}:25: {fault}" in op.app.view.snapshot.faults.values())
+        await op.until(lambda: f"{file}:26: {fault}" in op.app.view.snapshot.faults.values())
         await op.press("g", "1", "enter", "1", "enter", "1", "enter", "1", "enter")
         await op.until("target.pose.x (nearest")
         assert op.app.view.snapshot.goal is None
