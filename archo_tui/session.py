@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 from archo_tui import __version__, engine
 from archo_tui.clock import LAST_STAMP, Clock
-from archo_tui.embedded.parameter_files import Override
+from archo_tui.embedded.parameter_files import Override, matches
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.hosting.watch import Watch, Watched
@@ -258,6 +258,8 @@ class Session:
         return watched
 
     def _give_up(self) -> None:
+        if hasattr(self, "host"):  # the threads of the nodes that were made wait to spin them
+            self.host.stop()
         self.journal.close()
         self._shutdown()
 
@@ -299,7 +301,7 @@ class Session:
             self.host.add(make)
         if self.options.node_makers:
             return
-        taken = {hosted.node.get_name() for hosted in self.host.nodes}
+        taken = {hosted.name.rpartition("/")[2] for hosted in self.host.nodes}
         # rclpy's own: of one process DDS allows one type a topic; or interfaces of the user's own
         name, expected = "the robot's own nodes", (RuntimeError, ImportError, AttributeError)
         try:
@@ -329,8 +331,11 @@ class Session:
     def start(self) -> None:
         """Start everything."""
         declared = {
-            hosted.name: set(hosted.node.list_parameters([], 0).names) for hosted in self.host.nodes
+            hosted.name: set(hosted.node.list_parameters([], 0).names)
+            for hosted in self.host.nodes
+            if hosted.is_made
         }
+        late = [hosted.name for hosted in self.host.nodes if not hosted.is_made]
         self.robot.start()
         self.host.start()
         self._watch.start()
@@ -341,7 +346,8 @@ class Session:
                 self.robot.note("WARN", file.path.name, file.not_run)
         for line in self._mistakes:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
-        for line in files.unknown(self._users(), declared):
+        users = [o for o in self._users() if not any(matches(o.pattern, name) for name in late)]
+        for line in files.unknown(users, declared):
             self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"

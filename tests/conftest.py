@@ -202,8 +202,7 @@ def _time(request: pytest.FixtureRequest) -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine a node of real ROS 2 may take seconds to construct."""
-    for module in ("node_files", "host"):
-        monkeypatch.setattr(f"archo_tui.hosting.{module}.CONSTRUCTION_TIME", 30.0)
+    monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", 30.0)
 
 
 @pytest.fixture(autouse=True, scope="session")

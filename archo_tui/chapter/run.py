@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 from archo_tui import engine
+from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.session import Options, Session
 
@@ -44,8 +45,13 @@ def run(
             domain_id=None,
         )
         with Session(given) as session:
-            from archo_tui.chapter.check import check  # not before the engine is chosen
+            # not before the engine is chosen
+            from archo_tui.chapter.check import check
+            from archo_tui.hosting import host
 
+            late = session.host.wait_longer(host.CONSTRUCTION_TIME)
+            if late:
+                raise ArchoError(late[0])
             return check(session, _RADIUS, printed, say)
 
 

@@ -6,7 +6,7 @@ from functools import partial
 
 from archo_tui.commands.base import IN_PANEL, NODES, Command, Console, Work
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import Hosted, Life
+from archo_tui.robot.state import Hosted
 from archo_tui.station.station import View
 from archo_tui.words.nodes import NodeRow, node_rows
 
@@ -45,7 +45,7 @@ class StartStop(_InNodes):
 
     def run(self, console: Console) -> Work | None:
         hosted = self._selected(console)
-        return self.speak(console, "start" if hosted.life != Life.UP else "halt", hosted)
+        return self.speak(console, "halt" if hosted.life.is_running else "start", hosted)
 
 
 class Copy(_InNodes):

@@ -20,22 +20,21 @@ _of_thread: ContextVar[Executor] = ContextVar("global executor")
 
 
 class GlobalExecutor(SingleThreadedExecutor):
-    """The global executor of a node whose `main()` spins an executor of its own."""
+    """The global executor of one hosted node."""
 
-    def __init__(self, context: Context, on_take: Callable[[Node], None]) -> None:
+    def __init__(self, context: Context, on_add: Callable[[Node], None]) -> None:
         """Make it.
 
         Args:
             context: The rclpy context of the node.
-            on_take: Called, in the thread that spins, with a node that another executor loses.
+            on_add: Called, in the thread that spins, before a node is added.
         """
         super().__init__(context=context)
-        self._on_take = on_take
+        self._on_add = on_add
 
     def add_node(self, node: Node) -> bool:
-        """Add a node as rclpy does, and report one that another executor had."""
-        if node.executor not in (None, self):
-            self._on_take(node)
+        """Add a node as rclpy does, and report it first."""
+        self._on_add(node)
         return super().add_node(node)
 
 

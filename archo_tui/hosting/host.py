@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 import time
 from collections.abc import Callable, Coroutine, Mapping, Sequence
-from contextvars import copy_context
 from functools import partial
 from itertools import count
 from traceback import extract_stack
-from typing import Any, NoReturn, TypeVar
+from typing import Any, NoReturn
 
 import rclpy
 from rclpy.action import get_action_server_names_and_types_by_node
@@ -22,8 +22,8 @@ import archo_tui
 from archo_tui.errors import in_one_line
 from archo_tui.hosting import global_executor
 from archo_tui.hosting.global_executor import GlobalExecutor
-from archo_tui.hosting.limited import Interrupted, interrupt, run_limited
-from archo_tui.hosting.node_files import CONSTRUCTION_TIME, FileNode, NodeFile, NodeFileError
+from archo_tui.hosting.limited import Interrupted, interrupt, raise_in, run_limited, stack_of
+from archo_tui.hosting.node_files import FileNode, NodeFile, NodeFileError
 from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps
 from archo_tui.hosting.workers import Workers, multi_threaded
@@ -32,14 +32,16 @@ from archo_tui.robot.fields import filled
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 
-T = TypeVar("T")
-
+CONSTRUCTION_TIME = 2.0  # s that a node of a file may take to be made before others are started
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
 END_TIMEOUT = 1.5  # s for all of them when the console ends
+_LOCKED = 0.05  # s between two looks whether a node is stopped that waits for the others
 
 
 class HostedNode:
-    """One node and the thread that spins it."""
+    """One node and the thread that constructs and spins it."""
+
+    node: Node  # once it is made
 
     def __init__(
         self,
@@ -47,44 +49,151 @@ class HostedNode:
         context: Context,
         on_change: Callable[[HostedNode], None],
         on_event: Callable[[str, str, str], None],
+        on_late: Callable[[HostedNode], None],
+        on_early: Callable[[HostedNode], object],
         rename: str = "",
     ) -> None:
-        """Construct the node: what its constructor raises comes out here.
+        """Begin to construct the node; `wait` tells what comes of it.
 
         Args:
             make: Makes the node, given the context.
             context: The rclpy context of the node.
             on_change: Called, in the node's thread, when the node has crashed.
             on_event: Called from the node's threads with level, source and text.
+            on_late: Called, in the node's thread, when it is made and `wait` has given it up.
+            on_early: Called, in the node's thread, before its constructor spins it.
             rename: The name of the node; "" for the one that it gives itself.
         """
         self.make, self._context, self._rename = make, context, rename
-        self._on_event = on_event
-        self._global = self._global_executor()
-        options = {"cli_args": ["--ros-args", "-r", f"__node:={rename}"]} if rename else {}
-        construct = partial(make, context=context, **options)
-        self.node: Node = copy_context().run(self._in_its_thread, construct)
-        self.name: str = self.node.get_fully_qualified_name()
+        self._on_change, self._on_event = on_change, on_event
+        self._on_late, self._on_early = on_late, on_early
         self.file = make.file if isinstance(make, FileNode) else None
-        self.state = Hosted(self.name, serves=_served(self.node))
+        self.kept: Callable[[str], Mapping[str, Any]] = lambda _: {}
+        self._global = GlobalExecutor(context, self._added)
+        self._executor: Executor = self._global
+        self._workers: Workers | None = None
+        self._begun: list[Node] = []  # a node of a file whose constructor runs, or has run
+        self._name = ""  # once it is made
+        self._name_before = "/" if self.file is None else f"/{self.file.path.stem}"
+        self.state = Hosted(self.name, Life.STARTING)
         if self.file is not None:
             named, saved = self.file.path.name, self.file.saved
             self.state = self.state._replace(file=named, saved=saved)
-        self._on_change = on_change
         self._stopping = False
         self._was_taken = False
         self.crash = ""  # FILE:LINE and what it raised
-        self._executor, self._workers = self._main_executor()
+        self._failure: BaseException | None = None  # of the constructor
+        self._is_late = False
+        self._lock = threading.Lock()
+        self._has_returned = False  # the constructor
+        self._is_over = threading.Event()  # all that is to be done before the node is spun
+        self._may_spin = threading.Event()
+        # what the constructor prints is known by the name of the thread
+        name = "construction" if self.file is None else f"/{self.file.path.stem}"
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    @property
+    def name(self) -> str:
+        """Fully qualified; of a node that has none yet the name of its file."""
+        if self._name:
+            return self._name
+        for node in self._begun:
+            with contextlib.suppress(Exception):  # how far its constructor is nobody knows
+                self._name_before = node.get_fully_qualified_name()
+        return self._name_before
+
+    @property
+    def is_made(self) -> bool:
+        """True when its constructor has returned."""
+        return bool(self._name)
+
+    @property
+    def is_late(self) -> bool:
+        """True when it was not made in time: it is started when it is made."""
+        return self._is_late
+
+    @property
+    def is_stopping(self) -> bool:
+        """True when the thread is to end."""
+        return self._stopping
+
+    def look(self) -> Hosted:
+        """Return how the node is doing; of one that starts, where its constructor is."""
+        state = self.state
+        if state.life is not Life.STARTING or self.file is None:
+            return state
+        where, line = self.file.place(stack_of(self._thread))
+        said = in_its_file(self.file, f"{where}{line}")
+        return state._replace(name=self.name, error=said)
+
+    def wait(self) -> bool:
+        """Wait until the node is made. Raises what its constructor raises.
+
+        Returns:
+            False when a node of a file takes longer than CONSTRUCTION_TIME; it goes on.
+        """
+        if not self._is_over.wait(None if self.file is None else CONSTRUCTION_TIME):
+            with self._lock:
+                self._is_late = not self._is_over.is_set()
+        if self._failure is not None and not self._is_late:
+            raise self._failure
+        return not self._is_late
+
+    def lateness(self) -> str:
+        """Return where the constructor of a node of a file is, which takes its time."""
+        assert isinstance(self.make, FileNode)
+        where, line = self.make.file.place(stack_of(self._thread))
+        limit = f"{CONSTRUCTION_TIME:g} s"
+        return f"{where}: {self.make.kind}.__init__ did not return within {limit}{line}"
+
+    def wait_longer(self, seconds: float) -> str:
+        """Wait for a node that is late.
+
+        Returns:
+            Where its constructor is, or what it raised; "" when the node is made.
+        """
+        self._is_over.wait(seconds)
+        if self._failure is not None:
+            return str(self._failure)
+        return "" if self._is_over.is_set() else self.lateness()
+
+    def _run(self) -> None:
+        """Construct the node, and spin it once that is allowed."""
+        global_executor.use(self._global)
+        with contextlib.suppress(Interrupted):  # it is stopped as it is constructed
+            try:
+                self._construct()
+            except Exception as error:
+                self._failure = error
+            self._thread.name = f"waiting {self.name}"  # no spinning thread's: those begin with /
+            with self._lock:
+                self._is_over.set()
+            if self._failure is not None:
+                if self._is_late and not self._stopping:
+                    self._crashed(self._failure)
+                return
+            if self._is_late:
+                self._on_late(self)
+            self._may_spin.wait()
+            self._spin()
+
+    def _construct(self) -> None:
+        options: dict[str, Any] = {}
+        if self._rename:
+            options["cli_args"] = ["--ros-args", "-r", f"__node:={self._rename}"]
+        if isinstance(self.make, FileNode):
+            options["begun"] = self._begun.append
+        self.node = self.make(context=self._context, **options)
+        self._has_returned = True
+        name = self.node.get_fully_qualified_name()
+        self._executor, self._workers = self._main_executor(name)
         self._executor.add_node(self.node)
-        self._thread = threading.Thread(target=self._spin, name=self.name, daemon=True)
+        serves = _served(self.node)
+        self.state = self.state._replace(name=name, life=Life.UP, serves=serves)
+        self._name = name
 
-    def _global_executor(self) -> Executor:
-        """Return what `rclpy.spin` and its like use in the node's code."""
-        if isinstance(self.make, FileNode) and self.make.has_executor:
-            return GlobalExecutor(self._context, self._taken)
-        return SingleThreadedExecutor(context=self._context)
-
-    def _main_executor(self) -> tuple[Executor, Workers | None]:
+    def _main_executor(self, name: str) -> tuple[Executor, Workers | None]:
         """Return what spins the node as `main()` does, and its threads if there are several.
 
         Where `main()` calls `rclpy.spin(node)`, that is the global executor.
@@ -94,11 +203,15 @@ class HostedNode:
         if self.make.threads is None:
             return SingleThreadedExecutor(context=self._context), None
         begin = partial(global_executor.use, self._global)
-        return multi_threaded(self._context, self.make.threads, self.name, begin)
+        return multi_threaded(self._context, self.make.threads, name, begin)
 
-    def _in_its_thread(self, work: Callable[[], T]) -> T:
-        global_executor.use(self._global)
-        return work()
+    def _added(self, node: Node) -> None:
+        """Look at a node that its own code is about to spin, by `rclpy.spin` and its like."""
+        if not self._is_over.is_set():
+            if self._begun and not self._has_returned:
+                self._on_early(self)
+        elif node.executor not in (None, self._global):
+            self._taken(node)
 
     def _taken(self, node: Node) -> None:
         """Warn that a nested spin takes the node from the executor of `main()`, as on ROS 2."""
@@ -112,7 +225,17 @@ class HostedNode:
 
     def start(self) -> None:
         """Begin to spin."""
-        self._thread.start()
+        self._thread.name = self.name
+        self._may_spin.set()
+
+    def serves(self, service: str) -> bool:
+        """Return whether the node has that service, also while it is constructed."""
+        return self._service(service) is not None
+
+    def _service(self, name: str) -> Any:
+        nodes = [self.node] if self.is_made else self._begun
+        services = [service for node in nodes for service in node.services]
+        return next((found for found in services if found.service_name == name), None)
 
     def take_stop(self, service: str, request: Mapping[str, Any]) -> str:
         """Have a node that does not spin yet carry out a STOP.
@@ -124,7 +247,7 @@ class HostedNode:
         Returns:
             Why that is not confirmed; empty: it is.
         """
-        served = next(found for found in self.node.services if found.service_name == service)
+        served = self._service(service)
         kind = served.srv_type
 
         def stop() -> Any:
@@ -149,25 +272,40 @@ class HostedNode:
 
     def again(self) -> HostedNode:
         """Another node of the same kind and name, as it was at the start."""
-        return HostedNode(self.make, self._context, self._on_change, self._on_event, self._rename)
+        told = self._on_change, self._on_event, self._on_late, self._on_early
+        return HostedNode(self.make, self._context, *told, self._rename)
 
     def _spin(self) -> None:
-        global_executor.use(self._global)
         try:
             while not self._stopping and self._context.ok():
                 self._executor.spin_once()
         except (ExternalShutdownException, Interrupted):
             return
         except BaseException as error:  # SystemExit, too: it ends the node, not the console
-            said = in_one_line(error)
-            report = own_frames(error, rclpy, archo_tui)
-            if self.file is not None:
-                self.crash = self.file.said(error)[0]
-                said = in_its_file(self.file, self.crash)
-            self.state = self.state._replace(life=Life.CRASHED, error=said, traceback=report)
+            self._crashed(error)
+
+    def _crashed(self, error: BaseException) -> None:
+        said = in_one_line(error)
+        report = own_frames(error, rclpy, archo_tui)
+        if isinstance(error, NodeFileError):
+            self.crash, report = str(error), error.report
+        elif self.file is not None:
+            self.crash = self.file.said(error)[0]
+        if self.file is not None:
+            said = in_its_file(self.file, self.crash)
+        name = self.name
+        self.state = self.state._replace(name=name, life=Life.CRASHED, error=said, traceback=report)
+        self._leave_graph()
+        self._on_change(self)
+
+    def _leave_graph(self) -> None:
+        if self.is_made:
             self._executor.remove_node(self.node)
             _destroy(self.node)
-            self._on_change(self)
+        else:  # as far as it was made
+            for node in self._begun:
+                with contextlib.suppress(Exception):
+                    _destroy(node)
 
     def threads(self) -> list[threading.Thread]:
         """Those that run: the one that spins, and its workers'."""
@@ -175,9 +313,15 @@ class HostedNode:
         return [thread for thread in (self._thread, *workers) if thread.is_alive()]
 
     def begin_to_stop(self) -> None:
-        """Have the thread end when the callback returns that it runs, or spins in itself."""
+        """Have the thread end when the callback returns that it runs, or spins in itself.
+
+        A constructor is interrupted.
+        """
         self._stopping = True
+        self._may_spin.set()
         if self._thread.is_alive():
+            if not self.is_made:
+                raise_in(self._thread)
             self._global.create_task(_end_spinning)
             if self._executor is not self._global:
                 self._executor.create_task(lambda: None)
@@ -190,21 +334,21 @@ class HostedNode:
         while (threads := self.threads()) and time.monotonic() < end:
             threads[0].join(max(end - time.monotonic(), 0.0))
         if self.threads():
-            self.state = self.state._replace(life=Life.STUCK)
+            self.state = self.state._replace(name=self.name, life=Life.STUCK)
             return False
         self._executor.shutdown(0)
         if self._global is not self._executor:
             self._global.shutdown(0)
-        _destroy(self.node)
+        if self.is_made:
+            _destroy(self.node)
         if self.state.life != Life.CRASHED:
-            self.state = self.state._replace(life=Life.STOPPED)
+            self.state = self.state._replace(name=self.name, life=Life.STOPPED, error="")
         return True
 
     def abandon(self) -> bool:
         """Take a node off the graph whose callback does not return; False when that goes on."""
         ended = all([interrupt(thread) for thread in self.threads()])
-        self._executor.remove_node(self.node)
-        _destroy(self.node)
+        self._leave_graph()
         return ended
 
 
@@ -268,30 +412,52 @@ class Host:
         self._on_event, self._on_end = on_event, on_end
         self._stop_to_tell, self._told_stop = stop_to_tell, told_stop
         self._changing = threading.Lock()
+        self._has_started = False
         self.nodes: list[HostedNode] = []
 
-    def add(self, make: Callable[..., Any]) -> HostedNode:
+    def add(self, make: Callable[..., Any]) -> None:
         """Construct a node; `start()` spins it. Raises what the constructor raises."""
-        hosted = HostedNode(make, self._context, self._crashed, self._on_event)
-        self.nodes.append(hosted)
-        return hosted
+        with self._changing:
+            hosted = self._hosted(make)
+            self._wait(hosted)
+            self.nodes.append(hosted)
+
+    def _hosted(self, make: Callable[..., Any], rename: str = "") -> HostedNode:
+        told = self._crashed, self._on_event, self._made_late, self._tell_stop
+        return HostedNode(make, self._context, *told, rename)
+
+    def _wait(self, hosted: HostedNode) -> None:
+        """Wait for a node, or warn that its constructor waits. Raises what that raises."""
+        if not hosted.wait():
+            self._on_event("WARN", hosted.name.lstrip("/"), hosted.lateness())
 
     def start(self) -> None:
         """Spin every node."""
-        for hosted in self.nodes:
-            hosted.start()
+        with self._changing:
+            self._has_started = True
+            for hosted in self.nodes:
+                if hosted.is_made:
+                    hosted.start()
+
+    def wait_longer(self, seconds: float) -> list[str]:
+        """Wait for the nodes that are late; returns what is wrong with each that is not made."""
+        end = time.monotonic() + seconds
+        late = [hosted for hosted in self.nodes if hosted.is_late]
+        waited = (hosted.wait_longer(max(end - time.monotonic(), 0.0)) for hosted in late)
+        return [wrong for wrong in waited if wrong]
 
     def states(self) -> tuple[Hosted, ...]:
         """How each is doing; from any thread."""
-        return tuple(hosted.state for hosted in self.nodes)
+        return tuple(hosted.look() for hosted in self.nodes)
 
     def start_node(self, name: str) -> Outcome:
         """Construct a stopped or crashed node again and spin it."""
         with self._changing:
             named = [hosted for hosted in self.nodes if hosted.name == name]
-            old = next((h for h in named if h.state.life != Life.UP), named[0])
-            if old.state.life == Life.UP:
-                return Outcome(Code.REFUSED, f"{name} is running")
+            old = next((h for h in named if not h.state.life.is_running), named[0])
+            if old.state.life.is_running:
+                does = "starting" if old.state.life is Life.STARTING else "running"
+                return Outcome(Code.REFUSED, f"{name} is {does}")
             said = f"{name} started"
             if not old.stop():  # it may be stuck; a crashed one releases what it holds
                 said += self._left(old)
@@ -317,10 +483,7 @@ class Host:
             taken = {hosted.name for hosted in self.nodes}
             number = next(n for n in count(2) if f"{first.name}_{n}" not in taken)
             short = f"{first.name.rpartition('/')[2]}_{number}"
-            return self._spin(
-                lambda: HostedNode(kind, self._context, self._crashed, self._on_event, short),
-                f"{short} started",
-            )
+            return self._spin(lambda: self._hosted(kind, short), f"{short} started")
 
     def reload(self, file: NodeFile, kept: Callable[[str], Mapping[str, Any]]) -> None:
         """Run the nodes of a file as it stands now, in place of those of its text before.
@@ -343,7 +506,9 @@ class Host:
             news: list[HostedNode] = []
             try:
                 for make in makers:
-                    news.append(HostedNode(make, self._context, self._crashed, self._on_event))
+                    news.append(self._hosted(make))
+                    news[-1].kept = kept
+                    self._wait(news[-1])
             except Exception as error:  # NodeFileError, or what rclpy says of a name
                 failed = error if isinstance(error, NodeFileError) else NodeFileError(str(error))
                 for new in news:
@@ -354,13 +519,14 @@ class Host:
             for other in [h for h in self.nodes if h not in olds and h.name in names]:
                 other.stop()  # a node of the robot's own, whose place it takes
                 olds.append(other)
-            for new in news:
-                self._set_again(new, kept(new.name))
+            made = [new for new in news if not new.is_late]
+            for new in made:
+                self._set_again(new)
             self.nodes = sorted(
                 [*(hosted for hosted in self.nodes if hosted not in olds), *news],
                 key=lambda hosted: hosted.name,
             )
-            stopped = "".join([self._begin(new).text for new in news])
+            stopped = "".join([self._begin(new).text for new in made])
         if failed is not None:
             self._not_run(news, file, failed)
         else:
@@ -376,27 +542,56 @@ class Host:
         Returns:
             What becomes of the STOP; its text is put behind that the node was started.
         """
-        service, request = self._stop_to_tell()
-        outcome = Outcome(Code.DONE, "")
-        if service in new.state.serves:
-            refusal = new.take_stop(service, request)
-            if refusal:
-                why = f"the STOP is not confirmed by it ({refusal}): use the hardware stop"
-                self._on_event("ERROR", new.name.lstrip("/"), why)
-                outcome = Outcome(Code.NOT_CONFIRMED, f"; {why}")
-            else:
-                self._told_stop(new.name)
-                told = f"; {new.name} was told STOP first, and is stopped"
-                outcome = Outcome(Code.DONE, told)
+        outcome = self._tell_stop(new)
         new.start()
         return outcome
+
+    def _tell_stop(self, new: HostedNode) -> Outcome:
+        """Have a node that was started here carry out a STOP that is not released, if it serves it.
+
+        It also comes before a spin in the node's constructor.
+        """
+        service, request = self._stop_to_tell()
+        if not service or not new.serves(service):
+            return Outcome(Code.DONE, "")
+        refusal = new.take_stop(service, request)
+        if refusal:
+            why = f"the STOP is not confirmed by it ({refusal}): use the hardware stop"
+            self._on_event("ERROR", new.name.lstrip("/"), why)
+            return Outcome(Code.NOT_CONFIRMED, f"; {why}")
+        self._told_stop(new.name)
+        return Outcome(Code.DONE, f"; {new.name} was told STOP first, and is stopped")
+
+    def _made_late(self, hosted: HostedNode) -> None:
+        """Start a node that was not made in time; it may have the name of one of the robot's own.
+
+        In the node's thread: whoever stops the node waits for that, and may hold the lock.
+        """
+        while not self._changing.acquire(timeout=_LOCKED):
+            if hosted.is_stopping:
+                return
+        try:
+            if hosted.is_stopping:
+                return
+            self._set_again(hosted)
+            for other in [h for h in self.nodes if h.file is None and h.name == hosted.name]:
+                other.stop()
+                self.nodes.remove(other)
+                self._gone(other)
+            self._on_event("INFO", hosted.name.lstrip("/"), "its constructor has returned")
+            if self._has_started:
+                self._begin(hosted)
+        finally:
+            self._changing.release()
 
     def _constructed(self, olds: list[HostedNode]) -> list[HostedNode]:
         """Nodes as they were, as far as they still can be."""
         found = []
         for old in olds:
             try:
-                found.append(old.again())
+                again = old.again()
+                self._wait(again)
+                found.append(again)
             except Exception as error:
                 self._on_event(
                     "ERROR", old.name.lstrip("/"), f"cannot be started again: {in_one_line(error)}"
@@ -410,9 +605,9 @@ class Host:
             hosted.state = hosted.state._replace(error=said, traceback=error.report)
         self._on_event("ERROR", file.path.name, f"the saved text does not run: {error}")
 
-    def _set_again(self, hosted: HostedNode, kept: Mapping[str, Any]) -> None:
+    def _set_again(self, hosted: HostedNode) -> None:
         """Parameters of a node that does not spin yet; those that do not fit are said."""
-        for name, value in kept.items():
+        for name, value in hosted.kept(hosted.name).items():
             try:
                 result = run_limited(
                     lambda name=name, value=value: hosted.node.set_parameters(  # type: ignore[misc]
@@ -439,10 +634,13 @@ class Host:
     ) -> Outcome:
         try:
             new = make()
+            self._wait(new)
         except Exception as error:  # whatever the node's constructor raises
             return Outcome(Code.REFUSED, in_one_line(error))
         kept = [hosted for hosted in self.nodes if hosted is not instead_of]
         self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
+        if new.is_late:
+            return Outcome(Code.DONE, f"{said}; {new.lateness()}")
         outcome = self._begin(new)
         return outcome._replace(text=said + outcome.text)
 

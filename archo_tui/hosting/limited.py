@@ -61,15 +61,20 @@ def stack_of(thread: threading.Thread) -> StackSummary:
 
 
 def interrupt(thread: threading.Thread) -> bool:
-    """Have a thread end that runs Python code; False when it does not, as in a long `sleep`.
+    """Have a thread end that runs Python code; False when it does not, as in a long `sleep`."""
+    if thread.ident is not None and thread.is_alive():
+        raise_in(thread)
+        thread.join(_GRACE)
+    return not thread.is_alive()
+
+
+def raise_in(thread: threading.Thread) -> None:
+    """Raise Interrupted in a thread, as soon as it runs Python code.
 
     It is CPython's own means for it: an exception that is raised in another thread
     (https://docs.python.org/3/c-api/threads.html, PyThreadState_SetAsyncExc).
     """
-    if thread.ident is not None and thread.is_alive():
-        import ctypes  # for this alone, which is rarely needed
+    import ctypes  # for this alone, which is rarely needed
 
-        number = ctypes.c_ulong(thread.ident)
-        ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(Interrupted))
-        thread.join(_GRACE)
-    return not thread.is_alive()
+    number = ctypes.c_ulong(thread.ident or 0)
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(Interrupted))

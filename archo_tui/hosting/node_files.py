@@ -22,7 +22,7 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import regular_files
 from archo_tui.errors import ArchoError
-from archo_tui.hosting.limited import TookTooLong, run_limited
+from archo_tui.hosting.limited import Interrupted, TookTooLong, run_limited
 from archo_tui.hosting.main_function import ComputedError, Made, MainFunction, NotRun
 from archo_tui.hosting.source import Source
 from archo_tui.hosting.tracebacks import own_frames
@@ -31,7 +31,6 @@ from archo_tui.hosting.watch import Stamps, stamps
 T = TypeVar("T")
 
 IMPORT_TIME = 10.0  # s that a file may take to be imported
-CONSTRUCTION_TIME = 2.0  # s that a node's constructor may take
 # what rclpy raises without a word
 WORDLESS = {"TypeError": "TypeError: a message of another type is expected here"}
 _OF_INTERFACES = ("_msgs", "_srvs", "_interfaces")  # how packages of messages are named
@@ -55,10 +54,20 @@ class FileNode:
         self.threads = file.source.threads()
         self.has_executor = file.source.has_executor()
 
-    def __call__(self, context: Context, **options: Any) -> Node:
+    @property
+    def kind(self) -> str:
+        """The name of the class."""
+        return self._kind.__name__
+
+    def __call__(self, context: Context, begun: Callable[[Node], None], **options: Any) -> Node:
         """Raises NodeFileError that names file and line for whatever the constructor raises.
 
         A textbook's constructor takes no context: its node is made in the default one.
+
+        Args:
+            context: The rclpy context, for a constructor that takes it.
+            begun: Called with the node before its constructor runs.
+            options: Further arguments, for a constructor that takes them.
         """
         known = inspect.signature(self._kind.__init__).parameters
         takes_all = any(p.kind == p.VAR_KEYWORD for p in known.values())
@@ -70,12 +79,12 @@ class FileNode:
                     "so a copy would have the same name"
                 )
             given = {name: value for name, value in given.items() if name in known}
-        name = f"{self._kind.__name__}.__init__"
         given = self._by_main.keywords | given
-        return self.file.limited(lambda: self._made(given), CONSTRUCTION_TIME, name)
+        return self.file.explained(lambda: self._made(given, begun))
 
-    def _made(self, given: dict[str, Any]) -> Node:
+    def _made(self, given: dict[str, Any], begun: Callable[[Node], None]) -> Node:
         node = self._kind.__new__(self._kind)
+        begun(node)
         try:
             node.__init__(*self._by_main.args, **given)  # type: ignore[misc]
         except BaseException as error:
@@ -250,12 +259,17 @@ class NodeFile:
     def limited(self, work: Callable[[], T], seconds: float, what: str) -> T:
         """The value of `work()`. Raises NodeFileError for what it raises, and when it hangs."""
         try:
-            return run_limited(work, seconds, f"/{self.path.stem}")
-        except ArchoError:
-            raise
+            return self.explained(lambda: run_limited(work, seconds, f"/{self.path.stem}"))
         except TookTooLong as error:
             where, line = self.place(error.stack)
             raise NodeFileError(f"{where}: {what} {error}{line}") from None
+
+    def explained(self, work: Callable[[], T]) -> T:
+        """The value of `work()`. Raises NodeFileError for what it raises."""
+        try:
+            return work()
+        except (ArchoError, Interrupted, TookTooLong):
+            raise
         except BaseException as error:  # SystemExit, too
             raise NodeFileError(*self.said(error)) from None
 

@@ -328,6 +328,12 @@ class Life(Enum):
     STOPPED = "stopped by you"
     CRASHED = "crashed"
     STUCK = "does not stop"
+    STARTING = "starting"  # its constructor has not returned
+
+    @property
+    def is_running(self) -> bool:
+        """True for a node that can be stopped and not be started."""
+        return self in (Life.UP, Life.STARTING)
 
 
 class Hosted(NamedTuple):
@@ -335,7 +341,9 @@ class Hosted(NamedTuple):
 
     name: str  # fully qualified
     life: Life = Life.UP
-    error: str = ""  # what a callback raised; of a node that is up: why its new text does not run
+    # what a callback raised; of a node that is up: why its new text does not run; of one that
+    # starts: the line where its constructor is
+    error: str = ""
     traceback: str = ""
     serves: tuple[str, ...] = ()  # services and actions: a second one of its kind would as well
     file: str = ""  # of the user's own, by its name

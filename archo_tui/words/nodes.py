@@ -37,6 +37,8 @@ class NodeRow(NamedTuple):
             return "✗", f"crashed: {self.hosted.error}", STRONG
         if life == Life.UP and self.hosted is not None and self.hosted.error:
             return "✗", f"not restarted: {self.hosted.error}", STRONG
+        if life == Life.STARTING and self.hosted is not None:
+            return "○", f"{life.value}: {self.hosted.error}", PLAIN
         if life == Life.STUCK:
             return "✗", life.value, STRONG
         if life == Life.STOPPED:

@@ -260,7 +260,7 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     limit = 3.0 if chosen.ENGINE == "embedded" else 8.0
-    monkeypatch.setattr("archo_tui.hosting.node_files.CONSTRUCTION_TIME", limit)
+    monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", limit)
     # while it is waited for it takes all of a core, from other tests too
     monkeypatch.setattr(HostedNode.stop, "__defaults__", (0.5,))
     file = here / "talker.py"
@@ -278,7 +278,9 @@ async def test_a_node_that_hangs_is_said_to_be_stuck_and_replaced(
         looping = talker("pass").replace('super().__init__("talker")', "while True: pass")
         await save(op, file, looping)
         await op.until(lambda: event_with(op, f"Talker.__init__ did not return within {limit:g} s"))
-        await op.until("well again")
+        await op.until("starting: line ")
+        await save(op, file, says("well after all"))
+        await op.until("well after all")
 
 
 @pytest.mark.real_time
