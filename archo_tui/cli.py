@@ -54,7 +54,19 @@ class _Parser(argparse.ArgumentParser):
         )
 
     def error(self, message: str) -> NoReturn:
-        raise ArchoError(f"{message} (see {self.prog} --help)")
+        raise ArchoError(f"{message}{self._nearest(message)} (see {self.prog} --help)")
+
+    def _nearest(self, message: str) -> str:
+        """Return `, nearest: --node` for the first option that is not known."""
+        wrong = message.partition("unrecognized arguments: ")[2].split()
+        typed = next((word.partition("=")[0] for word in wrong if word.startswith("--")), "")
+        if not typed:
+            return ""
+        import difflib
+
+        known = [option for action in self._actions for option in action.option_strings]
+        near = difflib.get_close_matches(typed, known, n=1)
+        return f", nearest: {near[0]}" if near else ""
 
 
 class _Behind(argparse.Action):

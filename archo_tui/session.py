@@ -346,7 +346,8 @@ class Session:
                 self.robot.note("WARN", file.path.name, file.not_run)
         for line in self._mistakes:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
-        users = [o for o in self._users() if not any(matches(o.pattern, name) for name in late)]
+        users = [*self._users(), *files.typed(self.options.ros_args)]
+        users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
         for line in files.unknown(users, declared):
             self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:

@@ -222,13 +222,16 @@ NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
     ("words", "said"),
     [
         ("--no-such", "unrecognized arguments: --no-such (see archo-tui --help)"),
-        ("--nod x.py", "unrecognized arguments: --nod (see archo-tui --help)"),
+        ("--nod x.py", "unrecognized arguments: --nod, nearest: --node (see archo-tui --help)"),
         ("--engine", "argument --engine: expected one argument (see archo-tui --help)"),
         ("chek x.py", f"no command 'chek' (nearest: check), and {NOBODY}"),
         ("--only battery.py", "--only is for the console, not for battery.py"),
         ("check", "the following arguments are required: FILE (see archo-tui check --help)"),
         ("journal x", "unrecognized arguments: x (see archo-tui journal --help)"),
-        ("keys --rob x", "unrecognized arguments: --rob x (see archo-tui keys --help)"),
+        (
+            "keys --rob x",
+            "unrecognized arguments: --rob x, nearest: --robot (see archo-tui keys --help)",
+        ),
         ("keys --engine ros2", "unrecognized arguments: --engine ros2 (see archo-tui keys --help)"),
         ("--plain check x.py", "unrecognized arguments: --plain (see archo-tui check --help)"),
         (

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 from archo_tui.embedded.bounded_yaml import YamlError
 from archo_tui.embedded.parameter_files import Override, matches, read
 from archo_tui.errors import ArchoError
 
+EVERY_NODE = "/**"  # the pattern of what is typed without a node
 _FEW = 3  # nodes of a file that are named one by one
 _PACKAGE = Path(__file__).parent.parent
 
@@ -36,17 +38,33 @@ def load(files: Sequence[Path]) -> list[Override]:
     return overrides
 
 
+def typed(ros_args: Sequence[str]) -> list[Override]:
+    """Return the overrides that are typed: `-p name:=value`, or `-p node:name:=value`."""
+    found = []
+    for option, given in pairwise(ros_args):
+        target, is_one, value = given.partition(":=")
+        if option in ("-p", "--param") and is_one:
+            node, _, name = target.rpartition(":")
+            found.append(Override(node or EVERY_NODE, name, value, f"-p {given}"))
+    return found
+
+
 def unknown(overrides: Iterable[Override], declared: dict[str, set[str]]) -> list[str]:
     """Return a line for each node and parameter that is named and not there, with the nearest.
 
     A file that names more than a few such nodes, as one for a whole stack, gets one line for them.
 
     `declared` holds the parameter names of each fully qualified node name. Files are shared between
-    nodes, so wildcards are never wrong.
+    nodes, so their wildcards are never wrong; what is typed for every node is one node's at least.
     """
     lines = []
     missing: dict[str, dict[str, str]] = {}  # by file: the nodes, and where each is first named
     for override in overrides:
+        if override.pattern == EVERY_NODE and override.where.startswith("-p "):
+            every = {name for names in declared.values() for name in names}
+            if override.name not in every:
+                near = _nearest(override.name, every)
+                lines.append(f"{override.where}: no node has a parameter {override.name}{near}")
         if "*" in override.pattern:
             continue
         nodes = [node for node in declared if matches(override.pattern, node)]

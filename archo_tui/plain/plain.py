@@ -18,14 +18,14 @@ from archo_tui.robot.state import Event, Goal, Phase, Snapshot
 from archo_tui.robot.stops import NOT_SENT, Spared, Void
 from archo_tui.robot.text import safe
 from archo_tui.shutdown import Shutdown
-from archo_tui.station.alarms import Alarm, State, advice
+from archo_tui.station.alarms import Alarm, State
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.requests import EXPIRES, READ
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Question, Values, Verb
 from archo_tui.verbs.called import choose_verb
-from archo_tui.verbs.parse import YES, parse
+from archo_tui.verbs.parse import YES, UnknownVerbError, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
 from archo_tui.words import spoken
@@ -273,6 +273,9 @@ class Plain:
             outcome = await self._do(verb, rest)
         except Void:
             outcome = Outcome(Code.CANCELLED, NOT_SENT)
+        except UnknownVerbError as error:  # whose text names the word
+            self._fail(str(error))
+            return
         except (ArchoError, ValueError) as error:
             outcome = Outcome(Code.MISUSE, str(error))
         if not outcome.ok:
@@ -443,7 +446,7 @@ class Plain:
     def _tell_alarms(self, changed: list[Alarm]) -> None:
         for alarm in changed:
             is_new = alarm.state == State.UNACKNOWLEDGED
-            what = advice(alarm, self._status.ways) if is_new else alarm.name
+            what = self._status.advice(alarm, self._robot.snapshot) if is_new else alarm.name
             self._say(f"alarm {alarm.state.value}: {what}")
 
     def _fail(self, said: str) -> None:

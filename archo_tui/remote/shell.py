@@ -186,7 +186,7 @@ def _unreached(words: Sequence[str], others: Iterable[str], why: str) -> int:
 def _nearest(word: str, others: Iterable[str]) -> str:
     import difflib
 
-    return next(iter(difflib.get_close_matches(word, others, n=1)), "")
+    return next(iter(difflib.get_close_matches(word.lower(), others, n=1)), "")
 
 
 def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
@@ -297,10 +297,7 @@ def _end(result: dict[str, Any], given: _Words, others: Iterable[str] = ()) -> i
     if "--json" in given.flags:
         _print_json(result)
     elif code:
-        said = (
-            _with_nearest(result["text"], given.rest[0], others) if given.rest else result["text"]
-        )
-        _complain(f"{given.rest[0] if given.rest else ''}: {said}".lstrip(": "))
+        _complain(_why_not(result, given.rest, others))
     elif "--help" in given.rest[1:] and not given.stops:
         from archo_tui.remote.verb_help import with_options
 
@@ -312,6 +309,26 @@ def _end(result: dict[str, Any], given: _Words, others: Iterable[str] = ()) -> i
     elif result["text"]:
         _complain(result["text"], prefix="")
     return code
+
+
+def _why_not(result: dict[str, Any], words: Sequence[str], others: Iterable[str]) -> str:
+    """Return why nothing came of what was typed, behind its verb where the text does not name it.
+
+    A console knows nothing of a client's options: the nearest of one that is misspelled is named
+    here.
+    """
+    if not words:
+        return str(result["text"])
+    verb, said = words[0], str(result["text"])
+    if said.startswith(f"no command {verb!r}"):
+        return _with_nearest(said, verb, others)
+    option = next((word for word in words[1:] if word.startswith("--")), "")
+    if result["code"] == "misuse" and option:
+        from archo_tui.remote.verb_help import every_option
+
+        near = _nearest(option, every_option())
+        said += f" (nearest to {option}: {near})" if near else ""
+    return f"{verb}: {said}"
 
 
 def _give_up(console: Speaks, given: _Words) -> int:

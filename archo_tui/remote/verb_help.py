@@ -56,6 +56,13 @@ def with_options(verb: str, line: str, takes: tuple[str, ...] = ()) -> str:
     return f"{line}\n\noptions:\n{options}"
 
 
+def every_option() -> list[str]:
+    """Return the options of all verbs."""
+    own = (option for options in _OF_ONE.values() for option in options)
+    all_of_them = (_JSON, _TO, _TIMEOUT, *_ASKS, *_OF_GOALS, *own)
+    return [name.partition(" ")[0] for name, _ in all_of_them]
+
+
 def options_of(verb: str, takes: tuple[str, ...] = ()) -> tuple[tuple[str, str], ...]:
     """Return the options of a verb, each with what it does."""
     if verb == "stop":

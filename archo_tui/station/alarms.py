@@ -21,7 +21,6 @@ from archo_tui.robot.state import (
     StopAnswer,
     not_offered,
 )
-from archo_tui.robot_file.model import RobotFile
 
 
 class Priority(Enum):
@@ -183,10 +182,15 @@ def advice(alarm: Alarm, given: Mapping[str, str]) -> str:
     return alarm.text + words.format(given[command])
 
 
-def ways(robot: RobotFile, by_id: Mapping[str, str]) -> dict[str, str]:
-    """How to give the commands that `advice` knows, from how each one is given."""
-    charger = next((c.id for c in robot.commands if "battery.charging" in c.toggle.values()), "")
-    found = {"release": by_id.get("release", ""), _CHARGER: by_id.get(charger, "")}
+def ways(snapshot: Snapshot, by_id: Mapping[str, str]) -> dict[str, str]:
+    """Return how to give the commands that `advice` knows; none of those that no node offers."""
+    robot, found = snapshot.file, {}
+    if robot.stop is not None and not snapshot.unavailable(robot.stop.release):
+        found["release"] = by_id.get("release", "")
+    for command in robot.commands:
+        charges = "battery.charging" in command.toggle.values()
+        if charges and not snapshot.unavailable(command.service):
+            found.setdefault(_CHARGER, by_id.get(command.id, ""))
     return {name: way for name, way in found.items() if way}
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
@@ -26,12 +26,21 @@ def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
     return next((full for full in order if full in found), inside)
 
 
+def nearest_hint(word: str, possible: Iterable[str]) -> str:
+    """Return ` (nearest: /motor_controller)`; empty when nothing is alike."""
+    near = difflib.get_close_matches(word, list(possible), n=1)
+    return f" (nearest: {near[0]})" if near else ""
+
+
+def nearest_node(name: str, nodes: Iterable[str]) -> str:
+    """Return the hint of `nearest_hint`, with the node as it is typed: without its first `/`."""
+    return nearest_hint(name.lstrip("/"), [node.lstrip("/") for node in nodes])
+
+
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
     """The type that it has on the graph. Raises ValueError when there is none, or several."""
     if name not in found:
-        near = difflib.get_close_matches(name, found, n=1)
-        hint = f" (nearest: {near[0]})" if near else ""
-        raise ValueError(f"no {what} {name} is on the graph{hint}")
+        raise ValueError(f"no {what} {name} is on the graph{nearest_hint(name, found)}")
     kinds = found[name]
     if len(kinds) != 1:
         raise ValueError(f"{name} has several types: {', '.join(kinds)}")

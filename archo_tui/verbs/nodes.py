@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +12,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import LEVELS, Hosted, Life
 from archo_tui.robot.stops import NOT_SENT
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import full_name
+from archo_tui.verbs.anything import full_name, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
 from archo_tui.words.goal import way
 from archo_tui.words.nodes import node_rows
@@ -63,9 +62,7 @@ class _OfNode(Verb):
         full = full_name(station.robot.snapshot, name, hosted)
         if full in hosted:
             return hosted[full]
-        near = difflib.get_close_matches(full, hosted, 1)
-        hint = f" (nearest: {near[0].lstrip('/')})" if near else ""
-        raise ArchoError(f"{name} does not run in this process{hint}")
+        raise ArchoError(f"{name} does not run in this process{nearest_node(full, hosted)}")
 
     async def run(self, station: Station, values: Values) -> Outcome:
         name: str = values["node"]
@@ -154,9 +151,7 @@ class LogLevel(Verb):
     async def prepare(self, station: Station, values: Values) -> Values:
         name, nodes = self._name(station, values), self._nodes(station)
         if name not in nodes:
-            near = difflib.get_close_matches(name, nodes, 1)
-            hint = f" (nearest: {near[0].lstrip('/')})" if near else ""
-            raise ArchoError(f"no node {name} is on the graph{hint}")
+            raise ArchoError(f"no node {name} is on the graph{nearest_node(name, nodes)}")
         given = {"node": name}
         if "level" in values:
             given["level"] = values["level"].upper()

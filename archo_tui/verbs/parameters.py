@@ -20,7 +20,7 @@ from archo_tui.robot.text import safe
 from archo_tui.robot.values import text_of
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
-from archo_tui.verbs.anything import full_name
+from archo_tui.verbs.anything import full_name, nearest_hint, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
 
 _NODE, _NAME = Argument("node"), Argument("name")
@@ -65,8 +65,14 @@ class _OfOne(Verb):
         return next((p for p in known if (p.node, p.name) == wanted), None)
 
     def missing(self, station: Station, values: Values) -> Outcome:
-        node = self.node(station, values)
-        return Outcome(Code.MISUSE, f"{node} has no parameter {values['name']}")
+        node, name = self.node(station, values), values["name"]
+        snapshot = station.robot.snapshot
+        nodes = {n.name for n in snapshot.nodes} | {p.node for p in snapshot.parameters}
+        if node not in nodes:
+            near = nearest_node(node, nodes)
+            return Outcome(Code.MISUSE, f"no node {node} is on the graph{near}")
+        near = nearest_hint(name, [p.name for p in snapshot.parameters if p.node == node])
+        return Outcome(Code.MISUSE, f"{node} has no parameter {name}{near}")
 
 
 class Get(_OfOne):

@@ -15,13 +15,21 @@ YES = "--yes"  # the answer to what a verb asks
 _TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
 
 
+class UnknownVerbError(ValueError):
+    """No verb has the name that was typed; the text names it, and the nearest."""
+
+
 def named(verbs: Mapping[str, Verb], word: str) -> Verb:
-    """The verb of that name. Raises ValueError that names the nearest."""
+    """Return the verb of that name.
+
+    Raises:
+        UnknownVerbError: There is none.
+    """
     if word in verbs:
         return verbs[word]
-    near = difflib.get_close_matches(word, verbs, n=1)
+    near = difflib.get_close_matches(word.lower(), verbs, n=1)
     hint = f" (nearest: {near[0]})" if near else " (help lists them)"
-    raise ValueError(f"no command {word!r}{hint}")
+    raise UnknownVerbError(f"no command {word!r}{hint}")
 
 
 def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:

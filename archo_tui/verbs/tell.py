@@ -10,7 +10,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.alarms import advice, ways
+from archo_tui.station.alarms import Alarm, advice, ways
 from archo_tui.station.history import SPANS, Quantity, readings
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
@@ -33,7 +33,11 @@ class Status(Verb):
         """`ask` says how a goal is given."""
         self.ask = ask
         names = ("release", *(command.id for command in robot.commands))
-        self.ways = ways(robot, {name: f"type {name}" for name in names})
+        self._typed = {name: f"type {name}" for name in names}
+
+    def advice(self, alarm: Alarm, snapshot: Snapshot) -> str:
+        """What an alarm says, with what can be typed about it now."""
+        return advice(alarm, ways(snapshot, self._typed))
 
     def is_ready(self, station: Station, values: Values) -> bool:
         """True when battery and motion were heard, as far as the robot has them."""
@@ -57,7 +61,7 @@ class Status(Verb):
             *(in_words(gauge_line(reading, now)) for reading in snapshot.gauges),
             f"goal {goal(snapshot, now, self.ask)}",
             *([f"queue {waiting}"] if waiting else []),
-            *(f"alarm {state_of(a)}: {advice(a, self.ways)}" for a in station.view.alarms),
+            *(f"alarm {state_of(a)}: {self.advice(a, snapshot)}" for a in station.view.alarms),
         ]
         return Outcome(Code.DONE, "\n".join(lines))
 

@@ -89,7 +89,7 @@ def banner(view: Shown, width: int) -> Content:
     more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
     more += "   an assistant asks" if view.requests else ""
     keys = {name: f"press {key}" for name, key in view.keys.items() if name not in view.blocked}
-    texts = [advice(alarm, ways(view.snapshot.file, keys)), alarm.text, _terse(alarm.text)]
+    texts = [advice(alarm, ways(view.snapshot, keys)), alarm.text, _terse(alarm.text)]
     if alarm.until is not None:
         text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
         texts = [f"{text}, over at {time_of_day(alarm.until)}"]

@@ -33,6 +33,30 @@ def test_unknown_names_are_said_with_the_nearest(tmp_path: Path) -> None:
     ]
 
 
+def test_what_is_typed_for_every_node_is_known_to_one_at_least() -> None:
+    declared = {"/motor_controller": {"max_speed", "wheel_radius"}, "/dashboard": set[str]()}
+    words = [
+        "-r",
+        "a:=b",
+        "-p",
+        "max_sped:=1",
+        "-p",
+        "max_speed:=1",
+        "--param",
+        "motor_controller:max_sped:=2",
+    ]
+    assert files.unknown(files.typed(words), declared) == [
+        "-p max_sped:=1: no node has a parameter max_sped (nearest: max_speed)",
+        "-p motor_controller:max_sped:=2: /motor_controller has no parameter max_sped "
+        "(nearest: max_speed)",
+    ]
+
+
+async def test_a_misspelled_parameter_behind_ros_args_is_an_event() -> None:
+    async with console("-p", "max_sped:=1") as op:
+        await op.until("-p max_sped:=1: no node has a parameter max_sped (nearest: max_speed)")
+
+
 def test_a_file_of_a_whole_stack_is_one_line(tmp_path: Path) -> None:
     file = tmp_path / "nav2.yaml"
     names = ("amcl", "bt_navigator", "controller_server", "map_server", "planner_server")

@@ -112,6 +112,7 @@ NOBODY = "no console runs here"
         ("dock", 3, f"archo-tui: {NOBODY}"),  # a robot file may have it
         ("relaese", 2, f"archo-tui: no command 'relaese' (nearest: release), and {NOBODY}"),
         ("chek x.py", 2, f"archo-tui: no command 'chek' (nearest: check), and {NOBODY}"),
+        ("gO --help", 2, "archo-tui: no command 'gO' (nearest: go)"),
         ("relaese --help", 2, "archo-tui: no command 'relaese' (nearest: release)"),
         ("stop", 3, f"archo-tui: {NOBODY}"),
         ("stop;", 3, f"archo-tui: {NOBODY}"),
@@ -140,7 +141,7 @@ async def test_help_is_the_same_with_a_console() -> None:
             if verb != "stop":
                 assert (await typed(verb, "--help")).out == f"{of_archo(verb)}\n"
         nearest = await typed("chek", "x.py")
-        assert nearest.err.endswith("chek: no command 'chek' (nearest: check)\n")
+        assert nearest.err.endswith("archo-tui: no command 'chek' (nearest: check)\n")
         assert "STOP" not in person.said
 
 

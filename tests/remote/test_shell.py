@@ -59,8 +59,8 @@ async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
     [
         ("go 99 --wait", 2, "archo-tui: go: Shelf: at most 40, not 99"),
         ("go there", 2, "archo-tui: go: Shelf: not a whole number: there"),
-        ("jmup", 2, "archo-tui: jmup: no command 'jmup' (archo-tui --help lists them)"),
-        ("relaese", 2, "archo-tui: relaese: no command 'relaese' (nearest: release)"),
+        ("jmup", 2, "archo-tui: no command 'jmup' (archo-tui --help lists them)"),
+        ("relaese", 2, "archo-tui: no command 'relaese' (nearest: release)"),
         ("cancel", 1, "archo-tui: cancel: no goal is running"),
         ("release", 1, "archo-tui: release: the robot is not stopped"),
         ("wait", 2, "archo-tui: wait: wait needs idle, arrived, ready, stopped or battery N"),
@@ -68,6 +68,7 @@ async def test_a_goal_that_is_waited_for_ends_with_0_when_it_arrived() -> None:
         ("wait battery 101 --timeout 0", 4, "archo-tui: wait: not yet"),
         ("wait idle --timeout x", 2, "archo-tui: --timeout: not a time in s: x"),
         ("set motor_controller max_speed 9", 2, "archo-tui: set: motor_controller max_speed: "),
+        ("status --jsn", 2, "archo-tui: status: takes no values (nearest to --jsn: --json)"),
         ("status --to 1", 3, "archo-tui: no console 1 runs here"),
         ("wait idle", 0, "idle"),
         ("wait ready", 0, "ready"),

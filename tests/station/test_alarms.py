@@ -29,6 +29,7 @@ from archo_tui.station.alarms import (
     Ringer,
     State,
     conditions,
+    ways,
 )
 from archo_tui.station.history import History
 from archo_tui.station.station import View
@@ -417,3 +418,10 @@ def test_a_grave_alarm_whose_shelf_ends_while_it_holds_rings_again() -> None:
     ):
         board.update({CONTACT_LOST: "lost"}, later, 100 + later)
         assert len(ringer.news(board.all())) == rings
+
+
+def test_a_command_that_no_node_offers_is_not_advised() -> None:
+    typed = {"charge": "type charge", "release": "type release"}
+    assert set(ways(NORMAL, typed).values()) == {"type charge", "type release"}
+    alone = NORMAL._replace(offered=NORMAL.offered - {"set_charging", "release_emergency_stop"})
+    assert ways(alone, typed) == {}

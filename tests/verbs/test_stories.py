@@ -350,7 +350,7 @@ async def test_names_are_typed_with_or_without_the_namespace() -> None:
     assert said.count("YOU console: reset encoder: Encoder reset to zero") == 3
     assert "YOU console: start /wh/dashboard: " in said
     assert [line for line in said.splitlines() if "failed" in line] == [
-        line for line in said.splitlines() if line.endswith("/wh/nosuch has no parameter x")
+        line for line in said.splitlines() if line.endswith("no node /wh/nosuch is on the graph")
     ]
     assert code == 1
 
@@ -370,7 +370,7 @@ async def test_what_a_robot_does_not_have_is_said(here: Path) -> None:
         "history": "nothing yet\n",
         "status": "motion the robot file names no motion\ngoal the robot file names no goal\n",
         "release": "failed: release: Bare has no service to release a stop\n",
-        "go 1": "failed: go: no command 'go' (help lists them)\n",
+        "go 1": "failed: no command 'go' (help lists them)\n",
         "undo": "failed: undo: nothing to undo\n",
         "save x": "failed: save: no node has reported its parameters yet\n",
     }
