@@ -64,6 +64,8 @@ _WORDS = {
 class Commands(Choose):
     """The palette."""
 
+    nothing = "no command matches"
+
     def __init__(self, title: str, list_choices: Callable[[], Sequence[Choice]]) -> None:
         super().__init__(title, list_choices())
         self._list_choices = list_choices

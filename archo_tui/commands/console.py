@@ -132,7 +132,7 @@ class Quiet(Command):
 
 class Suspend(Command):
     id, key = "suspend", "ctrl+z"
-    help = "Suspend to the shell (fg brings it back); the nodes of this process pause meanwhile"
+    help = "Suspend to the shell (fg brings it back); nodes started here pause meanwhile"
     where = EVERYWHERE
 
     def blocked(self, console: Console) -> str:

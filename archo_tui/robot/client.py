@@ -733,7 +733,7 @@ class Robot:
         """How a goal ended; the values of another client's are not on the graph."""
         assert goal.code is not None  # it has ended
         act = Act(*self._as_verb(goal.kind, goal.fields), goal.code)
-        self._add_event(Event(self._clock.now(), "GOAL", "console", text, act=act))
+        self._add_event(Event(self._clock.now(), "GOAL", goal.kind.action, text, act=act))
 
     def _say(self, level: str, text: str) -> None:
         self._add_event(Event(self._clock.now(), level, "console", text))

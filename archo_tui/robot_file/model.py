@@ -202,7 +202,11 @@ class Service:
     title: Annotated[str, "what it is called on the screen"]
     service: Annotated[str, "the service's name"]
     key: Annotated[str, "its key"] = ""
-    help: Annotated[str, "one sentence for the help; else the title"] = ""
+    help: Annotated[
+        str,
+        "one sentence for the help; else the title; of a toggle with `off`, what stands behind "
+        "`, or` is the help of that",
+    ] = ""
     ask: Annotated[
         Literal["moving", "always", "never"],
         "when a question comes first; `moving`: while a goal runs",

@@ -76,6 +76,7 @@ class Choose(Dialog[None]):
     """Escape chooses nothing."""
 
     closes_at_stop = True
+    nothing = "nothing matches"
 
     BINDINGS = [
         ("escape", "close", "Close"),
@@ -93,7 +94,7 @@ class Choose(Dialog[None]):
             stepped=self._step,
         )
         self._rows = Found(
-            _lines, lambda one: one, id="choices", empty="nothing is called so", columns=_columns
+            _lines, lambda one: one, id="choices", empty=self.nothing, columns=_columns
         )
         self._rows.taken = self._take
         self._count = Line(classes="count")

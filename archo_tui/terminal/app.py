@@ -151,7 +151,7 @@ class TerminalApp(App[None]):
         return isinstance(message, events.Key) and message.key == self.stop_key
 
     def stop_typed(self, message: Message) -> None:
-        """Called on the loop by the driver: STOP waits behind nothing."""
+        """Called on the loop by the driver: STOP jumps every queue."""
         if isinstance(message, events.Key):
             try:
                 self._beside.run(self.stop_now, message)

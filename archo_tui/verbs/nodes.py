@@ -1,4 +1,4 @@
-"""The nodes: told, and those of this process started, halted and copied."""
+"""The nodes: listed, and nodes started here: started again, halted and copied."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from archo_tui.words.nodes import node_rows
 
 class Nodes(Verb):
     id, title, tells = "nodes", "Nodes", True
-    help = "List the nodes: how each is doing, and whether it runs in this process"
+    help = "List the nodes: how each is doing, and whether it was started here"
 
     def is_ready(self, station: Station, values: Values) -> bool:
         return bool(station.robot.snapshot.nodes)
@@ -85,7 +85,7 @@ class _OfNode(Verb):
 
 class Start(_OfNode):
     id, title = "start", "Start"
-    help = "Start a node of this process that was stopped or has crashed"
+    help = "Start again a node that was started here, and was stopped or has crashed"
     starts = True
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
@@ -94,7 +94,7 @@ class Start(_OfNode):
 
 class Halt(_OfNode):
     id, title = "halt", "Stop"
-    help = "Stop a node of this process; asks first when the robot needs it now"
+    help = "Stop a node that was started here; asks first when the robot needs it now"
     may_ask = True
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
@@ -114,7 +114,7 @@ class Halt(_OfNode):
 
 class Copy(_OfNode):
     id, title = "copy", "Copy"
-    help = "Run another copy of a node of this process"
+    help = "Run another copy of a node that was started here"
     may_ask = starts = True
 
     def work(self, station: Station) -> Callable[[str], Outcome]:

@@ -93,7 +93,7 @@ class Get(_OfOne):
 
 class Set(_OfOne):
     id, title, acts = "set", "Set a parameter", True
-    help = "Set a parameter; quotes work as in a shell, and two of them are an empty text"
+    help = "Set a parameter; quotes work as in a shell, and empty text is ''"
     arguments = (_NODE, _NAME, Argument("value", rest=True))
 
     def hint(self, station: Station, words: Sequence[str]) -> str:

@@ -24,9 +24,11 @@ class Give(Verb):
         self.id = given.id if on else given.off_word
         self.title = given.title if on else given.off or f"{given.title} off"
         if given.toggle:  # the file's help is of a key, which does both
-            name = given.title.lower()
-            opposite = f"The opposite of {name}" if given.off else f"Switch {name} off"
-            does = given.title if on else opposite
+            undone = f"switch {given.title.lower()} off"
+            if given.off and ", or " in given.help:
+                undone = given.help.rpartition(", or ")[2]
+            undone = undone[:1].upper() + undone[1:]
+            does = given.title if on else undone
         else:
             does = given.help or given.title
         self.help = f"{does}{ASKS[given.ask]}"

@@ -125,7 +125,9 @@ class EventsPanel(Panel):
         return self._rows
 
     def show(self, view: Shown) -> None:
-        self.show_keys(view, f"{self._level} and above, and yours")
+        own = " and nodes" if self._level == "WARN" and any(n.file for n in view.hosted) else ""
+        level = "warnings" if self._level == "WARN" else f"{self._level} and above"
+        self.show_keys(view, f"{level} + your commands{own}")
         if view.snapshot.events is not self._seen:
             self._seen, self._hosted = view.snapshot.events, view.hosted
             self._fill()

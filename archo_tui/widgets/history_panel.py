@@ -50,7 +50,7 @@ def plots(robot: RobotFile) -> tuple[Plot, ...]:
     if robot.motion is not None:
         found.append(Plot("speed", "m/s", 2, "speed", 0.5))
     if remaining is not None:
-        found.append(Plot("left", remaining.unit, 1, "left", 1.0))
+        found.append(Plot("remaining", remaining.unit, 1, "left", 1.0))
     return tuple(found)
 
 

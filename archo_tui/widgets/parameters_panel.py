@@ -91,9 +91,10 @@ class ParametersPanel(Panel):
         self._show_ros_own(view)
 
     def _show_ros_own(self, view: Shown) -> None:
-        """How many parameters of ROS's own are hidden, or shown by the same key."""
-        key, does = view.key("ros_own"), "shown" if self._shows_ros_own else "hidden"
-        text = f"{key} {self._ros_own} of ROS's own {does}".lstrip()
+        """Say in the title how many parameters of every ROS node its key shows, or hides."""
+        key, does = view.key("ros_own"), "hides" if self._shows_ros_own else "shows"
+        noun = "parameter" if self._ros_own == 1 else "parameters"
+        text = f"{key} {does} {self._ros_own} standard {noun}".lstrip()
         note = f"   [not bold $quiet][@click=app.command('ros_own')]{text}[/][/]"
         self.show_title(note if self._ros_own else "")
 

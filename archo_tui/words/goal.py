@@ -117,8 +117,8 @@ def goal_history(
     if waiting:
         return _queue(waiting, held, width, keys)
     if not history:
-        return (("before: none", OLD),)
-    text = f"before: {ended(history[0])}"
+        return (("last goals: none", OLD),)
+    text = f"last goals: {ended(history[0])}"
     for goal in history[1:]:
         longer = f"{text}   {ended(goal)}"
         if len(longer) > width:

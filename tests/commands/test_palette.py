@@ -168,7 +168,9 @@ async def test_a_stop_behind_what_the_palette_opens_voids_it() -> None:
 
 async def test_an_enter_that_finds_nothing_leaves_the_palette_open() -> None:
     async with console(*FAST) as op:
-        op.send("ctrl+p", "#", "enter", "backspace", "n", "o", "r", "d")
+        op.send("ctrl+p", "#", "enter")
+        await op.until("no command matches")
+        op.send("backspace", "n", "o", "r", "d")
         await op.until("Theme nord")
         assert first(op, 1) == ["Theme nord"]
         await op.press("enter")

@@ -29,14 +29,14 @@ def bars(app: App[Any]) -> list[str]:
 
 async def test_parameters_of_every_ros_node_are_hidden_until_they_are_asked_for() -> None:
     async with console(*FAST) as op:
-        await op.until(". 6 of ROS's own hidden")
+        await op.until(". shows 6 standard parameters")
         assert "use_sim_time" not in op.text
         await op.press("4", "full_stop")
-        await op.until(". 6 of ROS's own shown")
+        await op.until(". hides 6 standard parameters")
         assert op.text.count("use_sim_time") == 3
         assert op.text.count("start_type") == 3
         await op.press("full_stop")
-        await op.until("6 of ROS's own hidden")
+        await op.until("shows 6 standard parameters")
         assert "use_sim_time" not in op.text
 
 
@@ -44,7 +44,7 @@ async def test_overrides_of_qos_are_parameters_of_every_ros_node_too() -> None:
     async with console(*FAST) as op:
         node = op.session.host.nodes[1].node
         node.declare_parameter("qos_overrides./battery_level.subscription.depth", 10)
-        await op.until(". 7 of ROS's own hidden")
+        await op.until(". shows 7 standard parameters")
         assert "qos_overrides" not in op.text
 
 
@@ -57,7 +57,7 @@ async def test_what_is_hidden_costs_nothing_while_it_stays_so(
     async with app.run_test(size=(120, 36)):
         quiet = Quiet(app)
         await quiet.settle()
-        assert "1 of ROS's own hidden" in screen_text(app)
+        assert "shows 1 standard parameter" in screen_text(app)
         drawn: list[object] = []
         monkeypatch.setattr(app.main.parameters, "refresh", lambda *_, **__: drawn.append(1))
         app._take(snapshot)
@@ -70,19 +70,19 @@ async def test_what_is_hidden_costs_nothing_while_it_stays_so(
 
 async def test_a_hidden_parameter_that_was_changed_is_shown() -> None:
     async with console(*FAST) as op:
-        await op.until("6 of ROS's own hidden")
+        await op.until("shows 6 standard parameters")
         node = op.session.host.nodes[1].node
         node.set_parameters([Parameter("use_sim_time", value=True)])
         await op.until("true *")
         assert "use_sim_time" in op.line("true *")
-        await op.until("5 of ROS's own hidden")
+        await op.until("shows 5 standard parameters")
 
 
 async def test_a_filter_looks_through_hidden_parameters_too() -> None:
     async with console(*FAST) as op:
         await op.press("4", "slash", *"sim")
         await op.until("use_sim_time")
-        await op.until(lambda: "hidden" not in op.text)
+        await op.until(lambda: "standard" not in op.text)
 
 
 async def test_no_list_has_a_bar_before_somebody_comes_to_it() -> None:

@@ -23,7 +23,7 @@ async def test_a_goal_is_typed_driven_and_arrives() -> None:
         await op.press("enter")
         await op.until("✓ ARRIVED      Arrived at shelf 12, 18.0 m in ")
         assert "100 %" in op.text
-        await op.until("before: ✓ 12 arrived")
+        await op.until("last goals: ✓ 12 arrived")
         assert "go to shelf 12: accepted" in op.text
         sent = next(event for event in op.app.view.snapshot.events if "accepted" in event.text)
         assert sent.command.startswith("ros2 action send_goal /move_to_shelf")
@@ -102,7 +102,7 @@ async def test_a_shelf_that_the_robot_does_not_know_is_refused_in_its_words(
         await op.press("g", "9", "9", "enter")
         await op.until(": shelf 99 is not in 1 .. 40")
         assert re.search(r"✗ REFUSED      at \d\d:\d\d:\d\d: shelf 99", op.text)
-        await op.until("before: ✗ 99 refused")
+        await op.until("last goals: ✗ 99 refused")
 
 
 async def test_what_is_no_shelf_is_said_and_sends_nothing() -> None:
@@ -200,7 +200,7 @@ async def test_a_range_that_refused_a_number_leaves_when_it_changes() -> None:
 async def test_how_a_goal_ended_is_an_event_and_in_the_journal() -> None:
     async with console(*FAST) as op:
         await op.press("g", "1", "2", "enter")
-        await op.until("GOAL   console           Arrived at shelf 12")
+        await op.until("GOAL   move_to_shelf     Arrived at shelf 12")
     kept = [json.loads(line) for line in journal_file().read_text().splitlines()]
     assert [e["text"] for e in kept if e["kind"] == "goal"] == ["Arrived at shelf 12"]
 

@@ -51,6 +51,7 @@ async def test_a_node_of_ones_own_runs_beside_the_robots(here: Path) -> None:
     async with console(node_files=[written(here, GREETER)]) as op:
         await op.until("hello from my own node")
         await op.until("● greeter")
+        await op.until("warnings + your commands and nodes")
         await op.press("r")
         await op.until("Encoder reset to zero")
 

@@ -134,13 +134,13 @@ async def test_a_way_that_becomes_known_is_shown_at_once_and_while_it_is() -> No
         quiet = Quiet(app)
         send(app, "h")
         await quiet.settle()
-        assert "left -- m" in screen_text(app)
+        assert "remaining -- m" in screen_text(app)
         robot.put(NORMAL._replace(goal=MOVING))
         await quiet.settle()
-        assert "left 9.0 m" in screen_text(app)
+        assert "remaining 9.0 m" in screen_text(app)
         robot.put(NORMAL)
         await quiet.settle()
-        assert "left -- m" in screen_text(app)
+        assert "remaining -- m" in screen_text(app)
 
 
 def test_it_is_bounded_to_an_hour() -> None:

@@ -1,7 +1,6 @@
 """The embedded engine's `rclpy`: the part of ROS 2's Python client library that nodes use.
 
-In one process, without ROS. Smaller than rclpy, never kinder: what would fail there fails here
-the same way.
+In one process, without ROS. It is smaller than rclpy. What fails on ROS 2 fails here, too.
 """
 
 from __future__ import annotations
