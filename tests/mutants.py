@@ -219,7 +219,7 @@ FAULTS = [
     Fault("app.py", "or not (command.runs_blocked or command.insists):", "and False:", CONSOLE),
     Fault("app.py", "        if isinstance(self.screen, Confirm):\n", "        if False:\n", CONSOLE + "/test_leaving.py"),
     Fault("app.py", "act = answers.get(answer)", "act = next(iter(answers.values()))", CONSOLE + "/test_keys.py"),
-    Fault("commands/robot.py", "is_on = any(", "is_on = not any(", CONSOLE + "/test_operating.py tests/robots"),
+    Fault("commands/robot.py", "self._off if is_on else self._on", "self._on if is_on else self._off", CONSOLE + "/test_operating.py tests/robots"),
     Fault("keyed_app.py", "return priority and not self._is_typed and await", "return False and await", "tests/widgets/test_field.py"),
     Fault("screens/confirm.py", 'self.query_one("#answer-0")', 'self.query_one("#answer-1")', CONSOLE + "/test_operating.py"),
     Fault("widgets/rows.py", "            self.cursor = next(found, min(self.cursor, max(len(items) - 1, 0)))", "            pass", "tests/widgets/test_events.py"),

@@ -125,7 +125,7 @@ LEFT_OUT = {
 
 
 @pytest.mark.parametrize("module", IMPORTED)
-def test_a_name_can_be_imported_or_its_error_says_that_real_ros_2_has_it(module: str) -> None:
+def test_a_name_can_be_imported_or_its_error_says_who_has_it(module: str) -> None:
     left_out = LEFT_OUT.get(module, "").split() if chosen.ENGINE == "embedded" else []
     for name in IMPORTED[module].split():
         if name in left_out:

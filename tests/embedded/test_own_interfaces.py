@@ -142,7 +142,7 @@ def test_a_known_mistake_does_not_keep_a_saved_package_from_counting(tmp_path: P
 
 @pytest.mark.real_time
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="ROS 2 builds interfaces by colcon")
-def test_a_node_runs_on_the_good_package_beside_a_bad_one_which_is_a_warning(
+def test_a_node_runs_on_the_good_package_beside_a_bad_one(
     tmp_path: Path,
 ) -> None:
     things(tmp_path / "src", bad_msgs="floot32 x", good_msgs="float32 temperature")

@@ -136,6 +136,7 @@ def test_a_command_right_before_the_end_is_carried_out(terminals: list[Terminal]
     terminal = Terminal()
     terminals.append(terminal)
     terminal.until("wheel_radius")
+    terminal.until("discharging")  # what c inverts was heard
     terminal.write("c\x11")
     assert terminal.exit_code() == 0
     assert "charge: Charging" in said()
