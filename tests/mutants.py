@@ -438,6 +438,7 @@ FAULTS = [
     Fault("station/alarms.py", "heard or hosted or snapshot.nodes", "heard or snapshot.nodes", "tests/station/test_alarms.py"),
     # learners' files, and the nodes of a process
     Fault("hosting/host.py", "*told, self._rename)", "*told)", "tests/hosting/test_host.py"),
+    Fault("hosting/host.py", "            if not (self.is_overdue or self._waits_for_others()):", "            if not self.is_overdue:", "tests/hosting/test_construction.py"),
     Fault("hosting/host.py", "                self._on_early(self)\n", "                pass\n", "tests/hosting/test_construction.py"),
     Fault("hosting/host.py", "                self._on_late(self)\n", "                self._may_spin.set()\n", "tests/hosting/test_construction.py"),
     Fault("hosting/host.py", "                raise_in(self._thread)\n", "                pass\n", "tests/hosting/test_construction.py"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import sys
 import threading
 import time
 from collections.abc import Callable, Coroutine, Mapping, Sequence
@@ -35,6 +36,11 @@ from archo_tui.robot.state import Hosted, Life
 CONSTRUCTION_TIME = 2.0  # s that a node of a file may take to be made before others are started
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
 END_TIMEOUT = 1.5  # s for all of them when the console ends
+_LOOK = 0.05  # s between two looks at a constructor
+_WAITING = {  # functions of rclpy that return when other nodes have done something
+    *("spin", "spin_once", "spin_until_future_complete"),
+    *("wait_for_server", "wait_for_service", "wait_for_services"),
+}
 _LOCKED = 0.05  # s between two looks whether a node is stopped that waits for the others
 
 
@@ -84,6 +90,7 @@ class HostedNode:
         self.crash = ""  # FILE:LINE and what it raised
         self._failure: BaseException | None = None  # of the constructor
         self._is_late = False
+        self._began = time.monotonic()
         self._lock = threading.Lock()
         self._has_returned = False  # the constructor
         self._is_over = threading.Event()  # all that is to be done before the node is spun
@@ -131,21 +138,41 @@ class HostedNode:
         """Wait until the node is made. Raises what its constructor raises.
 
         Returns:
-            False when a node of a file takes longer than CONSTRUCTION_TIME; it goes on.
+            False when the constructor of a node of a file waits for other nodes, or takes longer
+            than CONSTRUCTION_TIME; it goes on.
         """
-        if not self._is_over.wait(None if self.file is None else CONSTRUCTION_TIME):
+        while not self._is_over.wait(None if self.file is None else _LOOK):
+            if not (self.is_overdue or self._waits_for_others()):
+                continue
             with self._lock:
                 self._is_late = not self._is_over.is_set()
+            break
         if self._failure is not None and not self._is_late:
             raise self._failure
         return not self._is_late
+
+    @property
+    def is_overdue(self) -> bool:
+        """True when CONSTRUCTION_TIME has passed since the constructor began."""
+        return time.monotonic() - self._began >= CONSTRUCTION_TIME
+
+    def _waits_for_others(self) -> bool:
+        """Return whether the constructor is in a function of rclpy that waits for other nodes."""
+        frame = sys._current_frames().get(self._thread.ident or 0)
+        while frame is not None:
+            module = frame.f_globals.get("__name__", "")
+            if frame.f_code.co_name in _WAITING and module.partition(".")[0] == "rclpy":
+                return True
+            frame = frame.f_back
+        return False
 
     def lateness(self) -> str:
         """Return where the constructor of a node of a file is, which takes its time."""
         assert isinstance(self.make, FileNode)
         where, line = self.make.file.place(stack_of(self._thread))
-        limit = f"{CONSTRUCTION_TIME:g} s"
-        return f"{where}: {self.make.kind}.__init__ did not return within {limit}{line}"
+        limit = f"did not return within {CONSTRUCTION_TIME:g} s"
+        does = limit if self.is_overdue else "waits for other nodes"
+        return f"{where}: {self.make.kind}.__init__ {does}{line}"
 
     def wait_longer(self, seconds: float) -> str:
         """Wait for a node that is late.
@@ -427,9 +454,10 @@ class Host:
         return HostedNode(make, self._context, *told, rename)
 
     def _wait(self, hosted: HostedNode) -> None:
-        """Wait for a node, or warn that its constructor waits. Raises what that raises."""
+        """Wait for a node, or say where its constructor is. Raises what that raises."""
         if not hosted.wait():
-            self._on_event("WARN", hosted.name.lstrip("/"), hosted.lateness())
+            level = "WARN" if hosted.is_overdue else "INFO"
+            self._on_event(level, hosted.name.lstrip("/"), hosted.lateness())
 
     def start(self) -> None:
         """Spin every node."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.session import Options, Session
 from tests.support import chosen
+from tests.support.console import console
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.real_time
@@ -116,9 +118,18 @@ def test_a_constructor_is_answered_by_a_node_of_a_later_file() -> None:
         wait_until(is_up(session, "/asker"))
         asker = next(h for h in session.host.nodes if h.name == "/asker").node
         assert asker.answer == "on"  # type: ignore[attr-defined]
-        limit = "0.3" if chosen.ENGINE == "embedded" else "3"
-        late = f"asker.py:11: Asker.__init__ did not return within {limit} s, in: while not client."
+        late = "asker.py:11: Asker.__init__ waits for other nodes, in: while not client."
         wait_until(lambda: any(text.startswith(late) for text in texts(session)))
+
+
+def test_a_constructor_that_waits_for_others_holds_up_nobody(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("archo_tui.hosting.host.CONSTRUCTION_TIME", 10.0)
+    with hosting(written("lamp.py", LAMP), written("asker.py", ASKER)) as session:
+        wait_until(is_up(session, "/asker"))
+        waits = "asker.py:14: Asker.__init__ waits for other nodes, in: rclpy.spin_until_future"
+        wait_until(lambda: any(text.startswith(waits) for text in texts(session)))
 
 
 def test_what_it_waits_for_is_said_with_the_line_until_it_is_stopped() -> None:
@@ -132,6 +143,22 @@ def test_what_it_waits_for_is_said_with_the_line_until_it_is_stopped() -> None:
         wait_until(lambda: "/asker" not in [n.name for n in session.robot.snapshot.nodes])
         assert session.host.start_node("/asker").ok
         assert state(session, "/asker").life is Life.STARTING
+
+
+def test_one_that_takes_its_time_is_a_warning_with_the_line() -> None:
+    with hosting(written("motor.py", MOTOR)) as session:
+        late = re.compile(r"motor\.py:1[56]: Motor\.__init__ did not return within 0?\.?3 s, in: ")
+        wait_until(lambda: any(late.match(text) for text in texts(session)))
+        Path("go").touch()
+        wait_until(is_up(session, "/motor"))
+
+
+async def test_on_the_screen_s_stops_it() -> None:
+    async with console(node_files=[written("asker.py", ASKER)], only=True, wait=False) as op:
+        await op.until("○ asker")
+        await op.until("starting: line 11, in: while not")
+        await op.press("5", "s")
+        await op.until("○ asker            stopped by you")
 
 
 def test_one_that_spins_for_good_in_its_constructor_ends_with_the_console() -> None:
