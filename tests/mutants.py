@@ -52,7 +52,7 @@ FAULTS = [
     Fault("plain/plain.py", "await self._until(lambda: stops.overtaken, rest)", "await self._clock.sleep(rest)", "tests/plain/test_plain_stops.py"),
     Fault("commands/robot.py", " and not stops.overtaken:", ":", CONSOLE + "/test_stop_seams.py"),
     Fault("station/station.py", "            self._elsewhere = self.robot.stops.elsewhere\n            self.ask_no_more()", "            pass", CONSOLE + "/test_stop_seams.py"),
-    Fault("robot/followed.py", "        if self._sends_feedback and not is_cancelling:", "        if False:", ROBOT + "/test_no_word.py"),
+    Fault("robot/followed.py", "        if period is not None and not is_cancelling:", "        if False:", ROBOT + "/test_no_word.py"),
     Fault("robot/followed.py", " and not self._sends_feedback:", ":", ROBOT + "/test_no_word.py"),
     Fault("robot/state.py", "now - self.lost >= GIVEN_UP", "False", ROBOT + "/test_no_word.py"),
     Fault("robot/followed.py", "            if self.is_taken:", "            if True:", "tests/robot/test_answered_late.py"),

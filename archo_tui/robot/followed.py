@@ -161,15 +161,15 @@ class Followed:
     def _is_silent(self, now: float, motion: Motion) -> bool:
         """Return whether too little is heard of a goal that runs, and whose action is served.
 
-        By its feedback; while none is due, by the motion, as far as that is reported.
+        By its feedback; while its period is not known, and while none is due, by the motion, too.
         """
-        heard = self.goal.heard or self.goal.sent
+        heard, period = self.goal.heard or self.goal.sent, self._pace.seconds
         is_cancelling = self.goal.phase == Phase.CANCELLING
-        if self._sends_feedback and not is_cancelling:
-            period = self._pace.seconds
-            return now - heard > (NO_PERIOD if period is None else max(SILENCE, 3 * period))
+        if period is not None and not is_cancelling:
+            return now - heard > max(SILENCE, 3 * period)
         # since Lyrical a server sends no feedback of a goal that it is cancelling
-        if is_cancelling and now - max(heard, self.goal.cancel_asked or 0.0) > NO_PERIOD:
+        last = max(heard, self.goal.cancel_asked or 0.0)
+        if (self._sends_feedback or is_cancelling) and now - last > NO_PERIOD:
             return True
         longest = max(SILENCE, 3 * (motion.period or 0.0))
         return motion.received is not None and now - max(motion.received, heard) > longest

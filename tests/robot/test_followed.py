@@ -108,3 +108,13 @@ def test_the_longest_remainder_is_the_way_until_a_node_tells_it() -> None:
 def test_the_time_that_is_left_is_that_of_the_way_so_far() -> None:
     goal = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0, length=10.0, remaining=6.0, heard=20.0)
     assert goal._replace(started=0.0).seconds_left(20.0) == 30.0
+
+
+def test_until_its_period_is_known_a_robot_that_is_silent_has_lost_it_too() -> None:
+    clock = StandingClock()
+    followed = followed_at(clock)
+    followed.on_feedback(Feedback())
+    motion = Motion(received=clock.monotonic(), period=0.2)
+    for passed, phase in ((2.9, Phase.MOVING), (3.1, Phase.LOST)):
+        followed.check(clock.monotonic() + passed, motion)
+        assert followed.goal.phase == phase

@@ -109,6 +109,8 @@ async def test_who_waits_for_its_end_is_told_that_it_is_lost(
         with asked_by(shell):
             assert (await ended(station.drive([QueuedGoal(SHELF, {"shelf_number": 3})]))).ok
         await typed.until("9.0 m left")
+        later = seconds() + 2  # its period is known by then
+        await until(lambda: seconds() > later)
         made[0].is_well, began = False, seconds()
         await typed.until("NO WORD FROM GO TO SHELF for")
         (end,) = shell.ends
@@ -128,6 +130,8 @@ async def test_input_that_is_over_waits_for_it_no_longer_and_ends_with_1(
     async with operated(Base, making(made, Planner)) as typed:
         typed.type("go 3\n")
         await typed.until("9.0 m left")
+        later = seconds() + 2  # its period is known by then
+        await until(lambda: seconds() > later)
         made[0].is_well = False
         assert await typed.end() == 1
         assert "goal lost: no word from it for " in typed.said
