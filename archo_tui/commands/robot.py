@@ -9,6 +9,7 @@ from typing import Any
 from archo_tui.commands.base import EVERYWHERE, Command, Console, Speak, Work
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Phase
+from archo_tui.screens.leaving import Leaving
 from archo_tui.verbs import goals, services
 from archo_tui.verbs.base import Verb
 
@@ -82,6 +83,10 @@ class Cancel(Speak):
         if console.repeated and not is_ours:
             return None
         if running is None:
+            dialog = console.screen
+            if isinstance(dialog, Leaving) and dialog.is_asking:
+                dialog.stop_waiting()
+                return None
             if not console.copy_selection():
                 keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
                 console.say(f"No goal is running. Press {keys} to quit.")

@@ -9,20 +9,24 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
+from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError, in_one_line
 from archo_tui.remote.assistants import Assistants
 from archo_tui.remote.follow import follow, follow_goal
 from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
 from archo_tui.remote.server import Guest
 from archo_tui.remote.waits import LOOK, RanOut, timeout_of, wait_for
+from archo_tui.robot import messages
 from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of
 from archo_tui.robot.stops import NOT_SENT, Spared, Void
 from archo_tui.station.station import CALLED_OFF, Station
 from archo_tui.verbs import as_data, verbs
 from archo_tui.verbs.base import Question, Verb
 from archo_tui.verbs.called import choose_verb
+from archo_tui.verbs.goals import SendGoal
 from archo_tui.verbs.parse import YES, named, parse
+from archo_tui.verbs.services import TIMEOUT, Call
 from archo_tui.verbs.speak import speak
 
 _MOST_STOPS = 1000  # that are answered: of a flood the last ones
@@ -143,6 +147,11 @@ class Desk:
             if not (asker.ends or visit.is_assistant):  # nothing was sent, nothing will be
                 asker.has_left = True
             await self._call_off(visit)
+            if (
+                visit.calls and visit.task is not None
+            ):  # nothing takes a request back that a service has
+                visit.is_off = True
+                visit.task.cancel()
         elif visit.asked is not None and not visit.asked.done():
             visit.asked.set_result(answer.get("answer") is True)
 
@@ -168,7 +177,8 @@ class Desk:
             self._robot.note("ERROR", "console", f"{visit.asker.source}: {said}")
             result = _result(number, Outcome(Code.REFUSED, said))
         except asyncio.CancelledError:
-            result = _result(number, Outcome(Code.CANCELLED, CALLED_OFF))
+            said = NOT_TAKEN_BACK if visit.calls else CALLED_OFF
+            result = _result(number, Outcome(Code.CANCELLED, said))
             if not visit.is_off:  # the screen ends, or was restarted: its goal is the console's
                 result = {"id": number, "code": LOST, "text": GONE}
         finally:
@@ -244,6 +254,9 @@ class Desk:
         if request.get("wait") is True and not verb.has_goals:
             raise ValueError(f"{word} has no --wait: it sends no goals")
         values, yes = parse(verb, self._station, rest)
+        visit.calls = isinstance(verb, Call)
+        if visit.calls:
+            values = {**values, TIMEOUT: timeout_of(request)}
         person = request.get("person") is True
         ask = None if yes else partial(self._ask, visit, number, person)
         asker = visit.asker
@@ -257,8 +270,14 @@ class Desk:
             outcome = await self._wait_for_ends(visit, number, feedback=feedback)
         result = {**_result(number, outcome), "tells": verb.tells}
         told = verb.data(self._station, values) if outcome.ok else None
+        answer = answer_of(outcome)
+        if answer is not None and word == "call":
+            told = await in_daemon(messages.as_data, answer)  # a map has a million values
         if visit.is_waiting and asker.goal is not None:
             told = as_data.goal(asker.goal, self._station.clock.monotonic())
+            if isinstance(verb, SendGoal) and asker.goal.result is not None:
+                told["result"] = await in_daemon(messages.as_data, asker.goal.result)
+                result["tells"] = True
         return result if told is None else {**result, "data": told}
 
     async def _wait_for_ends(self, visit: _Visit, number: Any, *, feedback: bool) -> Outcome:
@@ -325,6 +344,7 @@ class _Visit:
         self.leaves = request.get("leave") is True  # and they go on without it
         self.asker.waits = self.is_assistant or (self.is_waiting and not self.leaves)
         waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"])
+        self.calls = False  # a service: its answer is waited for
         self.only_looks = waits or bool(request.get("follow"))  # it commands nothing
         self.is_off = False  # was called off
 

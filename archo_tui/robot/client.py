@@ -38,7 +38,7 @@ from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.offers import Offers
 from archo_tui.robot.others import CLIENT, CONSOLE, Others
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import CALL_WAIT, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
@@ -232,12 +232,12 @@ class Robot:
 
         async def call(gate: Gate) -> Outcome:
             turn = self._services.turn()
-            outcome = await self._call(name, request, gate)
+            outcome = await self._call(name, request, gate, late)
             if outcome.ok:
                 self._stopping.past(turn)
             return outcome
 
-        ros2 = self._offers.call_command(name, request)
+        ros2, late = self._offers.call_command(name, request), self._late("release stop", "release")
         return await self._do("release", {}, "release stop", ros2, call)
 
     async def command(self, command: model.Service, on: bool = True) -> Outcome:
@@ -245,8 +245,10 @@ class Robot:
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
         verb = command.id if on else command.off_word
         name, fields = command.service, dict.fromkeys(command.toggle, on)
-        ros2 = self._offers.call_command(name, fields)
-        return await self._do(verb, {}, title, ros2, lambda gate: self._call(name, fields, gate))
+        ros2, late = self._offers.call_command(name, fields), self._late(title, verb)
+        return await self._do(
+            verb, {}, title, ros2, lambda gate: self._call(name, fields, gate, late)
+        )
 
     async def send(
         self, kind: model.GoalKind, values: Mapping[str, Any], *, queued: bool = False
@@ -297,8 +299,21 @@ class Robot:
 
         await self._thread.run(there, services.DEADLINE)
 
-    async def call(self, service: str, type_name: str, values: Mapping[str, Any]) -> Outcome:
-        """Call any service, with values by dotted path; the outcome holds what it answered."""
+    async def call(
+        self,
+        service: str,
+        type_name: str,
+        values: Mapping[str, Any],
+        wait: float = CALL_WAIT,
+    ) -> Outcome:
+        """Call any service, with values by dotted path; the outcome holds what it answered.
+
+        Args:
+            service: Its full name.
+            type_name: Its type: `package/srv/Name`.
+            values: What is sent; what is left out keeps the default of its type.
+            wait: Seconds in which the answer is waited for; one that comes later is an event.
+        """
         srv_type = message_classes.load(type_name)
         if srv_type is None:
             return Outcome(Code.REFUSED, check.missing(service, type_name))
@@ -308,16 +323,34 @@ class Robot:
             return Outcome(Code.MISUSE, str(error))
 
         async def work(gate: Gate) -> Outcome:
-            answer = await self._services.call(srv_type, service, request, gate=gate)
+            def on_late(answer: Any) -> None:
+                late(_answer_of_call(answer))
+
+            answer = await self._services.call(
+                srv_type, service, request, gate=gate, wait=wait, late=on_late
+            )
             if answer is None:
-                return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s")
-            said = message_classes.outcome_of(answer)
-            code = Code.DONE if getattr(answer, "success", True) else Code.REFUSED
-            return Outcome(code, messages.text(answer) or said.text)
+                said = f"no answer in {wait:g} s: the robot may still do it"
+                return Outcome(Code.TIMEOUT, said)
+            return _answer_of_call(answer)
 
         arguments = {"service": service, "values": values}
         command = ros2_command.service_call(service, type_name, request)
-        return await self._do("call", arguments, f"call {service.lstrip('/')}", command, work)
+        title = f"call {service.lstrip('/')}"
+        late = self._late(title, "call", arguments)
+        return await self._do("call", arguments, title, command, work, wait)
+
+    def _late(
+        self, title: str, verb: str, arguments: Mapping[str, Any] | None = None
+    ) -> Callable[[Outcome], None]:
+        """Return what tells of an answer that comes when nobody waits for it any more."""
+        who = asking()
+
+        def tell(outcome: Outcome) -> None:
+            act = Act(verb, arguments or {}, outcome.code)
+            self._tell(f"{title}, answered late: {harmless(outcome.text)}", act, who=who)
+
+        return tell
 
     def form(self, type_name: str) -> tuple[Leaf, ...] | None:
         """The fields of an action's goal or a service's request; None: it is not installed here."""
@@ -467,8 +500,17 @@ class Robot:
             return linked(self._parameters.all(), self._graph.namespace, length, 0.0, FARTHEST)
         return length
 
-    async def _call(self, name: str, fields: Mapping[str, Any], gate: Gate) -> Outcome:
-        """Call a service with the type that its server has, if its request is what is meant."""
+    async def _call(
+        self,
+        name: str,
+        fields: Mapping[str, Any],
+        gate: Gate,
+        late: Callable[[Outcome], None],
+    ) -> Outcome:
+        """Call a service with the type that its server has, if its request is what is meant.
+
+        `late(outcome)` is called with an answer that comes when this has ended.
+        """
         if name not in self._graph.offered:
             return Outcome(Code.NOT_OFFERED, not_offered(self._offers.full(name)))
         srv_type, reason = self._offers.fitting(name, fields)
@@ -478,14 +520,12 @@ class Robot:
             request = filled(srv_type.Request(), fields)
         except ValueError as error:
             return Outcome(Code.MISUSE, str(error))
-        answer = await self._services.call(srv_type, name, request, gate=gate)
+        answer = await self._services.call(
+            srv_type, name, request, gate=gate, late=lambda said: late(_answer_of_verb(said))
+        )
         if answer is None:
             return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s")
-        outcome = message_classes.outcome_of(answer)
-        more = messages.text(answer) if message_classes.says_more(answer) else ""
-        if more and outcome.code is Code.NOT_CONFIRMED:
-            more = f"{outcome.text}: {more}"
-        return outcome._replace(text=more or outcome.text)
+        return _answer_of_verb(answer)
 
     async def _do(
         self,
@@ -494,11 +534,13 @@ class Robot:
         title: str,
         command: str,
         work: Callable[[Gate], Coroutine[Any, Any, Outcome]],
+        wait: float = 0.0,
     ) -> Outcome:
         """Run a verb on the ROS thread and log how it ended; the snapshot then shows it.
 
         `title` is what people read, `command` the ros2 command line that does the same. A verb
-        that a STOP voids hands its gate on to where its request leaves.
+        that a STOP voids hands its gate on to where its request leaves. `wait` are the seconds
+        that it takes beyond what others take at most.
         """
         if self.watching:
             return Outcome(Code.WATCHING, WATCHING)
@@ -506,10 +548,10 @@ class Robot:
         gate, who = self.stops.gate(), asking()
 
         def log(outcome: Outcome) -> Outcome:
-            outcome = Outcome(outcome.code, harmless(outcome.text))
+            answer, outcome = answer_of(outcome), Outcome(outcome.code, harmless(outcome.text))
             self._tell(f"{title}: {outcome.text}", Act(verb, arguments, outcome.code), command, who)
             self._flush()
-            return outcome
+            return outcome if answer is None else Answer.of(outcome, answer)
 
         async def there() -> Outcome:
             try:
@@ -520,7 +562,7 @@ class Robot:
                 return log(Outcome(Code.REFUSED, in_one_line(error)))
 
         # more than any verb takes that still can end: STOP waits for a server, and then for all
-        deadline = FIRST_FOUND + ALL_ANSWERS + 1.0
+        deadline = FIRST_FOUND + ALL_ANSWERS + 1.0 + wait
         try:
             return await self._thread.run(there, deadline)
         except TimeoutError:
@@ -795,3 +837,19 @@ class Robot:
                 paces=self._graph.paces(),
             )
         )
+
+
+def _answer_of_call(answer: Any) -> Answer:
+    """Return what the answer to a call of any service comes to: all its fields are told."""
+    said = message_classes.outcome_of(answer)
+    code = Code.DONE if getattr(answer, "success", True) else Code.REFUSED
+    return Answer.of(Outcome(code, messages.text(answer) or said.text), answer)
+
+
+def _answer_of_verb(answer: Any) -> Answer:
+    """Return what the answer to a verb of the robot file comes to."""
+    outcome = message_classes.outcome_of(answer)
+    more = messages.text(answer) if message_classes.says_more(answer) else ""
+    if more and outcome.code is Code.NOT_CONFIRMED:
+        more = f"{outcome.text}: {more}"
+    return Answer.of(outcome._replace(text=more or outcome.text), answer)

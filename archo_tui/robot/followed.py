@@ -201,6 +201,7 @@ class Followed:
                 self.end(Phase.ABORTED, _NOT_TAKEN)
             return  # else its server has not decided yet, and is asked again
         phase, result = ENDS.get(answer.status, Phase.ABORTED), answer.result
+        self.goal = self.goal._replace(result=result)
         succeeded = getattr(result, "success", None)
         if isinstance(succeeded, bool) and succeeded != (phase == Phase.ARRIVED):
             said = "succeeded" if phase == Phase.ARRIVED else phase.value.lower()

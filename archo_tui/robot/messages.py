@@ -88,6 +88,22 @@ def as_yaml(message: Any) -> str:
     return flow(_plain(message, as_bytes=True))
 
 
+def as_data(message: Any) -> Any:
+    """Return a message as JSON has it: objects, lists, and null for a number that is not finite.
+
+    It takes long where there are many values: it is not for a thread that others wait for.
+    """
+    return _finite(_plain(message))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _finite(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def _short(value: Any) -> str:
     value = _listed(value)
     if isinstance(value, list):

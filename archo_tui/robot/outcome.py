@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+CALL_WAIT = 30.0  # s that the answer of a service is waited for that is called by its name
+# of a request that nobody waits for any more
+NOT_TAKEN_BACK = "waiting no longer: the robot may still do it"
 
 
 class Code(str, Enum):
@@ -36,3 +40,21 @@ class Outcome(NamedTuple):
     def ok(self) -> bool:
         """True when it did what it was for, as far as that can be said by now."""
         return self.code in _GOOD
+
+
+class Answer(Outcome):
+    """The outcome of a call that was answered; `message` is the answer."""
+
+    message: Any
+
+    @classmethod
+    def of(cls, outcome: Outcome, message: Any) -> Answer:
+        """Return that outcome with an answer."""
+        made = cls(*outcome)
+        made.message = message
+        return made
+
+
+def answer_of(outcome: Outcome) -> Any:
+    """Return the message that a service has answered; None: the outcome has none."""
+    return outcome.message if isinstance(outcome, Answer) else None

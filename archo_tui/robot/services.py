@@ -82,11 +82,14 @@ class Services:
         *,
         once: bool = False,
         gate: Gate | None = None,
+        wait: float = DEADLINE,
+        late: Callable[[Any], None] = lambda _: None,
     ) -> Any:
-        """The response, or None when nobody answered within DEADLINE.
+        """The response, or None when nobody answered within `wait` s.
 
         `gate` is passed last, as the request leaves: it raises where that is not to be sent.
-        Of a request with a gate a late answer is heard of, too (`answered`).
+        Of a request with a gate an answer that comes later is heard of, too: `answered`, and
+        `late(answer)`. Without a gate DEADLINE holds.
 
         The client of a call that is made once is not kept: rclpy looks at each, whatever comes. It
         stays where nobody answered: a server that answers late finds its client.
@@ -98,8 +101,13 @@ class Services:
         future = client.call_async(request)
         if gate is not None:
             self._hear_however_late(turn, future, client)
-            told = lambda _: self.answered(turn)  # noqa: E731
-            return future.result() if await self._in_time(future, DEADLINE, told) else None
+
+            def told(is_late: bool) -> None:
+                self.answered(turn)
+                if is_late:
+                    late(future.result())
+
+            return future.result() if await self._in_time(future, wait, told) else None
         self.watch(future, client)
         answer = await future
         if once and answer is not None and self._clients.pop((name, srv_type), None) is not None:

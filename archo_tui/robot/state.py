@@ -144,6 +144,7 @@ class Goal(NamedTuple):
     mine: bool = True  # else another client's, whose values are not on the graph
     number: int = 0  # tells the goals of a session apart
     length_is_guessed: bool = False  # it is the longest remainder heard: no node tells it
+    result: Any = None  # the message that the action has answered at the end
 
     @property
     def target(self) -> str:

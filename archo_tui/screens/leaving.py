@@ -36,6 +36,10 @@ class Leaving(Base[ScreenResultType]):
             return AwaitComplete()
         return super().dismiss(*self._left) if self.is_active else AwaitComplete()
 
+    def stop_waiting(self) -> None:
+        """Leave, though the answer that it waits for has not come."""
+        self.dismiss()
+
     def on_screen_resume(self) -> None:
         if self._left is not None:
             self.dismiss()

@@ -16,7 +16,7 @@ from textual.widgets import Label, Static
 from archo_tui.embedded.bounded_yaml import load
 from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.forms import default_text, parse
-from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
 from archo_tui.robot.state import Leaf
 from archo_tui.robot_file.model import FormField
 from archo_tui.robot_file.written import block
@@ -115,8 +115,17 @@ class MessageForm(Dialog[None]):
         values = self._values_of_yaml() if self._is_yaml else self._values()
         if values is not None:
             self.is_asking = True
-            self.say("asking the robot ...")
+            self.say("asking the robot ...   esc stops waiting")
             begin(self.app, partial(self._ask, values), COMMANDS)
+
+    def action_close(self) -> None:
+        """Close; what was sent is not taken back by that, which is said."""
+        if self.is_asking and not self.has_left:
+            self.notify(f"{self.title}: {NOT_TAKEN_BACK}.", severity="warning", markup=False)
+        super().action_close()
+
+    def stop_waiting(self) -> None:
+        self.action_close()
 
     def _values(self) -> dict[str, Any] | None:
         values = {}

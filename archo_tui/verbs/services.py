@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.outcome import CALL_WAIT, Outcome
 from archo_tui.robot_file.model import Scalar, Service
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import fields_of, full_name, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.words.goal import way
 
+TIMEOUT = "--timeout"  # of the values of `call`: s that the answer is waited for, if more
 ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; asks first"}
 
 
@@ -54,7 +55,7 @@ class Call(Verb):
     id, title = "call", "Call a service"
     help = "Call any service on the graph"
     arguments = (Argument("service"), Argument("field=value", many=True, optional=True))
-    acts = moves = True
+    acts = moves = tells = True
 
     def blocked(self, station: Station) -> str:
         return "" if station.robot.snapshot.services else "no service is on the graph"
@@ -63,12 +64,17 @@ class Call(Verb):
         snapshot = station.robot.snapshot
         return full_name(snapshot, values["service"], snapshot.services) in snapshot.services
 
+    def tells_with(self, values: Values) -> bool:
+        """Return False: an event has the answer. To a shell, which reads none, it is told."""
+        return False
+
     async def prepare(self, station: Station, values: Values) -> Values:
         snapshot = station.robot.snapshot
         name = full_name(snapshot, values["service"], snapshot.services)
         kind = type_of("service", name, snapshot.services)
         fields = await fields_of(station, name, kind, values["field=value"])
-        return {"service": name, "type": kind, "fields": fields}
+        return {**values, "service": name, "type": kind, "fields": fields}
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        return await station.robot.call(values["service"], values["type"], values["fields"])
+        wait = max(values.get(TIMEOUT) or 0.0, CALL_WAIT)
+        return await station.robot.call(values["service"], values["type"], values["fields"], wait)

@@ -1,0 +1,132 @@
+"""A service that takes its time: its answer is waited for, or told when it comes."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.node import Node
+from rclpy.task import Future
+from std_srvs.srv import SetBool, Trigger
+
+from archo_tui.robot.outcome import Code, answer_of
+from tests.support import clock
+from tests.support.console import console
+from tests.support.quiet import ended, until
+from tests.support.robot import making, robot
+
+KIND = "std_srvs/srv/Trigger"
+FILE = """
+name: Mapper
+commands:
+  - {id: save_map, title: Save map, key: m, service: save_map}
+"""
+
+
+class Mapper(Node):
+    """Saves its map when it is woken, and stops at once."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("mapper", **options)
+        self.asked, self.stopped = 0, False
+        self.awake: Future[bool] = Future()
+        group = ReentrantCallbackGroup()
+        self.create_service(Trigger, "save_map", self.save, callback_group=group)
+        self.create_service(SetBool, "e_stop", self.stop, callback_group=group)
+        self.create_timer(0.1, lambda: None)  # rclpy looks at what waits when it is awake
+
+    async def save(self, _: Any, response: Any) -> Any:
+        self.asked += 1
+        await self.awake
+        response.success, response.message = True, "map.pgm"
+        return response
+
+    def stop(self, request: Any, response: Any) -> Any:
+        self.stopped = response.success = request.data
+        return response
+
+    def wake(self) -> None:
+        assert self.executor is not None
+        self.executor.create_task(lambda: self.awake.set_result(True))
+
+
+async def passed(seconds: float) -> None:
+    """Wait until so much time has passed."""
+    end = clock.seconds() + seconds
+    await until(lambda: clock.seconds() >= end)
+
+
+@pytest.fixture
+def file(here: Path) -> Path:
+    made = here / "mapper.yaml"
+    made.write_text(FILE + "stop: {service: e_stop, request: {data: true}}\n")
+    return made
+
+
+async def test_an_answer_after_five_seconds_is_the_outcome_of_a_call(file: Path) -> None:
+    made: list[Mapper] = []
+    async with robot(making(made, Mapper), robot=file) as it:
+        await until(lambda: "/save_map" in it.snapshot.services)
+        call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
+        await until(lambda: made[0].asked == 1)
+        await passed(5.0)
+        assert not call.done()
+        made[0].wake()
+        outcome = await ended(call)
+        assert outcome == (Code.DONE, "success true, message map.pgm")
+        assert answer_of(outcome).message == "map.pgm"
+
+
+async def test_a_stop_does_not_wait_for_a_slow_service(file: Path) -> None:
+    made: list[Mapper] = []
+    async with robot(making(made, Mapper), robot=file) as it:
+        await until(lambda: {"e_stop", "save_map"} <= it.snapshot.offered)
+        call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
+        await until(lambda: made[0].asked == 1)
+        it.stops.read()
+        assert (await ended(it.emergency_stop())).ok
+        assert made[0].stopped
+        assert not call.done()
+        made[0].wake()
+        assert (await ended(call)).ok
+
+
+@pytest.mark.parametrize("how", ["by its name", "by its key"])
+async def test_an_answer_that_comes_too_late_is_told(file: Path, how: str) -> None:
+    made: list[Mapper] = []
+    async with robot(making(made, Mapper), robot=file) as it:
+        await until(lambda: "save_map" in it.snapshot.offered)
+        if how == "by its name":
+            outcome = await ended(it.call("/save_map", KIND, {}, wait=2.0))
+            assert outcome.text == "no answer in 2 s: the robot may still do it"
+        else:
+            outcome = await ended(it.command(it.file.commands[0]))
+        assert outcome.code is Code.TIMEOUT
+        made[0].wake()
+        await until(lambda: any("answered late: " in e.text for e in it.snapshot.events))
+        told = next(e.text for e in it.snapshot.events if "answered late: " in e.text)
+        assert told.startswith(("call save_map, ", "save map, "))
+        assert told.endswith("map.pgm")
+
+
+@pytest.mark.parametrize("key", ["escape", "ctrl+c"])
+async def test_a_key_stops_waiting_and_the_answer_is_told(file: Path, key: str) -> None:
+    made: list[Mapper] = []
+    text = FILE.replace("service: save_map", "service: other")
+    file.write_text(text)
+    async with console(robot=file, node_makers=[making(made, Mapper)], wait=False) as op:
+        await op.until(lambda: "/save_map" in op.app.view.snapshot.services)
+        await op.press("C")
+        await op.until("/save_map")
+        await op.press(*"save_map", "enter")
+        await op.until("It takes no values.")
+        await op.press("enter")
+        await op.until("esc stops waiting")
+        await until(lambda: made[0].asked == 1)
+        await op.press(key)
+        await op.until("waiting no longer: the")
+        made[0].wake()
+        await op.until("success true, message map.pgm")
