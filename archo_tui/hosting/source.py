@@ -16,10 +16,10 @@ class Source:
 
     def __init__(self, text: bytes) -> None:
         """Raises SyntaxError."""
-        self.tree = self._tree = ast.parse(text)
+        self.tree = ast.parse(text)
         self._functions = [
             node
-            for node in ast.walk(self._tree)
+            for node in ast.walk(self.tree)
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))
         ]
 
@@ -49,7 +49,7 @@ class Source:
         """Return whether a node names that class, by what it was imported as, too."""
         others = {
             alias.asname
-            for imported in ast.walk(self._tree)
+            for imported in ast.walk(self.tree)
             if isinstance(imported, ast.ImportFrom)
             for alias in imported.names
             if alias.name == name
@@ -68,7 +68,7 @@ class Source:
             and any(isinstance(n, ast.Name) and n.id in rclpys for n in ast.walk(function))
         }
         defined = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.If)
-        run = [node for node in self._tree.body if not isinstance(node, defined)]
+        run = [node for node in self.tree.body if not isinstance(node, defined)]
         for call in self._calls(*run):
             if isinstance(call.func, ast.Name) and call.func.id in spinning:
                 return call.func.id, call.lineno
@@ -76,7 +76,7 @@ class Source:
 
     def called_too_early(self) -> int | None:
         """The line where a callback is not given but called: `create_timer(1.0, self.tick())`."""
-        for call in self._calls(self._tree):
+        for call in self._calls(self.tree):
             if _name(call).startswith("create_"):
                 for given in [*call.args[1:], *(keyword.value for keyword in call.keywords)]:
                     function = given.func if isinstance(given, ast.Call) else None
@@ -86,18 +86,18 @@ class Source:
 
     def action_server(self) -> tuple[int, bool] | None:
         """The line of the only ActionServer, and whether it is given a cancel_callback."""
-        found = [call for call in self._calls(self._tree) if _name(call) == "ActionServer"]
+        found = [call for call in self._calls(self.tree) if _name(call) == "ActionServer"]
         if len(found) != 1:
             return None
         names = {keyword.arg for keyword in found[0].keywords}  # None: all of a dict
-        later = any(_name(c) == "register_cancel_callback" for c in self._calls(self._tree))
+        later = any(_name(c) == "register_cancel_callback" for c in self._calls(self.tree))
         return found[0].lineno, later or bool(names & {"cancel_callback", None})
 
     def line_of_text(self, text: str) -> int | None:
         """The first line with that string, or with that name of a topic."""
         lines = [
             node.lineno
-            for node in ast.walk(self._tree)
+            for node in ast.walk(self.tree)
             if isinstance(node, ast.Constant)
             and isinstance(node.value, str)
             and node.value.strip("/") == text.strip("/")
@@ -106,12 +106,12 @@ class Source:
 
     def line_of_call(self, name: str) -> int | None:
         """Where a function is called, when that is one place only."""
-        lines = [call.lineno for call in self._calls(self._tree) if _name(call) == name]
+        lines = [call.lineno for call in self._calls(self.tree) if _name(call) == name]
         return lines[0] if len(lines) == 1 else None
 
     def unmade(self, name: str) -> tuple[int, str]:
         """Line and words for a class whose `__init__` does not call that of Node."""
-        classes = [node for node in ast.walk(self._tree) if isinstance(node, ast.ClassDef)]
+        classes = [node for node in ast.walk(self.tree) if isinstance(node, ast.ClassDef)]
         kind = next((node for node in classes if node.name == name), None)
         if kind is None:
             return 1, f"{name} does not call {_SUPER}"
@@ -134,8 +134,8 @@ class Source:
 
     def _main(self) -> Iterator[ast.AST]:
         """`main()`, what stands below an `if`, and the file's functions that these call."""
-        functions = {n.name: n for n in self._tree.body if isinstance(n, ast.FunctionDef)}
-        roots: list[ast.AST] = [n for n in self._tree.body if isinstance(n, ast.If)]
+        functions = {n.name: n for n in self.tree.body if isinstance(n, ast.FunctionDef)}
+        roots: list[ast.AST] = [n for n in self.tree.body if isinstance(n, ast.If)]
         roots += [function for name, function in functions.items() if name == "main"]
         for root in roots:
             yield root
@@ -146,7 +146,7 @@ class Source:
 
     def _of_rclpy(self) -> Iterator[str]:
         """What rclpy, and what is imported from it, is called here."""
-        for node in ast.walk(self._tree):
+        for node in ast.walk(self.tree):
             if isinstance(node, (ast.Import, ast.ImportFrom)):
                 module = node.module if isinstance(node, ast.ImportFrom) else ""
                 for alias in node.names:

@@ -13,9 +13,9 @@ from archo_tui.robot.text import harmless
 LIMIT = 1000  # events kept
 _OWN = 200  # of them the console's own, which a flood of others does not push out
 ROUTINE = ("DEBUG", "INFO")  # levels of what nodes log all the time; pushes out nothing worse
-MOST_LINES = 50  # different ones of ROUTINE that a source has room for within
-_PERIOD = 1.0  # s
-LEFT_OUT = "lines were left out: more than 50 in a second"
+MOST_LINES = 50  # different lines of ROUTINE levels that are kept of a source in a second
+_PERIOD = 1.0  # s: that second
+LEFT_OUT = f"lines were left out: more than {MOST_LINES} in a second"
 
 # With a point a number is a reading, which drifts: `Low battery: 18.0%` is said again and again.
 # A whole one is what it is about: joint 1 and joint 2 are two faults; 10.0.0.1 is a name as well.

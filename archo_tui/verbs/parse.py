@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from archo_tui.robot.fields import INTEGERS, element_of
 from archo_tui.robot.state import Snapshot
 from archo_tui.station.station import Station
+from archo_tui.verbs.anything import nearest_hint
 from archo_tui.verbs.base import Argument, Values, Verb
 
 YES = "--yes"  # the answer to what a verb asks
@@ -27,8 +27,7 @@ def named(verbs: Mapping[str, Verb], word: str) -> Verb:
     """
     if word in verbs:
         return verbs[word]
-    near = difflib.get_close_matches(word.lower(), verbs, n=1)
-    hint = f" (nearest: {near[0]})" if near else " (help lists them)"
+    hint = nearest_hint(word.lower(), verbs) or " (help lists them)"
     raise UnknownVerbError(f"no command {word!r}{hint}")
 
 
