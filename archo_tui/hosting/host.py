@@ -36,12 +36,12 @@ from archo_tui.robot.state import Hosted, Life
 CONSTRUCTION_TIME = 2.0  # s that a node of a file may take to be made before others are started
 JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
 END_TIMEOUT = 1.5  # s for all of them when the console ends
-_LOOK = 0.05  # s between two looks at a constructor
+_CONSTRUCTOR_POLL = 0.05  # s between two looks at a constructor
 _WAITING = {  # functions of rclpy that return when other nodes have done something
     *("spin", "spin_once", "spin_until_future_complete"),
     *("wait_for_server", "wait_for_service", "wait_for_services"),
 }
-_LOCKED = 0.05  # s between two looks whether a node is stopped that waits for the others
+_LOCK_WAIT = 0.05  # s for the lock, before a late node looks whether it is being stopped
 
 
 class HostedNode:
@@ -141,7 +141,7 @@ class HostedNode:
             False when the constructor of a node of a file waits for other nodes, or takes longer
             than CONSTRUCTION_TIME; it goes on.
         """
-        while not self._is_over.wait(None if self.file is None else _LOOK):
+        while not self._is_over.wait(None if self.file is None else _CONSTRUCTOR_POLL):
             if not (self.is_overdue or self._waits_for_others()):
                 continue
             with self._lock:
@@ -172,7 +172,7 @@ class HostedNode:
         where, line = self.make.file.place(stack_of(self._thread))
         limit = f"did not return within {CONSTRUCTION_TIME:g} s"
         does = limit if self.is_overdue else "waits for other nodes"
-        return f"{where}: {self.make.kind}.__init__ {does}{line}"
+        return f"{where}: {self.make.class_name}.__init__ {does}{line}"
 
     def wait_longer(self, seconds: float) -> str:
         """Wait for a node that is late.
@@ -595,7 +595,7 @@ class Host:
 
         In the node's thread: whoever stops the node waits for that, and may hold the lock.
         """
-        while not self._changing.acquire(timeout=_LOCKED):
+        while not self._changing.acquire(timeout=_LOCK_WAIT):
             if hosted.is_stopping:
                 return
         try:

@@ -55,8 +55,8 @@ class FileNode:
         self.has_executor = file.source.has_executor()
 
     @property
-    def kind(self) -> str:
-        """The name of the class."""
+    def class_name(self) -> str:
+        """The name of the node's class, for messages."""
         return self._kind.__name__
 
     def __call__(self, context: Context, begun: Callable[[Node], None], **options: Any) -> Node:

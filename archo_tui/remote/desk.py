@@ -43,7 +43,7 @@ class Desk:
         self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
         self._assistants = Assistants(station, self.verbs, self._until)
         self._visits: dict[Guest, _Visit] = {}
-        self._calling: set[asyncio.Future[None]] = set()  # off what did not end in its time
+        self._late_cancels: set[asyncio.Future[None]] = set()  # of work whose time was over
         # STOPs that have not left, and whether somebody is about to send them
         self._stops: deque[tuple[Guest, Any, bool]] = deque(maxlen=_MOST_STOPS)
         self._comes = False
@@ -147,9 +147,8 @@ class Desk:
             if not (asker.ends or visit.is_assistant):  # nothing was sent, nothing will be
                 asker.has_left = True
             await self._call_off(visit)
-            if (
-                visit.calls and visit.task is not None
-            ):  # nothing takes a request back that a service has
+            # Nothing takes back a request that a service has: only the waiting ends.
+            if visit.calls and visit.task is not None:
                 visit.is_off = True
                 visit.task.cancel()
         elif visit.asked is not None and not visit.asked.done():
@@ -219,9 +218,9 @@ class Desk:
             RanOut: The work did not end well; the text is `over`, and how it ended.
         """
         visit.is_waiting = visit.asker.has_left = True
-        calling = asyncio.ensure_future(self._call_off(visit))
-        self._calling.add(calling)
-        calling.add_done_callback(self._calling.discard)
+        cancel = asyncio.ensure_future(self._call_off(visit))
+        self._late_cancels.add(cancel)  # the loop holds tasks weakly
+        cancel.add_done_callback(self._late_cancels.discard)
         try:
             with suppress(TimeoutError):
                 result = await self._station.clock.wait_for(asyncio.shield(work), _CALLED_OFF)

@@ -44,7 +44,8 @@ class News(Enum):
     WORDS = auto()  # what a person acts on: that it is stopped, or cannot be read
 
 
-_WEIGHT = attrgetter("value")  # of what a message says: the greater one counts
+# Where several readings come from one message, the weightiest news of them is passed on.
+_WEIGHT = attrgetter("value")
 
 
 class _Reader(NamedTuple):

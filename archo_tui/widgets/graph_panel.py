@@ -15,7 +15,7 @@ from archo_tui.words.graph import ResourceRow, resource_rows
 
 _KIND = 8  # cells of `service` and a blank
 _GAP = 2
-STRONG = "bold"
+_STRONG = "bold"
 
 
 def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
@@ -34,7 +34,7 @@ def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]
     Where that has no room, two lines, with the type's last name. Below, what hears nothing.
     """
     wrong = [
-        (f"  {line}", STRONG)
+        (f"  {line}", _STRONG)
         for said in row.resource.mismatches
         for line in textwrap.wrap(said, max(width - 2, 10))
     ]
