@@ -1,7 +1,7 @@
 """Reads ROS parameter files: `node: ros__parameters: name: value`, with `/**` and `/*` wildcards.
 
 Scalars are typed as rcl types them (`1e3` is a double, `yes` and `on` are booleans, `017` is 15);
-every error names file and line. What rcl reads as something else without a word, as a list within a
+every error names file and line. What rcl silently reads as something else, such as a list within a
 list, is an error here.
 """
 

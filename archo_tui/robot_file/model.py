@@ -204,8 +204,8 @@ class Service:
     key: Annotated[str, "its key"] = ""
     help: Annotated[
         str,
-        "one sentence for the help; else the title; of a toggle with `off`, what stands behind "
-        "`, or` is the help of that",
+        "one sentence for the help; else the title; for a toggle with `off`, the words after "
+        "`, or` are the help of `off`",
     ] = ""
     ask: Annotated[
         Literal["moving", "always", "never"],
