@@ -51,9 +51,11 @@ def _discovers(monkeypatch: pytest.MonkeyPatch) -> None:
 def hearing(domain: int, kind: Any, qos: Any) -> Iterator[None]:
     """Have a node subscribe in a context of its own: in one, ROS 2 refuses a second type."""
     elsewhere = Ros(domain_id=domain)
-    elsewhere.node("hearer").create_subscription(kind, "voltage", lambda _: None, qos)
-    yield
-    elsewhere.close()
+    try:
+        elsewhere.node("hearer").create_subscription(kind, "voltage", lambda _: None, qos)
+        yield
+    finally:
+        elsewhere.close()
 
 
 @pytest.mark.parametrize(
@@ -72,9 +74,10 @@ async def test_who_hears_nothing_is_named_and_what_to_change(
     domain = chosen.next_domain()
     async with robot(making(made, Talker, published), domain_id=domain) as it:
 
-        def found() -> tuple[str, ...]:
+        def found() -> tuple[str, ...] | None:
+            """Return what is wrong with the topic; None while it is not seen."""
             rows = [row for row in it.snapshot.resources if row.name == "/voltage"]
-            return rows[0].mismatches if rows else ()
+            return rows[0].mismatches if rows else None
 
         with hearing(domain, kind, asked):
             await until(lambda: len(it.snapshot.nodes) == 2)
@@ -84,6 +87,7 @@ async def test_who_hears_nothing_is_named_and_what_to_change(
                 events = [event for event in it.snapshot.events if event.text == said]
                 assert [(event.level, event.count) for event in events] == [("WARN", 1)]
             else:
+                await until(lambda: found() is not None)
                 assert found() == ()
         await until(lambda: found() == ())
 
