@@ -1,4 +1,4 @@
-"""Hosted is what `main()` makes, as it makes it; what it does besides is said."""
+"""The nodes that `main()` makes are hosted as it makes them; what else it does is said."""
 
 from __future__ import annotations
 

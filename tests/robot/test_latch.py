@@ -28,7 +28,7 @@ from tests.support.clock import seconds
 from tests.support.console import FAST
 from tests.support.plain import operated
 from tests.support.plain import plain as typed
-from tests.support.quiet import ended, until
+from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import robot
 
 TOLD = "; /motor_controller was told STOP first, and is stopped"
@@ -123,11 +123,6 @@ def latch(it: Robot) -> Latch:
 
 def said_by_others(it: Robot) -> list[str]:
     return [event.text for event in it.snapshot.events if event.level == "PEER"]
-
-
-async def while_passes(time: float) -> None:
-    later = seconds() + time
-    await until(lambda: seconds() >= later)
 
 
 async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_said_anew() -> None:

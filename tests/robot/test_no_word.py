@@ -20,7 +20,7 @@ from archo_tui.station.queue import QueuedGoal
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.plain import operated
-from tests.support.quiet import ended, until
+from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import making, robot
 
 PERIOD = 0.2  # s
@@ -65,8 +65,7 @@ async def test_its_server_falls_silent_and_the_wheels_vouch_for_nothing() -> Non
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         assert (await ended(go(it, 3))).ok
         await until(lambda: it.snapshot.goal and it.snapshot.goal.remaining == 9.0)
-        later = seconds() + 5
-        await until(lambda: seconds() > later)
+        await while_passes(5)
         assert phase() == Phase.MOVING
         made[0].is_well, began = False, seconds()
         await until(lambda: phase() == Phase.LOST)
@@ -78,8 +77,7 @@ async def test_its_server_falls_silent_and_the_wheels_vouch_for_nothing() -> Non
             Code.REFUSED,
             True,
         )
-        later = seconds() + 5
-        await until(lambda: seconds() > later)
+        await while_passes(5)
         assert phase() == Phase.LOST  # the goal is kept
         made[0].is_well = True
         await until(lambda: phase() == Phase.MOVING)
@@ -91,8 +89,7 @@ async def test_an_action_that_sends_no_feedback_is_judged_by_its_server_alone() 
     async with operated(Base, making(made, Planner, False)) as typed:
         typed.type("go 3\n")
         await typed.until("accepted")
-        later = seconds() + 20
-        await until(lambda: seconds() > later)
+        await while_passes(20)
         typed.type("status\n")
         await typed.until("goal MOVING")
         await typed.until("served, no feedback")
@@ -109,8 +106,7 @@ async def test_who_waits_for_its_end_is_told_that_it_is_lost(
         with asked_by(shell):
             assert (await ended(station.drive([QueuedGoal(SHELF, {"shelf_number": 3})]))).ok
         await typed.until("9.0 m left")
-        later = seconds() + 2  # its period is known by then
-        await until(lambda: seconds() > later)
+        await while_passes(2)  # its period is known by then
         made[0].is_well, began = False, seconds()
         await typed.until("NO WORD FROM GO TO SHELF for")
         (end,) = shell.ends
@@ -130,8 +126,7 @@ async def test_input_that_is_over_waits_for_it_no_longer_and_ends_with_1(
     async with operated(Base, making(made, Planner)) as typed:
         typed.type("go 3\n")
         await typed.until("9.0 m left")
-        later = seconds() + 2  # its period is known by then
-        await until(lambda: seconds() > later)
+        await while_passes(2)  # its period is known by then
         made[0].is_well = False
         assert await typed.end() == 1
         assert "goal lost: no word from it for " in typed.said

@@ -12,8 +12,7 @@ from std_msgs.msg import Float32
 from archo_tui.replay.topics import Topics
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file.load import load
-from tests.support.clock import seconds
-from tests.support.quiet import until
+from tests.support.quiet import until, while_passes
 from tests.support.robot import making, robot
 from tests.support.stub import StandingClock
 
@@ -48,8 +47,7 @@ async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Pa
     async with robot(making(made, Talker), robot=file) as it:
         await until(lambda: it.snapshot.battery.percentage == 80.0)
         await until(lambda: it.snapshot.gauges[0].value == 80.0)
-        later = seconds() + 3
-        await until(lambda: seconds() > later)
+        await while_passes(3)
         rate = it.snapshot.paces["/level"].rate
         assert rate is not None
         assert 8.0 < rate < 13.0

@@ -13,9 +13,8 @@ from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
 from archo_tui.robot.outcome import Code, answer_of
-from tests.support import clock
 from tests.support.console import console
-from tests.support.quiet import ended, until
+from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import making, robot
 
 KIND = "std_srvs/srv/Trigger"
@@ -53,12 +52,6 @@ class Mapper(Node):
         self.executor.create_task(lambda: self.awake.set_result(True))
 
 
-async def passed(seconds: float) -> None:
-    """Wait until so much time has passed."""
-    end = clock.seconds() + seconds
-    await until(lambda: clock.seconds() >= end)
-
-
 @pytest.fixture
 def file(here: Path) -> Path:
     made = here / "mapper.yaml"
@@ -72,7 +65,7 @@ async def test_an_answer_after_five_seconds_is_the_outcome_of_a_call(file: Path)
         await until(lambda: "/save_map" in it.snapshot.services)
         call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
         await until(lambda: made[0].asked == 1)
-        await passed(5.0)
+        await while_passes(5.0)
         assert not call.done()
         made[0].wake()
         outcome = await ended(call)

@@ -24,7 +24,7 @@ from archo_tui.words.state import motion_word, plain
 from tests.support.clock import seconds
 from tests.support.peer import Peer
 from tests.support.plain import operated
-from tests.support.quiet import ended, until
+from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import making, robot
 
 FILE = """
@@ -79,11 +79,6 @@ async def stopped(it: Robot) -> None:
     await until(lambda: {"e_stop", "move_to_shelf"} <= it.snapshot.offered)
     assert (await ended(it.emergency_stop())).ok
     await until(lambda: it.snapshot.latch is Latch.HELD)
-
-
-async def while_passes(time: float) -> None:
-    later = seconds() + time
-    await until(lambda: seconds() >= later)
 
 
 async def test_it_is_shown_and_no_goal_goes_out_until_it_is_released(file: Path) -> None:

@@ -107,6 +107,16 @@ async def until(holds: Callable[[], object]) -> None:
     await Quiet().until(holds, lambda: repr(holds))
 
 
+async def while_passes(span: float) -> None:
+    """Let a time pass in which nothing else is waited for.
+
+    Args:
+        span: Seconds on the clock that the robot has.
+    """
+    later = clock.seconds() + span
+    await until(lambda: clock.seconds() >= later)
+
+
 async def outside(holds: Callable[[], object], what: str) -> None:
     """Wait for the disk or another thread of the machine: no virtual time passes meanwhile."""
     end = time.monotonic() + 3 * DEADLINE
