@@ -55,13 +55,14 @@ def _answer(console: Console, number: int, allowed: bool) -> None:
     console.look()
 
 
+# the verbs that tell in words what a panel shows, by its number
 _SHOWN = {
     1: ("status",),
     4: ("params", "get"),
     5: ("nodes",),
     6: ("events",),
     8: ("topics",),
-}  # in the panels
+}
 
 
 class Panel(Command):

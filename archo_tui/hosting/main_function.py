@@ -32,8 +32,8 @@ class Made(NamedTuple):
     kind: type[Node]
     args: tuple[Any, ...]
     keywords: dict[str, Any]
-    line: int
-    text: str
+    line: int  # of the call; 0: `main()` has none
+    text: str  # the call, as it is quoted; "" without one
 
 
 class NotRun(NamedTuple):

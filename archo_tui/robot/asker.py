@@ -22,7 +22,7 @@ class Asker:
         self.ends: list[Future[Outcome]] = []  # of the goals that it asked for
         self.goal: Goal | None = None  # the last of them that ended
         self.has_left = False  # whatever it still asks for is not done
-        self.waits = False  # for the ends of its goals, which end with it
+        self.waits = False  # for the ends of its goals: they are cancelled when it leaves
 
     @property
     def is_assistant(self) -> bool:

@@ -61,7 +61,7 @@ class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
         self.say(text)
         self._reason = Reason(obstacles)
         if self._snapshot is not None:
-            self._reason.is_over(self._snapshot)
+            self._reason.is_over(self._snapshot)  # notes what holds now
 
     def follow(self, view: View) -> None:
         """Take a refusal away when what it may be about is over."""

@@ -23,9 +23,10 @@ class Reason:
         self._before: Facts = frozenset()
 
     def is_over(self, snapshot: Snapshot) -> bool:
-        """Return whether a fact of an earlier call is not one any more.
+        """Return whether a fact that held at the last call has ended.
 
-        A fact that is added is no end: a topic may report it after the refusal that it caused.
+        The first call only notes the facts. One that is added is no end: a topic may report it
+        after the refusal that it caused.
         """
         before, self._before = self._before, self._facts(snapshot)
         return not before <= self._before

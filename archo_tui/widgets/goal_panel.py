@@ -215,7 +215,7 @@ class GoalPanel(Panel):
         """
         self._reason = reason
         if reason is not None:
-            reason.is_over(self._snapshot)
+            reason.is_over(self._snapshot)  # notes what holds now
         if self._is_wide:
             self._hint.display, self._line.display = text != "", text == ""
         self._hint.say(((text, BAD),))

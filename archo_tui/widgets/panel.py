@@ -43,7 +43,7 @@ class Panel(Container, QuietFocus):
         super().__init__(id=f"panel-{self.number}", classes="panel")
         self.border_title = f"{self.number} {self.title_text}"
         self._title, self._below = Content(self.border_title), Content("")
-        self._narrowed, self._more = "", ""  # in the title behind its words; the latter markup
+        self._narrowed, self._more = "", ""  # behind the title: plain text, then markup
         self._keyed: object = None  # what its keys were last written for
         self._marked = ""  # the colour of its border while it has the focus
 
