@@ -120,11 +120,11 @@ def run(
         from archo_tui.remote.verb_help import own
 
         known = own(words[0])
-        if known and "--json" in words:
-            _print_json({"code": "done", "text": known})
-        elif known:
-            _print(known)
         if known:
+            if "--json" in words:
+                _print_json({"code": "done", "text": known})
+            else:
+                _print(known)
             return 0
     helps = "--help" in words[1:]
     try:
@@ -312,10 +312,10 @@ def _end(result: dict[str, Any], given: _Words, others: Iterable[str] = ()) -> i
 
 
 def _why_not(result: dict[str, Any], words: Sequence[str], others: Iterable[str]) -> str:
-    """Return why nothing came of what was typed, behind its verb where the text does not name it.
+    """Return why a command failed, with its verb in front unless the text names the verb.
 
-    A console knows nothing of a client's options: the nearest of one that is misspelled is named
-    here.
+    A console knows nothing of a client's options, so the option nearest to a misspelled one is
+    named here.
     """
     if not words:
         return str(result["text"])
