@@ -53,6 +53,7 @@ FAULTS = [
     Fault("commands/robot.py", " and not stops.overtaken:", ":", CONSOLE + "/test_stop_seams.py"),
     Fault("station/station.py", "            self._elsewhere = self.robot.stops.elsewhere\n            self.ask_no_more()", "            pass", CONSOLE + "/test_stop_seams.py"),
     Fault("robot/followed.py", "        if period is not None and not is_cancelling:", "        if False:", ROBOT + "/test_no_word.py"),
+    Fault("robot/followed.py", "future is self._result and not", "not", ROBOT + "/test_followed.py"),
     Fault("robot/followed.py", " and not self._sends_feedback:", ":", ROBOT + "/test_no_word.py"),
     Fault("robot/state.py", "now - self.lost >= GIVEN_UP", "False", ROBOT + "/test_no_word.py"),
     Fault("robot/followed.py", "            if self.is_taken:", "            if True:", "tests/robot/test_answered_late.py"),

@@ -107,7 +107,10 @@ class Followed:
         self._result = self.action.ask_result(self.id)
 
         def on_result(future: Any) -> None:
-            if not future.cancelled() and future.result() is not None and self.goal.is_running:
+            # one that was done before it was cancelled still calls back, and may be from before
+            # the server took the goal: it would be called forgotten as it begins to drive
+            is_last = future is self._result and not future.cancelled()
+            if is_last and future.result() is not None and self.goal.is_running:
                 self._on_result(future.result())
 
         self._result.add_done_callback(on_result)

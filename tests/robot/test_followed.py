@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from rclpy.task import Future
 
@@ -118,3 +120,46 @@ def test_until_its_period_is_known_a_robot_that_is_silent_has_lost_it_too() -> N
     for passed, phase in ((2.9, Phase.MOVING), (3.1, Phase.LOST)):
         followed.check(clock.monotonic() + passed, motion)
         assert followed.goal.phase == phase
+
+
+class Answered:
+    """The future of a result whose callbacks have not run yet: to cancel it comes too late."""
+
+    def __init__(self) -> None:
+        self.call_back: Any = None
+
+    def add_done_callback(self, call_back: Any) -> None:
+        self.call_back = call_back
+
+    def cancel(self) -> None:
+        pass
+
+    def cancelled(self) -> bool:
+        return False
+
+    def result(self) -> Any:
+        return SimpleNamespace(status=GoalStatus.STATUS_UNKNOWN, result=None)
+
+
+class AskedAction(ServedAction):
+    """Its server did not know the goal when it was asked."""
+
+    def __init__(self) -> None:
+        self.asked: list[Answered] = []
+
+    def ask_result(self, goal_id: bytes) -> Any:
+        self.asked.append(Answered())
+        return self.asked[-1]
+
+
+def test_an_answer_from_before_the_goal_was_taken_does_not_end_it() -> None:
+    clock, action = StandingClock(), AskedAction()
+    goal = Goal(SHELF, {"shelf_number": 3}, Phase.UNKNOWN, clock.monotonic(), clock.now())
+    followed = Followed(goal, b"1", action, clock, lambda *_: None)
+    followed.ask_result()
+    followed.accepted(object())
+    seen: list[Phase] = []
+    for asked in action.asked:
+        asked.call_back(asked)
+        seen.append(followed.goal.phase)
+    assert seen == [Phase.MOVING, Phase.ABORTED]
