@@ -53,10 +53,7 @@ class Resources:
         self._counted = counted if answered else None
         of_topics = {name: types for name, (types, _, _) in topics.items()}
         self.all = (
-            *(
-                resource._replace(mismatches=self._mismatches(resource.name))
-                for resource in _resources(TOPIC, of_topics, self._publishers)
-            ),
+            *(self._topic(name, of_topics[name]) for name in sorted(of_topics)),
             *_resources(SERVICE, self.services, self._servers),
             *_resources(ACTION, self.actions, lambda name: self._publishers(name + _FEEDBACK)),
         )
@@ -75,11 +72,12 @@ class Resources:
                 self._served[name, namespace] = frozenset(service for service, _ in served)
         return not self.services or self._served.keys() == nodes
 
-    def _mismatches(self, topic: str) -> tuple[str, ...]:
-        publishers = self._node.get_publishers_info_by_topic(topic)
-        if not publishers:
-            return ()
-        return mismatches(topic, publishers, self._node.get_subscriptions_info_by_topic(topic))
+    def _topic(self, name: str, types: tuple[str, ...]) -> Resource:
+        publishers = self._node.get_publishers_info_by_topic(name)
+        nodes = {in_namespace(info.node_namespace, info.node_name) for info in publishers}
+        subscriptions = self._node.get_subscriptions_info_by_topic(name) if publishers else ()
+        unheard = mismatches(name, publishers, subscriptions)
+        return Resource(TOPIC, name, types, tuple(sorted(nodes)), unheard)
 
     def _servers(self, service: str) -> Iterator[str]:
         for (name, namespace), served in self._served.items():

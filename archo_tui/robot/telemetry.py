@@ -104,16 +104,19 @@ class Telemetry:
         """(Re)subscribe to what is published now."""
         faults: dict[str, str] = {}
         wanted: dict[tuple[str, str], list[_Reader]] = {}  # by full topic and type
+        published: dict[str, Sequence[Any]] = {}  # its publishers, by full topic
         for reader in self._readers:
-            if (kind := self._usable(reader, faults)) is not None:
-                topic = self._node.resolve_topic_name(reader.topic)
+            topic = self._node.resolve_topic_name(reader.topic)
+            if topic not in published:
+                published[topic] = self._node.get_publishers_info_by_topic(topic)
+            if (kind := self._usable(reader, published[topic], faults)) is not None:
                 wanted.setdefault((topic, kind), []).append(reader)
         for key in [key for key in self._subscriptions if key not in wanted]:
             # what nobody publishes any more is listened to all the same: it may come back
-            if self._node.get_publishers_info_by_topic(key[0]):
+            if published[key[0]]:
                 self._node.destroy_subscription(self._subscriptions.pop(key).subscription)
         for key, readers in wanted.items():
-            self._subscribe(key, readers)
+            self._subscribe(key, readers, published[key[0]])
         self.battery = self.battery._replace(grace=self._grace("battery"))
         self.motion = replace(self.motion, grace=self._grace("motion"))
         self.gauges = tuple(
@@ -166,21 +169,23 @@ class Telemetry:
         self.battery, self.motion, self.gauges, self.charge, periods = kept
         self._periods = dict(periods)
 
-    def _usable(self, reader: _Reader, faults: dict[str, str]) -> str | None:
+    def _usable(
+        self, reader: _Reader, publishers: Sequence[Any], faults: dict[str, str]
+    ) -> str | None:
         """Return the type that a reader can read of its topic now; None: there is none.
 
         Args:
             reader: Its topic's publishers are noted, and how long it may be silent.
+            publishers: Those of its topic.
             faults: What is wrong with a topic is put into it.
         """
-        publishers = self._node.get_publishers_info_by_topic(reader.topic)
         self._publishers[reader.key] = frozenset(
             in_namespace(info.node_namespace, info.node_name) for info in publishers
         )
         if not publishers:
             self._graces[reader.key] = LEAST_SILENCE  # nobody is there to say more
             return None
-        kinds = sorted({info.topic_type for info in publishers})
+        kinds: list[str] = sorted({info.topic_type for info in publishers})
         types = reader.types
         known = {kind: message_classes.load(kind) for kind in kinds if kind in types}
         lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
@@ -195,13 +200,14 @@ class Telemetry:
         self._graces[reader.key] = None if _is_latched(publishers) else UNMEASURED
         return usable[0]
 
-    def _subscribe(self, key: tuple[str, str], readers: Sequence[_Reader]) -> None:
+    def _subscribe(
+        self, key: tuple[str, str], readers: Sequence[_Reader], publishers: Sequence[Any]
+    ) -> None:
         """Have one subscription for all readers of a topic and type, with a QoS that fits.
 
         Two would be recorded twice, and counted twice as often as messages come.
         """
         topic, kind = key
-        publishers = self._node.get_publishers_info_by_topic(topic)
         latched = _is_latched(publishers)
         reliable = all(
             info.qos_profile.reliability == ReliabilityPolicy.RELIABLE for info in publishers
