@@ -68,6 +68,7 @@ FLUSH_PERIOD = 0.2  # s between two snapshots while much happens: 5 a second
 STREAM_PERIOD = 0.4  # s between them while only numbers go on and nodes log: nobody reads faster
 WATCH_PERIOD = 0.2  # s between two looks at a goal that runs
 LOOK_PERIOD = 1.0  # s between two looks at the graph (rclpy has no event for changes)
+_EARLY = 0.05  # s that the timer of a look may be early, and the look still be taken
 _ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
 _SILENT = f"no answer in {_ASKED:g} s from the console's own node"
 _RESTART = 3.0  # s after its restart in which what a node says differs because of that
@@ -98,6 +99,7 @@ class Robot:
         self._secrets = secrets or SecretNames()
         self._clock, self._happened = clock, happened
         self._begun = clock.monotonic()
+        self._next_look = float("-inf")  # monotonic s
         self.stops = stops = Stops()
         self._mailbox = Mailbox()
         self._log = EventLog()
@@ -145,7 +147,6 @@ class Robot:
             self._services,
             self._graph,
             self._offers,
-            self._look,
             self._flush,
             self._tell_of_stop,
         )
@@ -574,8 +575,9 @@ class Robot:
             return outcome
 
     def _look_again(self) -> None:
-        """Every second."""
-        self._look()
+        """Every second; of a very large graph less often."""
+        if self._clock.monotonic() >= self._next_look:
+            self._look()
         if self._stopping.is_to_be_repeated and self._is_heard:
             self._thread.submit(self._stopping.send_again)
 
@@ -622,7 +624,9 @@ class Robot:
         self._motion_ids = now or before
 
     def _look(self) -> None:
+        begun = self._clock.monotonic()
         changed = self._graph.look()
+        self._next_look = begun + self._graph.rest - _EARLY
         self._look_at_motion()
         self._stopping.look_at_holders()
         self._others.who = CONSOLE if self._graph.mute else CLIENT

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections import Counter
 from collections.abc import Sequence
 from typing import Any
@@ -17,6 +18,8 @@ from archo_tui.robot.resources import SEND, Resources, Types
 from archo_tui.robot.state import NodeState, Resource, in_namespace
 from archo_tui.robot_file.model import RobotFile
 
+SHARE = 0.05  # of the ROS thread's time that looks at the graph take at most
+_SLICE = 0.02  # s of CPU in which a look asks for details; STOP waits for it, and for the rest
 _OF_NODES = ("rcl_interfaces", "type_description_interfaces")  # services that every node has
 
 
@@ -43,6 +46,7 @@ class Graph:
         self.mute: frozenset[str] = frozenset()  # those that do not publish what they do
         self.servers: dict[str, frozenset[str]] = {}  # the nodes that serve each action
         self.action_types: dict[str, tuple[str, ...]] = {}
+        self.rest = 0.0  # s after a look in which the next one would take too much of the thread
         self._seen: object = None  # at the last look, of what a snapshot shows
         self._resources = Resources(node, self.is_ours)
         self._heard: dict[str, float] = {}  # by node, as all below
@@ -57,7 +61,22 @@ class Graph:
         self._named_actions: dict[str, tuple[str, ...]] = {}
 
     def look(self) -> bool:
-        """Ask what is on the graph now; True when something came or went."""
+        """Ask what is on the graph now; True when something came or went.
+
+        It is next due when this one has been SHARE of the time until then.
+        """
+        begun = time.thread_time()
+        changed = self._look()
+        self.rest = (time.thread_time() - begun) / SHARE
+        return changed
+
+    def look_for(self, service: str) -> None:
+        """See whether a service of the robot's file has come, and nothing else."""
+        if self._node.count_services(service):
+            self._look_at_services()
+            self.offered |= {service}
+
+    def _look(self) -> bool:
         pairs = self._node.get_node_names_and_namespaces()
         found = Counter(_full(*pair) for pair in pairs)
         names = sorted(name for name in found if self.is_ours(name))
@@ -72,7 +91,7 @@ class Graph:
         self.count = {name: found[name] for name in names}
         self.has_clock = self._node.count_publishers("/clock") > 0
         self.twice = tuple(name for name in names if found[name] > 1)
-        services = dict(self._node.get_service_names_and_types())
+        self._look_at_services()
         # a name alone may be that of a client, our own for one: servers are counted
         count = self._node.count_services
         offered = {name for name in self._services if count(name)}
@@ -88,9 +107,13 @@ class Graph:
             if count(f"{action}/_action/send_goal"):
                 offered.add(action)
             self._look_at_action(action)
-        if services != self.services:
-            self._look_at_services(services)
-        self._resources.look(frozenset(pairs), self._named_services, self._named_actions)
+        end = time.thread_time() + _SLICE
+        self._resources.look(
+            frozenset(pairs),
+            self._named_services,
+            self._named_actions,
+            lambda: time.thread_time() < end,
+        )
         rivals = {name: self.rivals(name) for name in self._alone}
         self.several = {name: nodes for name, nodes in rivals.items() if nodes}
         for name in set(self._paces) - set(names):  # its rate starts over when it comes back
@@ -107,7 +130,7 @@ class Graph:
         seen = there, self.publishers, self.twice, self.elsewhere, self.several
         changed = seen != self._seen
         self._seen = seen
-        self.names, self.services, self.offered = names, services, frozenset(offered)
+        self.names, self.offered = names, frozenset(offered)
         return changed
 
     def _publishers_of_acts(self) -> set[str]:
@@ -119,8 +142,12 @@ class Graph:
         self.servers[action] = frozenset(_full(*_of(info)) for info in infos)
         self.action_types[action] = _action_types(infos)
 
-    def _look_at_services(self, services: dict[str, list[str]]) -> None:
+    def _look_at_services(self) -> None:
         """Which services and actions of any kind there may be; those of every node are left out."""
+        services = dict(self._node.get_service_names_and_types())
+        if services == self.services:
+            return
+        self.services = services
         self._named_services, self._named_actions = {}, {}
         for name, kinds in services.items():
             action = name.removesuffix(SEND)

@@ -49,17 +49,16 @@ class Stopping:
         pending: Services,
         graph: Graph,
         offers: Offers,
-        look: Callable[[], None],
         changed: Callable[[], None],
         tell: Callable[[str, Code], None],
     ) -> None:
-        """`look()` looks at the graph, `changed()` is called with each new state.
+        """`changed()` is called with each new state.
 
         `tell(text, code)` is called with what came of a STOP that nobody waits for.
         """
         self._node, self._stop, self._clock = node, stop, clock
         self._services, self._graph, self._offers = pending, graph, offers
-        self._look, self._changed, self._tell = look, changed, tell
+        self._changed, self._tell = changed, tell
         self._begun = clock.monotonic()
         self.open: OpenStop | None = None  # the first that is not confirmed
         self._first = 0  # the turn of that first one: an answer to an earlier one is not to it
@@ -263,7 +262,7 @@ class Stopping:
         end = max(now + services.DEADLINE, self._begun + FIRST_FOUND)
         while name not in self._graph.offered and self._clock.monotonic() < end:
             await self._services.pause(_FIND_PERIOD)
-            self._look()
+            self._graph.look_for(name)
 
     async def _call(self, stop: model.Stop, late: Callable[[_Said], None]) -> _Said:
         """One call: what its servers said of it, in time; or `late`."""
