@@ -234,7 +234,7 @@ async def test_calls_of_many_threads_and_within_a_loop_over_events_are_answered(
         assert set(await asyncio.gather(*many)) == {0.8}
         while not looping.done():
             await asyncio.to_thread(robot.do, "log_level", "motor_controller", "debug")
-            await asyncio.to_thread(robot.do, "log_level", "motor_controller", "info")
+            await asyncio.to_thread(robot.do, "log_level", "motor_controller", "unset")
         assert await looping
         await asyncio.to_thread(robot.stop)
         with pytest.raises(Aborted):
