@@ -87,6 +87,7 @@ class HostedNode:
             self.state = self.state._replace(file=named, saved=saved)
         self._stopping = False
         self._was_taken = False
+        self.was_told_early = False  # of the STOP that holds, before its constructor spun it
         self.crash = ""  # FILE:LINE and what it raised
         self._failure: BaseException | None = None  # of the constructor
         self._is_late = False
@@ -450,7 +451,7 @@ class Host:
             self.nodes.append(hosted)
 
     def _hosted(self, make: Callable[..., Any], rename: str = "") -> HostedNode:
-        told = self._crashed, self._on_event, self._made_late, self._tell_stop
+        told = self._crashed, self._on_event, self._made_late, self._tell_stop_early
         return HostedNode(make, self._context, *told, rename)
 
     def _wait(self, hosted: HostedNode) -> None:
@@ -575,10 +576,7 @@ class Host:
         return outcome
 
     def _tell_stop(self, new: HostedNode) -> Outcome:
-        """Have a node that was started here carry out a STOP that is not released, if it serves it.
-
-        It also comes before a spin in the node's constructor.
-        """
+        """Have a node that was started here carry out a STOP that is not released, if it serves it."""
         service, request = self._stop_to_tell()
         if not service or not new.serves(service):
             return Outcome(Code.DONE, "")
@@ -589,6 +587,15 @@ class Host:
             return Outcome(Code.NOT_CONFIRMED, f"; {why}")
         self._told_stop(new.name)
         return Outcome(Code.DONE, f"; {new.name} was told STOP first, and is stopped")
+
+    def _tell_stop_early(self, new: HostedNode) -> None:
+        """Do so before the node's constructor spins it for the first time behind that STOP.
+
+        Behind a later spin the node takes the request itself.
+        """
+        is_told, new.was_told_early = new.was_told_early, bool(self._stop_to_tell()[0])
+        if not is_told:
+            self._tell_stop(new)
 
     def _made_late(self, hosted: HostedNode) -> None:
         """Start a node that was not made in time; it may have the name of one of the robot's own.

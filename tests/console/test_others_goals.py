@@ -128,12 +128,19 @@ async def test_a_late_yes_cancels_no_other_goal_than_the_one_that_was_asked_abou
     async with shared(*LONG) as (op, other):
         other.go(12)
         await op.until("MOVING (another client's goal)")
+        first = op.app.view.snapshot.running_goal
+        assert first is not None
         await op.press("ctrl+c")
         await op.until("Another client sent this goal. Cancel it?")
         begin(other, other.sent.cancel_goal_async)
         await op.until(lambda: other.told == [GoalStatus.STATUS_CANCELED])
         other.go(7)
-        await op.until(lambda: op.app.view.snapshot.running_goal)
+
+        def is_another() -> bool:
+            goal = op.app.view.snapshot.running_goal
+            return goal is not None and goal.number != first.number
+
+        await op.until(is_another)
         await op.press("y")
         await op.until("the goal that was asked about has ended")
         await op.settle()

@@ -210,8 +210,9 @@ def test_behind_a_stop_it_is_told_that_before_its_constructor_spins_it(
         motor = session.host.nodes[0]
         assert motor.state.life is Life.STARTING
         (node,) = motor._begun
-        wait_until(lambda: "drives" in node.said)  # type: ignore[attr-defined]
+        wait_until(lambda: node.said.count("drives") > 3)  # type: ignore[attr-defined]
         assert node.said[0] == "halted"  # type: ignore[attr-defined]
+        assert node.said.count("halted") == 1  # type: ignore[attr-defined]
 
 
 def test_it_has_the_parameters_that_were_set_before_its_file_was_saved() -> None:
