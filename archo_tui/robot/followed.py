@@ -133,8 +133,15 @@ class Followed:
             self.update(phase=Phase.UNKNOWN)
             self._asked = 0.0
 
-    def check(self, now: float, motion: Motion) -> None:
-        """Silent it is lost; ask the robot about a doubtful one."""
+    def check(self, now: float, motion: Motion, resumed: float = float("-inf")) -> None:
+        """Silent it is lost; ask the robot about a doubtful one.
+
+        Args:
+            now: Monotonic time in s.
+            motion: What was last heard of the robot's motion.
+            resumed: When this process last went on after it stood still, monotonic s. Silence
+                counts from then: what was said meanwhile may be read behind this check.
+        """
         goal = self.goal
         if self._ended_as is not None and now - self._ended_as[1] > services.DEADLINE:
             self.end(self._ended_as[0], _NO_REASON)  # the result does not come
@@ -143,10 +150,10 @@ class Followed:
             self._unserved = None
         elif self._unserved is None:
             self._unserved = now
-        elif now - max(self._unserved, goal.heard or 0.0) >= NOBODY_SERVES:
+        elif now - max(self._unserved, goal.heard or 0.0, resumed) >= NOBODY_SERVES:
             self.node_gone()
             return
-        if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(now, motion):
+        if goal.phase in (Phase.MOVING, Phase.CANCELLING) and self._is_silent(now, motion, resumed):
             self.update(phase=Phase.LOST)
         if goal.phase == Phase.SENT:
             return
@@ -161,12 +168,12 @@ class Followed:
     def _sends_feedback(self) -> bool:
         return self._pace.last is not None or self._pace.known is not None
 
-    def _is_silent(self, now: float, motion: Motion) -> bool:
+    def _is_silent(self, now: float, motion: Motion, resumed: float) -> bool:
         """Return whether too little is heard of a goal that runs, and whose action is served.
 
         By its feedback; while its period is not known, and while none is due, by the motion, too.
         """
-        heard, period = self.goal.heard or self.goal.sent, self._pace.seconds
+        heard, period = max(self.goal.heard or self.goal.sent, resumed), self._pace.seconds
         is_cancelling = self.goal.phase == Phase.CANCELLING
         if period is not None and not is_cancelling:
             return now - heard > max(SILENCE, 3 * period)

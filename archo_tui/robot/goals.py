@@ -24,6 +24,7 @@ from archo_tui.robot import message_classes, messages, services
 from archo_tui.robot.followed import ENDS, Followed
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.period import Pause
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Phase, not_offered
 from archo_tui.robot.stops import NEVER_LEFT, Gate
@@ -140,6 +141,7 @@ class Goals:
         self._refusals: deque[str] = deque(maxlen=5)
         self.history: deque[Goal] = deque(maxlen=HISTORY)
         self.are_over = False  # none is sent any more
+        self._pause = Pause()
 
     @property
     def goal(self) -> Goal | None:
@@ -465,8 +467,9 @@ class Goals:
 
     def check(self, now: float, motion: Motion) -> None:
         """Silent goals are lost; the robot is asked about doubtful ones."""
+        self._pause = self._pause.look(now)
         for one in list(self._running.values()):
-            one.check(now, motion)
+            one.check(now, motion, self._pause.resumed)
 
     def _on_status(self, action: _Action, message: Any) -> None:
         """The whole status of an action: goals of others are followed from now on."""

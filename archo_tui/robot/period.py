@@ -55,6 +55,23 @@ class Period(NamedTuple):
         return sorted(self.intervals)[len(self.intervals) // 2]
 
 
+class Pause(NamedTuple):
+    """Whether this process stood still, as one that was suspended: it could hear nobody then.
+
+    One that stands still again and again has one such pause: it is not to stay silent.
+    """
+
+    looked: float | None = None  # the last time, monotonic s
+    is_over: bool = True
+    resumed: float = float("-inf")  # behind a pause, of which silence says nothing; monotonic s
+
+    def look(self, now: float) -> Pause:
+        """Return what is known at that time, given that somebody looks every second or so."""
+        paused = self.looked is not None and now - self.looked > LEAST_SILENCE
+        resumed = now if paused and self.is_over else self.resumed
+        return Pause(now, not paused, resumed)
+
+
 def is_number(value: object) -> TypeGuard[float]:
     """Return whether it is a number, and no truth value."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)

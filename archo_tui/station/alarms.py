@@ -10,7 +10,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.period import LEAST_SILENCE
+from archo_tui.robot.period import LEAST_SILENCE, Pause
 from archo_tui.robot.state import (
     Hosted,
     Latch,
@@ -351,21 +351,20 @@ class AlarmBoard:
     def __init__(self) -> None:
         self._alarms: dict[str, Alarm] = {}
         self._pending: dict[str, float] = {}  # condition -> monotonic s since it holds
-        self._looked: float | None = None  # at the last update, monotonic s
-        self._resumed: float | None = None  # behind a pause, of which silence says nothing
-        self._paused = False  # before the last update
+        self._pause = Pause()
 
     def copy(self) -> AlarmBoard:
         """Another one with the same alarms."""
         board = AlarmBoard()
         board._alarms, board._pending = dict(self._alarms), dict(self._pending)
-        board._looked, board._resumed, board._paused = self._looked, self._resumed, self._paused
+        board._pause = self._pause
         return board
 
     def update(self, found: dict[str, str], monotonic: float, now: float) -> list[Alarm]:
         """Take the conditions that hold now (`conditions`); `now` is a Unix time."""
         changed: list[Alarm] = []
-        self._notice_pause(monotonic)
+        self._pause = self._pause.look(monotonic)
+        just_resumed = monotonic - self._pause.resumed < LEAST_SILENCE
         for alarm in list(self._alarms.values()):
             if alarm.shelf_ends is not None and monotonic >= alarm.shelf_ends:
                 changed += self._change(alarm, Change.UNSHELVE, now)
@@ -378,7 +377,7 @@ class AlarmBoard:
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
                 self._alarms[name] = known._replace(text=text)
-            elif _kind(name) in (CONTACT_LOST, SILENT, NO_WORD) and self._just_resumed(monotonic):
+            elif _kind(name) in (CONTACT_LOST, SILENT, NO_WORD) and just_resumed:
                 continue
             elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
                 raised = known or Alarm(name, text, now, State.NORMAL)
@@ -416,19 +415,6 @@ class AlarmBoard:
     def all(self) -> tuple[Alarm, ...]:
         """Unacknowledged first, then active, then by priority; shelved last."""
         return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
-
-    def _notice_pause(self, monotonic: float) -> None:
-        """The console was suspended, or stood still: it could hear nobody, nor could its nodes.
-
-        One that stands still again and again has one such pause: it is not to stay silent.
-        """
-        paused = self._looked is not None and monotonic - self._looked > LEAST_SILENCE
-        if paused and not self._paused:
-            self._resumed = monotonic
-        self._looked, self._paused = monotonic, paused
-
-    def _just_resumed(self, monotonic: float) -> bool:
-        return self._resumed is not None and monotonic - self._resumed < LEAST_SILENCE
 
     def _stands(self, name: str) -> bool:
         return name in self._alarms and not self._alarms[name].is_over

@@ -97,6 +97,18 @@ def test_a_parameter_that_is_its_period_counts_at_once() -> None:
     assert phases(followed, clock, 14.9, 15.1) == [Phase.MOVING, Phase.LOST]
 
 
+def test_silence_while_this_process_stood_still_loses_no_goal() -> None:
+    clock = StandingClock()
+    followed = followed_at(clock)
+    for _ in range(3):
+        clock.passed += 0.2
+        followed.on_feedback(Feedback())
+    resumed = clock.monotonic() + 60.0
+    for passed, phase in ((0.0, Phase.MOVING), (2.9, Phase.MOVING), (3.1, Phase.LOST)):
+        followed.check(resumed + passed, Motion(), resumed)
+        assert followed.goal.phase == phase
+
+
 def test_the_longest_remainder_is_the_way_until_a_node_tells_it() -> None:
     goal = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0)
     for left, longest in ((15.0, 15.0), (12.0, 15.0), (16.0, 16.0)):

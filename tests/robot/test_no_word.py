@@ -17,6 +17,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
 from archo_tui.station.alarms import NO_WORD
 from archo_tui.station.queue import QueuedGoal
+from tests.support import clock
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.plain import operated
@@ -81,6 +82,21 @@ async def test_its_server_falls_silent_and_the_wheels_vouch_for_nothing() -> Non
         assert phase() == Phase.LOST  # the goal is kept
         made[0].is_well = True
         await until(lambda: phase() == Phase.MOVING)
+
+
+async def test_a_goal_is_not_lost_while_the_console_was_suspended() -> None:
+    if clock.current is None:
+        pytest.skip("real time passes for all")
+    async with operated(Base, Planner) as typed:
+        typed.type("go 3\n")
+        await typed.until("9.0 m left")
+        await while_passes(2)  # its period is known by then
+        clock.current.suspend(6.0)
+        typed._plain._station.robot._watch()  # the first to go on, before the feedback is read
+        await while_passes(5)
+        typed.type("status\n")
+        await typed.until("goal MOVING to 3, 9.0 m left")
+        assert "LOST" not in typed.said
 
 
 @pytest.mark.waits
