@@ -201,6 +201,8 @@ class Desk:
             if visit.leaves:
                 work.add_done_callback(_heed)
                 raise RanOut(f"{over}; what was sent goes on")
+            if visit.calls:  # nothing takes back a request that a service has
+                raise RanOut(f"{over}: the robot may still do it")
             return await self._call_off_late(visit, work, over)
         finally:
             if not visit.leaves:
