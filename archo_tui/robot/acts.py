@@ -6,8 +6,9 @@ Each publishes it on TOPIC, in the robot's namespace, as one JSON object in a st
      "arguments": {"node": "/motor_controller", "values": {"max_speed": 0.5}},
      "text": "set motor_controller max_speed 0.5: max_speed is 0.5, was 0.8"}
 
-`text` is the line that people read, the same as on /rosout. Nothing follows from it but who did
-what: anybody can publish there. Names that are not known are left alone. The number of TOPIC grows
+`text` is the line that people read, the same as on /rosout. Anybody can publish there, so nothing
+follows from it but who did what, and what holds goals back: that a STOP came, holds, or is no
+longer certain. Names that are not known are left alone. The number of TOPIC grows
 when what a name means changes; a console of another number counts as one that publishes nothing.
 """
 

@@ -746,7 +746,9 @@ class Robot:
         self._others.told(told.act, self._clock.monotonic())
         self.stops.elsewhere += told.act.verb == "stop"
         self.stops.overtaken |= told.act.verb != "stop"
-        if told.act.verb == "release" and told.act.code is Code.DONE:
+        if told.act.code is Code.DONE and told.act.verb == "stop":
+            self._stopping.stopped_elsewhere(told.console)
+        elif told.act.code is Code.DONE and told.act.verb == "release":
             self._stopping.released_elsewhere(told.console)
         now = self._clock.now()
         self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))

@@ -72,6 +72,8 @@ class Stopping:
         self.lost = ""  # why an UNCERTAIN one is not certain
         self.time = 0.0  # Unix time of that STOP
         self._doubt = ""  # why one that the robot does not report is not certain, whoever holds it
+        self._by = ""  # the other console that sent it; empty: this one did
+        self._theirs = 0  # the turn in which another console told of its last one
         self._reports = False  # the robot says whether it is stopped
         self._moves_since: float | None = None  # since when it says that it moves, monotonic s
         self.released: float | None = None  # when the robot confirmed a release, monotonic s
@@ -149,7 +151,7 @@ class Stopping:
 
     def past(self, turn: int) -> None:
         """A release or a goal of that turn was accepted: a STOP before it is past."""
-        if self.is_behind(turn):
+        if self.is_behind(turn) or turn <= self._theirs:
             return
         self._left = self._unheeded = None
         self.latch, self.released, self._doubt = Latch.NONE, self._clock.monotonic(), ""
@@ -159,7 +161,7 @@ class Stopping:
     def _hold(self) -> None:
         """Remember that the robot is stopped, and by which nodes."""
         assert self._stop is not None
-        self.latch, self.lost, self._doubt = Latch.HELD, "", ""
+        self.latch, self.lost, self._doubt, self._by = Latch.HELD, "", "", ""
         self.time = self._clock.now()
         # a node may leave as it confirms: any node that comes later would pass for it
         self._holders = self._graph.holders(self._stop.service) or self._asked
@@ -170,13 +172,29 @@ class Stopping:
         self._told_anew.add(node)
         self.look_at_holders()
 
+    def stopped_elsewhere(self, console: str) -> None:
+        """Take another console's word that the robot has confirmed its STOP.
+
+        Of a robot that does not report a stop itself nothing else tells of it here.
+        """
+        if self._stop is None or self._reports:
+            return
+        self._theirs = self._services.turn()
+        self._unheeded = self._clock.monotonic()  # it is to come to rest from now on
+        if self.latch is not Latch.HELD:
+            self._hold()
+            self._by = console
+            self._changed()
+
     def released_elsewhere(self, console: str) -> None:
         """Take another console's word that it has released the STOP.
 
-        Of a robot that does not report a stop itself the STOP is then no longer certain.
+        Of a robot that does not report a stop itself the STOP is then no longer certain, unless
+        that console sent it.
         """
-        if self._reports:
+        if self._reports or (self._by == console and self.latch is Latch.HELD):
             self.latch = Latch.NONE
+            self._changed()
         else:
             self._cast_doubt(f"console {console} released it")
 

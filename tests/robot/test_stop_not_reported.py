@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
 from rclpy.action import ActionServer
 from rclpy.node import Node
+from rclpy.task import Future
 from std_srvs.srv import Trigger
 
 from archo_tui.remote.waits import RanOut, wait_for
@@ -60,6 +62,21 @@ class Base(Node):
     def execute(self, goal: Any) -> Any:
         goal.succeed()
         return MoveToShelf.Result(success=True)
+
+
+class Slow(Base):
+    """Takes its time to answer."""
+
+    def __init__(self, **options: Any) -> None:
+        self.asked = False
+        self.awake: Future[bool] = Future()
+        super().__init__(**options)
+
+    async def obey(self, _: Any, response: Any) -> Any:
+        self.asked = True
+        await self.awake
+        response.success = True
+        return response
 
 
 @pytest.fixture
@@ -140,6 +157,43 @@ async def test_another_consoles_release_leaves_it_uncertain(file: Path) -> None:
         made[0].tell("release")
         await until(lambda: it.snapshot.latch is Latch.UNCERTAIN)
         assert it.snapshot.latch_lost == "console other_lab_1 released it"
+
+
+async def test_another_consoles_stop_holds_here_until_one_of_the_two_releases_it(
+    file: Path,
+) -> None:
+    made: list[Any] = []
+    async with robot(Base, making(made, Peer), nodes=1, robot=file) as it:
+        await until(lambda: "e_release" in it.snapshot.offered and it.snapshot.consoles)
+        await until(lambda: it.snapshot.motion.received is not None)
+        made[0].tell("stop")
+        await until(lambda: it.snapshot.latch is Latch.HELD)
+        assert plain(motion_word(it.snapshot, seconds(), 80)) == "✗ STOPPED"
+        assert (await ended(go(it))).text == HOLDS
+        made[0].tell("release")
+        await until(lambda: it.snapshot.latch is Latch.NONE)
+        assert plain(motion_word(it.snapshot, seconds(), 80)) == "● IDLE"
+        made[0].tell("stop")
+        await until(lambda: it.snapshot.latch is Latch.HELD)
+        assert (await ended(it.release_emergency_stop())).ok
+        assert (await ended(go(it))).ok
+
+
+async def test_another_consoles_stop_is_not_over_by_an_answer_to_what_left_before_it(
+    file: Path,
+) -> None:
+    made: list[Any] = []
+    peers: list[Any] = []
+    async with robot(making(made, Slow), making(peers, Peer), nodes=1, robot=file) as it:
+        await until(lambda: "e_release" in it.snapshot.offered and it.snapshot.consoles)
+        await until(lambda: it.snapshot.motion.received is not None)
+        release = asyncio.ensure_future(it.release_emergency_stop())
+        await until(lambda: made[0].asked)
+        peers[0].tell("stop")
+        await until(lambda: it.snapshot.latch is Latch.HELD)
+        made[0].executor.create_task(lambda: made[0].awake.set_result(True))
+        assert (await ended(release)).ok
+        assert it.snapshot.latch is Latch.HELD
 
 
 async def test_a_program_that_waits_for_ready_is_told_so_after_the_release_only(
