@@ -26,7 +26,7 @@ class Period(NamedTuple):
         """Return the period to be measured anew, because a parameter has changed.
 
         What is known stays until then. Where the parameter was the period itself, that is its new
-        value.
+        value if that is longer: the publisher may wait for the end of the old one.
 
         Args:
             old: What the parameter was; None: it is of another node than the publisher.
@@ -35,8 +35,8 @@ class Period(NamedTuple):
         seconds = self.seconds
         if seconds is None or not (is_number(old) and is_number(new)):
             return Period(known=seconds)
-        if abs(seconds - old) <= _ALIKE * old and new > 0:
-            seconds = min(float(new), LONGEST_SET)
+        if abs(seconds - old) <= _ALIKE * old:
+            seconds = max(seconds, min(float(new), LONGEST_SET))
         return Period(known=seconds)
 
     def heard(self, now: float) -> Period:

@@ -115,6 +115,7 @@ async def test_a_node_that_hangs_after_a_set_is_missed_as_soon_as_any_other() ->
     [
         (1.0, 1.0, 5.0, 5.0),  # the parameter is the period
         (1.0, 1.0, 900.0, 10.0),  # and is believed up to a limit
+        (4.0, 4.0, 0.5, 4.0),  # the publisher may wait for the end of the old one
         (0.2, 0.8, 1.5, 0.2),
         (1.0, None, 5.0, 1.0),  # of another node
         (1.0, True, False, 1.0),
