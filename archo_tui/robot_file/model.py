@@ -96,6 +96,9 @@ class BatteryTopic:
     health: Annotated[
         Mapping[str, Literal["good", "low", "replace"]], "what the battery's words mean"
     ] = field(default_factory=dict)
+    empty_refuses_moves: Annotated[
+        bool, "true: at 0 % the robot refuses moves, which the alarm `battery empty` then says"
+    ] = False
     period: Annotated[float | None, "s between two messages; measured when left out"] = None
     where: str = _where()
 

@@ -275,7 +275,10 @@ def conditions(
     dock = "dock the robot when this move is done" if moving else "dock the robot"
     if battery.percentage is not None and not battery.is_old(now):
         if battery.percentage <= 0.0:
-            found[EMPTY] = "BATTERY EMPTY: the robot refuses moves, charge it where it stands"
+            described = snapshot.file.battery
+            refuses = described is not None and described.empty_refuses_moves
+            more = "the robot refuses moves, charge it where it stands" if refuses else "charge it"
+            found[EMPTY] = f"BATTERY EMPTY: {more}"
         elif is_low(snapshot) and not battery.charging:
             found[LOW] = f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
     if battery.health and not battery.is_old(now):

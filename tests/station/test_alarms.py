@@ -61,6 +61,16 @@ def test_conditions_of_every_state(state: str, names: list[str]) -> None:
     assert sorted(conditions(STATES[state], NOW)) == names
 
 
+def test_an_empty_battery_refuses_moves_only_where_the_robot_file_says_so() -> None:
+    empty = STATES["battery empty"]
+    refuses = "BATTERY EMPTY: the robot refuses moves, charge it where it stands"
+    assert conditions(empty, NOW) == {EMPTY: refuses}
+    assert empty.file.battery is not None
+    drives_on = replace(empty.file.battery, empty_refuses_moves=False)
+    other = empty._replace(file=replace(empty.file, battery=drives_on))
+    assert conditions(other, NOW) == {EMPTY: "BATTERY EMPTY: charge it"}
+
+
 def test_a_good_word_says_nothing_against_a_low_percentage() -> None:
     empty = NORMAL._replace(battery=BATTERY._replace(percentage=3.0, health="good"))
     assert conditions(empty, NOW) == {LOW: "LOW BATTERY 3.0 %: dock the robot"}
