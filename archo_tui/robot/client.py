@@ -40,6 +40,7 @@ from archo_tui.robot.offers import Offers
 from archo_tui.robot.others import CLIENT, CONSOLE, Others
 from archo_tui.robot.outcome import CALL_WAIT, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
+from archo_tui.robot.resources import SEND
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import (
@@ -359,6 +360,26 @@ class Robot:
         if found is None:
             return None
         return tuple(messages.leaves(found.Goal() if "/action/" in type_name else found.Request()))
+
+    async def types_anywhere(self, name: str, *, is_action: bool = False) -> tuple[str, ...]:
+        """Return the types of whoever serves a name, also outside of the robot's namespace.
+
+        Args:
+            name: The full name of a service, or of an action.
+            is_action: Whether it is an action.
+
+        Returns:
+            None of them when nobody serves it, or the thread does not answer.
+        """
+
+        async def there() -> tuple[str, ...]:
+            served = self._graph.served_types(name + SEND if is_action else name)
+            return tuple(kind.removesuffix("_SendGoal") for kind in served)
+
+        try:
+            return await self._thread.run(there, _ASKED)
+        except TimeoutError:
+            return ()
 
     async def give_up_stop(self) -> Outcome:
         """Ask no more for a STOP that the robot does not confirm."""

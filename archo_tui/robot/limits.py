@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from os.path import basename
 
-from archo_tui.robot.state import Parameter, in_namespace, linked
+from archo_tui.robot.state import Parameter, in_namespace, linked, node_of
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import Link, RobotFile
@@ -67,9 +67,11 @@ def _why(
     namespace: str, nodes: Collection[str], parameters: Iterable[Parameter], link: Link
 ) -> tuple[str, str]:
     """Return why the link leads to no number, and the level of that; empty when it leads to one."""
-    node = in_namespace(namespace, link.node.lstrip("/"))
+    node = node_of(link, namespace)
     name = node.removeprefix("/")
     own = {parameter.name: parameter for parameter in parameters if parameter.node == node}
+    if not node.startswith(in_namespace(namespace, "")):
+        return f"{name} is no node of the namespace {namespace}", "INFO"
     if node not in nodes:
         return f"no node {name} is on the graph", "INFO"
     if not own:

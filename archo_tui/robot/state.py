@@ -520,6 +520,11 @@ def in_namespace(namespace: str, node: str) -> str:
     return f"{namespace.rstrip('/')}/{node}"
 
 
+def node_of(link: Link, namespace: str) -> str:
+    """Return the full name of the node that holds a link's parameter."""
+    return link.node if link.node.startswith("/") else in_namespace(namespace, link.node)
+
+
 def linked(
     parameters: Iterable[Parameter],
     namespace: str,
@@ -528,7 +533,7 @@ def linked(
     high: float = _FARTHEST,
 ) -> float | None:
     """The number that a link of the robot file leads to, when it is one within low .. high."""
-    wanted = (in_namespace(namespace, link.node.lstrip("/")), link.parameter)
+    wanted = (node_of(link, namespace), link.parameter)
     for parameter in parameters:
         if (parameter.node, parameter.name) == wanted:
             found = number(parameter.value, low, high)

@@ -44,7 +44,7 @@ def fields_of(given: MessageField | tuple[MessageField, ...] | None) -> tuple[Me
 class Link:
     """A number that a node of the robot holds as a parameter."""
 
-    node: Annotated[str, "the node's name"]
+    node: Annotated[str, "the node's name; one that begins with `/` is not of `--namespace`"]
     parameter: Annotated[str, "the parameter's name"]
     otherwise: Annotated[float | None, "the number while the node does not report it"] = None
     where: str = _where()

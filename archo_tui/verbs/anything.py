@@ -13,17 +13,19 @@ from archo_tui.robot.typed_request import mapping
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import FormField
 from archo_tui.station.station import Station
+from archo_tui.verbs.base import THERE
 
 
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
     """Return what is meant by a name that may lack its first `/`, or the robot's namespace.
 
-    A name without `/` is looked for in the robot's namespace first, as ROS does.
+    A name that begins with `/` is what it says, as in ROS. One that does not is looked for in the
+    robot's namespace first.
     """
-    bare = name.lstrip("/")
-    inside, outside = in_namespace(snapshot.namespace, bare), f"/{bare}"
-    order = (outside, inside) if name.startswith("/") else (inside, outside)
-    return next((full for full in order if full in found), inside)
+    if name.startswith("/"):
+        return name
+    inside, outside = in_namespace(snapshot.namespace, name), f"/{name}"
+    return outside if outside in found and inside not in found else inside
 
 
 def nearest_hint(word: str, possible: Iterable[str]) -> str:
@@ -37,10 +39,29 @@ def nearest_node(name: str, nodes: Iterable[str]) -> str:
     return nearest_hint(name.lstrip("/"), [node.lstrip("/") for node in nodes])
 
 
+def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
+    """Return whether a full name lies outside of the robot's namespace."""
+    return not name.startswith(in_namespace(snapshot.namespace, ""))
+
+
+def is_known(station: Station, name: str, found: Collection[str]) -> bool:
+    """Return whether it is known by now what serves a full name.
+
+    Args:
+        station: Of what lies outside of its namespace a snapshot says nothing: it has time to be
+            found, and is then asked for by its name.
+        name: The full name of a service or an action.
+        found: The names of its kind in the robot's namespace.
+    """
+    is_out = is_elsewhere(station.robot.snapshot, name)
+    return name in found or (is_out and station.age >= THERE)
+
+
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
     """The type that it has on the graph. Raises ValueError when there is none, or several."""
-    if name not in found:
-        raise ValueError(f"no {what} {name} is on the graph{nearest_hint(name, found)}")
+    if not found.get(name):
+        near = nearest_hint(name, (other for other, kinds in found.items() if kinds))
+        raise ValueError(f"no {what} {name} is on the graph{near}")
     kinds = found[name]
     if len(kinds) != 1:
         raise ValueError(f"{name} has several types: {', '.join(kinds)}")

@@ -11,6 +11,7 @@ from archo_tui.robot_file.model import Limit
 from archo_tui.station.station import Station
 
 Values = Mapping[str, Any]  # what was typed, by the names of the arguments
+THERE = 2.0  # s from the start in which all that serves something is found on the graph
 PATIENCE = 5.0  # s from the start (`Station.age`) in which a robot may not be there yet
 ANSWERS = 5.0  # s that answers to what was asked before are waited for; each has a deadline itself
 

@@ -41,8 +41,6 @@ def choose_verb(
     if service not in own or fields == ["--help"]:  # which `call` refuses, and calls nothing
         return verb, rest
     meant = _pick(own[service], service, fields)
-    if meant.urgent and not station.robot.stops.is_call([word, *words]):
-        station.robot.stops.read()  # only the graph tells that its name means the STOP
     return meant, [YES] if meant.may_ask and YES in rest else []
 
 

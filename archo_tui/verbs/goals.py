@@ -6,13 +6,13 @@ from collections.abc import Awaitable, Sequence
 
 from archo_tui.robot import forms
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Leaf, Phase, Snapshot, in_namespace
+from archo_tui.robot.state import Leaf, Phase, Snapshot, node_of
 from archo_tui.robot_file import check
 from archo_tui.robot_file.model import FormField, GoalKind, Link
 from archo_tui.station.ledger import RELEASE
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import fields_of, full_name, type_of
+from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_known, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.verbs.parameters import is_reported
 
@@ -67,7 +67,7 @@ class Go(Verb):
         limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
         # of the node that holds them: on a graph the action may be found before it, others too
         heard = all(
-            is_reported(station, in_namespace(snapshot.namespace, limit.node.lstrip("/")))
+            is_reported(station, node_of(limit, snapshot.namespace))
             for limit in limits
             if isinstance(limit, Link)
         )
@@ -103,16 +103,19 @@ class SendGoal(Verb):
 
     def is_ready(self, station: Station, values: Values) -> bool:
         found = station.robot.snapshot.actions
-        return full_name(station.robot.snapshot, values["action"], found) in found
+        name = full_name(station.robot.snapshot, values["action"], found)
+        return is_known(station, name, found)
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        snapshot = station.robot.snapshot
-        name = full_name(snapshot, values["action"], snapshot.actions)
+        snapshot, found = station.robot.snapshot, station.robot.snapshot.actions
+        name = full_name(snapshot, values["action"], found)
         known = kind_of(snapshot, name)
         if known is not None:  # with the labels and the fixed values of the robot file
             go = Go(known, snapshot.forms.get(known.id))
             return {KIND: known, **await go.prepare(station, go.values(values["field=value"]))}
-        type_name = type_of("action", name, snapshot.actions)
+        if is_elsewhere(snapshot, name):
+            found = {**found, name: await station.robot.types_anywhere(name, is_action=True)}
+        type_name = type_of("action", name, found)
         fields = await fields_of(station, name, type_name, values["field=value"])
         short = name.rpartition("/")[2]
         return {KIND: GoalKind(self.id, short, name, type_name), GOALS: [fields]}

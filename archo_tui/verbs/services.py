@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from archo_tui.robot.outcome import CALL_WAIT, Outcome
 from archo_tui.robot_file.model import Scalar, Service
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import fields_of, full_name, type_of
+from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_known, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.words.goal import way
 
@@ -62,16 +62,19 @@ class Call(Verb):
 
     def is_ready(self, station: Station, values: Values) -> bool:
         snapshot = station.robot.snapshot
-        return full_name(snapshot, values["service"], snapshot.services) in snapshot.services
+        name = full_name(snapshot, values["service"], snapshot.services)
+        return is_known(station, name, snapshot.services)
 
     def tells_with(self, values: Values) -> bool:
         """Return False: an event has the answer. To a shell, which reads none, it is told."""
         return False
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        snapshot = station.robot.snapshot
-        name = full_name(snapshot, values["service"], snapshot.services)
-        kind = type_of("service", name, snapshot.services)
+        snapshot, found = station.robot.snapshot, station.robot.snapshot.services
+        name = full_name(snapshot, values["service"], found)
+        if is_elsewhere(snapshot, name):
+            found = {**found, name: await station.robot.types_anywhere(name)}
+        kind = type_of("service", name, found)
         fields = await fields_of(station, name, kind, values["field=value"])
         return {**values, "service": name, "type": kind, "fields": fields}
 

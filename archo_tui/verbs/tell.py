@@ -15,13 +15,12 @@ from archo_tui.station.history import SPANS, Quantity, readings
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
 from archo_tui.verbs.as_data import goal as goal_data
-from archo_tui.verbs.base import PATIENCE, Argument, Values, Verb
+from archo_tui.verbs.base import PATIENCE, THERE, Argument, Values, Verb
 from archo_tui.words.alarm import state as state_of
 from archo_tui.words.event import event_text
 from archo_tui.words.spoken import battery, ended, goal, in_words, motion, queue
 from archo_tui.words.state import gauge_line, motion_unit
 
-_THERE = 2.0  # s from the start in which all of its topics are on the graph
 _EVENTS = 20
 
 
@@ -47,7 +46,7 @@ class Status(Verb):
             missing.append(robot.battery.topic)
         if robot.motion is not None and snapshot.motion.received is None:
             missing.append(robot.motion.topic)
-        there = station.age >= _THERE  # what is not by then may never be
+        there = station.age >= THERE  # what is not by then may never be
         comes = any(topic in snapshot.offered or not there for topic in missing)
         return not comes or station.age >= PATIENCE
 

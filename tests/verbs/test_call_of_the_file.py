@@ -189,14 +189,19 @@ def test_another_call_is_no_stop_where_lines_are_read(words: list[str]) -> None:
     assert read_as_stop(words) == {False}
 
 
-def test_a_name_that_only_the_graph_resolves_is_counted_as_a_stop_once() -> None:
-    robot: Any = StubRobot(STATES["motor stopped"]._replace(namespace="/north"))
-    robot.stops.known_as(LATCH, "/north/emergency_stop")
-    known = verbs(ARCHO, FORMS)
-    for name, counted in (("/emergency_stop", 1), ("emergency_stop", 0)):  # which is read before
-        before = robot.stops.count
-        verb, _ = choose_verb(known, stub_station(robot), "call", [name])
-        assert (verb.id, robot.stops.count - before) == ("stop", counted), name
+@pytest.mark.parametrize("service", ["emergency_stop", "/emergency_stop", "halt/now"])
+@pytest.mark.parametrize("namespace", ["/", "/north"])
+def test_every_name_that_means_the_stop_is_known_as_it_is_read(
+    service: str, namespace: str
+) -> None:
+    stop = replace(LATCH, service=service)
+    file = replace(ARCHO, stop=stop)
+    stops = Stops()
+    stops.known_as(stop, STATES["normal"]._replace(namespace=namespace).full(service))
+    parts = ("", "/", "north/", "/north/")
+    for name in [f"{before}{service.lstrip('/')}" for before in parts]:
+        is_stop = chosen(f"call {name}", namespace, file) == "stop"
+        assert stops.is_call(["call", name]) or not is_stop, name
 
 
 @pytest.mark.posix

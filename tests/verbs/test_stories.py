@@ -5,12 +5,16 @@ from __future__ import annotations
 import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 from archo_interfaces.srv import EmergencyStop
+from depot_interfaces.action import Fibonacci
+from rclpy.action import ActionServer
 from rclpy.node import Node
+from std_srvs.srv import Trigger
 
 from archo_tui.robot.state import WATCHING, OpenStop
 from tests.robots.rover import Counting
@@ -353,6 +357,46 @@ async def test_names_are_typed_with_or_without_the_namespace() -> None:
         line for line in said.splitlines() if line.endswith("no node /wh/nosuch is on the graph")
     ]
     assert code == 1
+
+
+class OfTwoNamespaces(Node):
+    """Serves a service of one name in its namespace and at the root, and an action at the root."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__("two", **given)
+        self.create_service(Trigger, "e_stop", partial(self._tell, "inside"))
+        self.create_service(Trigger, "/e_stop", partial(self._tell, "outside"))
+        ActionServer(self, Fibonacci, "spin", partial(self._execute, 1))
+        ActionServer(self, Fibonacci, "/spin", partial(self._execute, 2))
+
+    @staticmethod
+    def _tell(word: str, request: Any, response: Any) -> Any:
+        response.success, response.message = True, word
+        return response
+
+    @staticmethod
+    def _execute(number: int, handle: Any) -> Any:
+        handle.succeed()
+        return Fibonacci.Result(sequence=[number])
+
+
+async def test_a_name_that_begins_with_a_slash_is_not_of_the_namespace() -> None:
+    code, said = await plain(
+        "call e_stop\ncall /e_stop\ncall /tb1/e_stop\nsend_goal /spin order=1\n",
+        OfTwoNamespaces,
+        namespace="/tb1",
+    )
+    assert code == 0, said
+    told = [line.partition("console: ")[2] for line in said.splitlines() if ": call " in line]
+    assert told == [
+        "call tb1/e_stop: success true, message inside",
+        "call e_stop: success true, message outside",
+        "call tb1/e_stop: success true, message inside",
+    ]
+    assert "goal SUCCEEDED, spin 1, sequence [2]" in said
+    code, said = await plain("call /plan\n", Counting, namespace="/tb1")
+    assert code == 1
+    assert "failed: call: no service /plan is on the graph (nearest: /tb1/plan)" in said
 
 
 async def test_help_and_quit_take_no_values() -> None:
