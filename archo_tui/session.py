@@ -227,6 +227,7 @@ class Session:
                 stop_to_tell=robot.stop_to_tell,
                 told_stop=robot.told_stop,
             )
+            robot.own_nodes = lambda: [hosted.name for hosted in self.host.nodes]
             self._node_files = [NodeFile(str(given)) for given in self.options.node_files]
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:

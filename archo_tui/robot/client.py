@@ -7,7 +7,7 @@ from __future__ import annotations
 
 # ruff: noqa: E402
 import contextlib
-from collections.abc import Callable, Coroutine, Mapping, Sequence
+from collections.abc import Callable, Collection, Coroutine, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -25,6 +25,7 @@ from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import acts, message_classes, messages, ros2_command, services
 from archo_tui.robot.acts import Act
+from archo_tui.robot.arrivals import Arrivals
 from archo_tui.robot.asker import YOU, Asker, asking
 from archo_tui.robot.consoles import author, own_name
 from archo_tui.robot.events import ROUTINE, EventLog
@@ -101,6 +102,9 @@ class Robot:
         self._clock, self._happened = clock, happened
         self._begun = clock.monotonic()
         self._next_look = float("-inf")  # monotonic s
+        self._arrivals = Arrivals(self._begun)
+        # full names of the nodes that this process hosts: what becomes of them its host tells
+        self.own_nodes: Callable[[], Collection[str]] = tuple
         self.stops = stops = Stops()
         self._mailbox = Mailbox()
         self._log = EventLog()
@@ -652,6 +656,7 @@ class Robot:
         self._stopping.look_at_holders()
         self._others.who = CONSOLE if self._graph.mute else CLIENT
         self._tell_of_consoles()
+        self._tell_of_nodes()
         self._telemetry.look()
         for said in self._others.unexplained(self._clock.monotonic()):
             self._say("PEER", said)
@@ -735,6 +740,12 @@ class Robot:
             for name in sorted(self._consoles - now):
                 self._say("PEER", f"console {name} left")
         self._consoles = now
+
+    def _tell_of_nodes(self) -> None:
+        """Coming and going of nodes that this process does not host."""
+        own, now = self.own_nodes(), self._clock.monotonic()
+        for said in self._arrivals.compare(self._graph.names, own, now):
+            self._warn(said)
 
     def _on_log(self, message: Log) -> None:
         who = author(logger_node(message.name))
