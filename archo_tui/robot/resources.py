@@ -55,6 +55,7 @@ class Resources:
     def __init__(self, node: Node, is_ours: Callable[[str], bool]) -> None:
         """`is_ours(name)` tells what belongs to the robot."""
         self._node, self._is_ours = node, is_ours
+        self._console = node.get_fully_qualified_name()
         self._named = _Named({}, {}, {})
         self._nodes: Sweep[Pair] = Sweep()
         self._has: dict[Pair, _Has] = {}
@@ -139,7 +140,7 @@ class Resources:
             node = in_namespace(namespace, name)
             for topic in has.publishes:
                 publishers[topic].add(node)
-            for topic in has.subscribes if "/_" not in node else ():
+            for topic in has.subscribes if "/_" not in node or node == self._console else ():
                 subscribers[topic].add(node)
             for service in has.serves:
                 servers[service].add(node)
@@ -181,7 +182,7 @@ class Resources:
         publishers = self._node.get_publishers_info_by_topic(topic)
         nodes = frozenset(in_namespace(i.node_namespace, i.node_name) for i in publishers)
         subscriptions = self._node.get_subscriptions_info_by_topic(topic) if nodes else ()
-        return _Ends(nodes, mismatches(topic, publishers, subscriptions))
+        return _Ends(nodes, mismatches(topic, publishers, subscriptions, self._console))
 
     def _list(self) -> None:
         """Put together what is there."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -11,6 +12,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool, Float32
 
+from archo_tui.robot.endpoints import mismatches
 from tests.support import chosen
 from tests.support.plain import operated
 from tests.support.quiet import until
@@ -110,3 +112,60 @@ async def test_topics_lists_the_graph_with_what_does_not_fit_below() -> None:
             typed.type("topics\n")
             types = "std_msgs/msg/Bool, std_msgs/msg/Float32"
             await typed.until(f"topic /voltage {types}, talker\n  {TYPES}\n")
+
+
+CELL = "depot_interfaces/msg/CellState"
+ONE, OTHER = f"RIHS01_1a2b3c4d{'0' * 56}", f"RIHS01_5e6f7a8b{'0' * 56}"
+MISREADS = (
+    "may misread power on /cell: its depot_interfaces/msg/CellState is another version, hash"
+    " 5e6f7a8b, published is 1a2b3c4d. Build both with one version of depot_interfaces."
+)
+
+
+def endpoint(node: str, **changed: Any) -> Any:
+    """Return one end of the topic, as rclpy tells of it from Iron on."""
+    given = {
+        "node_name": node,
+        "node_namespace": "/",
+        "topic_type": CELL,
+        "qos_profile": QoSProfile(depth=1),
+    }
+    return SimpleNamespace(**{**given, **changed})
+
+
+@pytest.mark.parametrize(
+    ("published", "asked", "found"),
+    [
+        (ONE, OTHER, (f"hearer {MISREADS}",)),
+        (ONE, ONE, ()),
+        (ONE, "INVALID", ()),  # of a publisher or subscription that is older than Iron
+        ("INVALID", OTHER, ()),
+    ],
+)
+def test_two_versions_of_one_type_are_named_by_node_and_hash(
+    published: str, asked: str, found: tuple[str, ...]
+) -> None:
+    publisher = endpoint("power", topic_type_hash=published)
+    hearer = endpoint("hearer", topic_type_hash=asked)
+    hidden = endpoint("_tool", topic_type_hash=asked)
+    assert mismatches("/cell", [publisher], [hearer, hidden], "/_console") == found
+
+
+def test_another_version_that_this_console_reads_is_said_too() -> None:
+    publisher = endpoint("power", topic_type_hash=ONE)
+    console = endpoint("_console", topic_type_hash=OTHER)
+    said = mismatches("/cell", [publisher], [console], "/_console")
+    assert said == (f"this console {MISREADS}",)
+    console.topic_type = "std_msgs/msg/Bool"  # which its reader says
+    assert mismatches("/cell", [publisher], [console], "/_console") == ()
+
+
+def test_what_hears_nothing_is_not_said_to_misread() -> None:
+    publisher = endpoint("power", topic_type_hash=ONE, qos_profile=BEST_EFFORT)
+    hearer = endpoint("hearer", topic_type_hash=OTHER)
+    (said,) = mismatches("/cell", [publisher], [hearer])
+    assert "hears nothing of power" in said
+
+
+def test_before_iron_and_on_the_embedded_engine_no_hash_is_told() -> None:
+    assert mismatches("/cell", [endpoint("power")], [endpoint("hearer")]) == ()

@@ -28,6 +28,9 @@ class Graph:
         self.nameless: set[str] = set()  # topics and services of no node that ROS knows
         self.asked: Counter[str] = Counter()
 
+    def get_fully_qualified_name(self) -> str:
+        return "/_console"
+
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         had = self.publishes, self.subscribes
         topics = {topic for names in had for node in self.nodes for topic in names[node]}
