@@ -196,11 +196,14 @@ class Followed:
         goal, now = self.goal, self._clock.monotonic()
         self._pace = self._pace.heard(now)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
+        changes = said_by(goal, feedback)
+        if goal.is_found and goal.first is None and "remaining" in changes:
+            changes["first"] = now, changes["remaining"]
         self.update(
             phase=Phase.MOVING if doubtful else goal.phase,
             heard=now,
             started=goal.sent if goal.started is None else goal.started,
-            **said_by(goal, feedback),
+            **changes,
         )
 
     def _on_result(self, answer: Any) -> None:
@@ -267,7 +270,8 @@ def said_by(goal: Goal, feedback: Any) -> dict[str, Any]:
     left = number(said, 0.0, FARTHEST)
     if left is None:
         return {"unreadable": as_received(said)}
-    changes = {"remaining": left, "unreadable": ""}
-    if goal.length is None or goal.length_is_guessed:  # the longest that was left is the way
+    changes: dict[str, Any] = {"remaining": left, "unreadable": ""}
+    is_guess = goal.length is None or goal.length_is_guessed
+    if is_guess and not goal.is_found:  # the longest that was left is the way
         changes |= {"length": max(left, goal.length or 0.0), "length_is_guessed": True}
     return changes

@@ -35,6 +35,7 @@ HISTORY = 20  # ended goals that are kept
 _OVER = 100  # ids that are kept: more than the goals that end between two looks at a status
 _FIND_PERIOD = 0.05  # s between two looks for the server of an action
 _REASON_WAIT = 0.3  # s that the log line with a refusal's reason may come after the refusal
+_NEW = 1.0  # s; a goal that is younger has begun just now
 _LONGEST_AGE = 86_400.0  # s; a goal that is older has a stamp of another clock
 
 _RUNNING = {
@@ -504,6 +505,7 @@ class Goals:
         phase = _RUNNING.get(status.status, Phase.MOVING)
         asked = now if phase == Phase.CANCELLING else None
         lost = self._lost.pop(goal_id, None)  # of ours: its node was only out of sight
+        is_new = lost is None and (0 <= age < _NEW or action.told is not None)
         fields, mine = ({}, False) if lost is None else (lost.fields, True)
         goal = Goal(
             *(action.kind, fields, phase, begun, time),
@@ -512,6 +514,7 @@ class Goals:
             cancel_asked=asked,
             mine=mine,
             number=next(self._numbers),
+            is_found=not is_new,
         )
         one = self._follow(goal, goal_id, action)
         if not self._watching:

@@ -145,6 +145,8 @@ class Goal(NamedTuple):
     number: int = 0  # tells the goals of a session apart
     length_is_guessed: bool = False  # it is the longest remainder heard: no node tells it
     result: Any = None  # the message that the action has answered at the end
+    is_found: bool = False  # it was underway when it was first heard of
+    first: tuple[float, float] | None = None  # of one that is_found: monotonic s, and what was left
 
     @property
     def target(self) -> str:
@@ -199,11 +201,15 @@ class Goal(NamedTuple):
         return (now if self.ended is None else self.ended) - start
 
     def seconds_left(self, now: float) -> float | None:
-        """An estimate from the way driven so far; None before there is any."""
-        if not self.length or self.remaining is None or self.heard is None or self.started is None:
+        """Return an estimate from the way that was driven; None before there is any.
+
+        Of a goal that was found underway from what was seen of it: by the robot's clock it may have
+        begun at any time, and how long its way is nobody tells.
+        """
+        since, before = self.first or (None if self.is_found else self.started, self.length)
+        if not before or self.remaining is None or self.heard is None or since is None:
             return None
-        driven = self.length - self.remaining
-        took = self.heard - self.started
+        driven, took = before - self.remaining, self.heard - since
         if driven <= 0 or took <= 0:
             return None
         return max(self.remaining * took / driven - (now - self.heard), 0.0)

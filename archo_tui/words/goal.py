@@ -198,7 +198,7 @@ def _progress(goal: Goal, now: float) -> str:
     if goal.remaining is None:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
     if goal.length is None:  # not known yet: no bar, no percentage
-        return f"{way_left(goal)}   {so_far}"
+        return f"{way_left(goal)}   {so_far}{_time_left(goal, now)}"
     way = f"{goal.remaining:.1f}{unit} left of {goal.length:.1f}{unit}"
     return f"{way}   {so_far}{_time_left(goal, now)}"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from action_msgs.msg import GoalStatus
@@ -20,9 +20,10 @@ from std_msgs.msg import String
 
 from archo_tui.robot import acts
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Phase
+from archo_tui.robot.state import Goal, Phase
 from archo_tui.session import _robots_nodes
 from tests.support.archo import go, reset
+from tests.support.clock import seconds
 from tests.support.console import BRISK, FAST, LONG, Console, console
 from tests.support.quiet import ended, until
 from tests.support.robot import robot
@@ -95,12 +96,16 @@ async def test_a_console_that_comes_in_the_middle_of_a_goal_sees_it(
         await until(lambda: made[0].client.server_is_ready())
         made[0].go(7)
         await until(lambda: first.snapshot.goal and first.snapshot.goal.remaining)
+        began = seconds()
+        await until(lambda: seconds() > began + 1.5)  # by its age it has not just begun
         domain = made[0].context.get_domain_id()
         async with robot(only=True, nodes=4, domain_id=domain) as second:
             await until(lambda: second.snapshot.goal and second.snapshot.goal.remaining)
             goal = second.snapshot.goal
             assert goal is not None
             assert (goal.mine, goal.phase) == (False, Phase.MOVING)
+            assert goal.is_found
+            assert not cast("Goal", first.snapshot.goal).is_found
             assert not (await ended(second.send(goal.kind, {"shelf_number": 3}))).ok
             assert not (await ended(second.cancel())).ok  # it has no goal of its own
             assert (await ended(second.cancel(another=True))).ok

@@ -11,7 +11,9 @@ from archo_interfaces.action import MoveToShelf
 from rclpy.task import Future
 
 from archo_tui.robot.followed import Followed, said_by
-from archo_tui.robot.state import Goal, Motion, Phase
+from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
+from archo_tui.words.goal import goal_line
+from archo_tui.words.state import plain
 from tests.support.archo import SHELF
 from tests.support.stub import StandingClock
 
@@ -26,7 +28,8 @@ class ServedAction:
 
 
 class Feedback:
-    distance_remaining = 5.0
+    def __init__(self, left: float = 5.0) -> None:
+        self.distance_remaining = left
 
 
 @pytest.mark.parametrize(
@@ -175,3 +178,26 @@ def test_an_answer_from_before_the_goal_was_taken_does_not_end_it() -> None:
         asked.call_back(asked)
         seen.append(followed.goal.phase)
     assert seen == [Phase.MOVING, Phase.ABORTED]
+
+
+def test_what_is_left_of_a_goal_found_underway_is_judged_by_what_was_seen_of_it() -> None:
+    clock = StandingClock()
+    followed = followed_at(clock)
+    followed.update(is_found=True, started=clock.monotonic() - 300.0, length=18.0)
+    assert followed.goal.seconds_left(clock.monotonic()) is None
+    for left in (12.0, 11.0, 10.0):
+        clock.passed += 2.0
+        followed.on_feedback(Feedback(left))
+    assert followed.goal.seconds_left(clock.monotonic()) == 20.0  # 2 m in 4 s
+
+
+def test_how_long_the_way_of_a_goal_found_underway_is_nobody_guesses() -> None:
+    clock = StandingClock()
+    followed = followed_at(clock)
+    followed.update(is_found=True, mine=False)
+    for left in (12.0, 11.0):
+        clock.passed += 2.0
+        followed.on_feedback(Feedback(left))
+    assert followed.goal.length is None
+    shown = goal_line(Snapshot(goal=followed.goal), clock.monotonic(), "")
+    assert plain(shown).endswith("   11.0 m left   4.0 s so far, about 22.0 s left")
