@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import os
+import re
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -65,6 +66,7 @@ def _activate_ros2(hosting: bool) -> None:
         raise ArchoError("cannot use ROS 2: this process already uses the embedded engine")
     if importlib.util.find_spec("rclpy") is None:
         raise ArchoError(f"ROS 2 was not found (no module rclpy): {_GET_ROS}")
+    _check_rmw()
     try:
         importlib.import_module("rclpy")
     except Exception as error:
@@ -77,6 +79,42 @@ def _activate_ros2(hosting: bool) -> None:
     if missing:
         raise ArchoError(
             f"archo_interfaces is out of date, it lacks {', '.join(missing)}: {_GET_INTERFACES}"
+        )
+
+
+_LOADED = 10.0  # s in which the library of rclpy is loaded, also from a slow disk
+_LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
+
+
+def _check_rmw() -> None:
+    """Raise ArchoError when the environment names a middleware that ROS 2 cannot load.
+
+    rcl ends the whole process for it, while rclpy is imported: so another process tries first.
+    """
+    name = os.environ.get("RMW_IMPLEMENTATION", "")
+    if not name or "rclpy" in sys.modules:
+        return
+    spec = importlib.util.find_spec("rclpy")
+    folders = (spec and spec.submodule_search_locations) or ()
+    libraries = [found for folder in folders for found in Path(folder).glob("_rclpy_pybind11*")]
+    if not libraries:
+        return
+    import subprocess
+
+    tried = [sys.executable, "-S", "-c", _LOAD, str(libraries[0])]
+    try:
+        done = subprocess.run(
+            tried, capture_output=True, text=True, errors="replace", timeout=_LOADED, check=False
+        )
+    except (OSError, subprocess.SubprocessError):  # the import says what is wrong
+        return
+    if done.returncode and "[rcl]" in done.stderr:
+        found = re.search(r"instead found '(\w+)'", done.stderr)
+        other = f" (here is {found[1]})" if found else ""
+        package = f"ros-{distribution() or 'DISTRO'}-{name.replace('_', '-')}"
+        raise ArchoError(
+            f"RMW_IMPLEMENTATION names {name}, which is not installed{other}: "
+            f"install {package}, or unset RMW_IMPLEMENTATION"
         )
 
 
@@ -149,7 +187,8 @@ def distribution() -> str:
     if sourced:
         return sourced
     # by the name of its folder: importlib.metadata is 25 modules, for this line of the header only
-    installed = Path(importlib.import_module("rclpy").__file__ or "").parent.parent
+    spec = importlib.util.find_spec("rclpy")
+    installed = Path((spec and spec.origin) or "").parent.parent
     for found in installed.glob("ros_*_rclpy-*.dist-info"):
         return found.name.split("_")[1]
     return ""

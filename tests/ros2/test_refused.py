@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -38,3 +40,21 @@ def test_it_is_said_in_one_line(words: str, said: str, tmp_path: Path) -> None:
     assert len(ours) == 1, done.stderr
     assert ours[0].startswith(f"archo-tui: {said}")
     assert (done.returncode, done.stdout) == (2, "")
+
+
+@pytest.mark.parametrize("words", ["--plain", "--attach --plain", "status"])
+def test_a_middleware_that_is_not_installed_is_one_line_too(words: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "archo_tui", "--engine", "ros2", *words.split()],
+        capture_output=True,
+        text=True,
+        check=False,
+        stdin=subprocess.DEVNULL,
+        timeout=60,
+        env=os.environ | {"RMW_IMPLEMENTATION": "rmw_nosuch_cpp"},
+    )
+    assert done.stderr.startswith(
+        "archo-tui: RMW_IMPLEMENTATION names rmw_nosuch_cpp, which is not installed"
+    )
+    assert re.search(r"install ros-\w+-rmw-nosuch-cpp, or unset RMW_IMPLEMENTATION", done.stderr)
+    assert (done.stderr.count("\n"), done.returncode, done.stdout) == (1, 2, "")
