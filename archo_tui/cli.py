@@ -588,7 +588,7 @@ def _keys(options: Namespace) -> int:
     from archo_tui.robot_file import load
 
     path = config_file("keymap.yaml")
-    robot = load.load(Path(options.robot) if options.robot else load.default())
+    robot = load.load(Path(options.robot) if options.robot else load.default_path())
     commands = registry(robot)
     keys, others = keymap.load(path, commands)
     print(_safe(f"# {path}"))

@@ -92,7 +92,7 @@ class Session:
         """
         _check(options)
         self.options, self._clock = options, clock or Clock()
-        self.file = robot_files.load(options.robot or robot_files.default())
+        self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
         self._secrets = secret_names.load(config_file("secret_names.txt"))
         self._overrides = files.load([*self._own_files, *options.params_files])

@@ -45,7 +45,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def unlimited(tmp_path: Path) -> Path:
     """ARCHO's robot file without the highest shelf: beyond it the robot itself refuses."""
     file = tmp_path / "unlimited.yaml"
-    text = load.default().read_text(encoding="utf-8")
+    text = load.default_path().read_text(encoding="utf-8")
     file.write_text(re.sub(r" +high: \{.*\n", "", text), encoding="utf-8")
     return file
 
@@ -210,7 +210,7 @@ def _parsed_once() -> None:
     """Parse style sheets and ARCHO's file once for all the apps of a run."""
     textual_once.share()
     loaded = lru_cache(load._load)
-    load._load = lambda path: (loaded if path == load.default() else loaded.__wrapped__)(path)
+    load._load = lambda path: (loaded if path == load.default_path() else loaded.__wrapped__)(path)
 
 
 @pytest.fixture

@@ -20,8 +20,8 @@ from archo_tui.commands.base import NOT_TYPING
 from archo_tui.commands.keymap import readable
 from archo_tui.remote.verb_help import archos_verbs
 from archo_tui.robot_file import model
-from archo_tui.robot_file.load import default, load
-from archo_tui.robot_file.typed_yaml import NONE
+from archo_tui.robot_file.load import default_path, load
+from archo_tui.robot_file.typed_yaml import NONE_WORDS
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
@@ -44,12 +44,12 @@ _PLACES: dict[Any, str] = {
     model.MotionFields: "Each type of `motion`",
     model.GoalKind: "Each of `goals`",
     model.FormField: "Each field of a `form`",
-    model.Remaining: "`remaining` of a goal",
-    model.Stop: "`stop`",
-    model.Service: "Each of `commands`",
+    model.RemainingField: "`remaining` of a goal",
+    model.StopServices: "`stop`",
+    model.CommandService: "Each of `commands`",
     model.Gauge: "Each of `gauges`",
     model.MessageField: "A reading",
-    model.Link: "A number that is a parameter",
+    model.ParameterRef: "A number that is a parameter",
 }
 
 
@@ -62,7 +62,7 @@ def schema() -> dict[str, Any]:
         "$defs": {
             **{kind.__name__: _record(kind) for kind in _PLACES if kind is not model.RobotFile},
             "text": {"type": ["string", "number", "boolean"]},  # it is taken as it is written
-            "none": {"enum": [None, *filter(None, NONE)]},
+            "none": {"enum": [None, *filter(None, NONE_WORDS)]},
         },
     }
 
@@ -181,10 +181,12 @@ def anchor(heading: str) -> str:
 def keys() -> str:
     """The registry's keys."""
     rows = ["| key | does | works |", "|---|---|---|"]
-    for command in registry(load(default())):
+    for command in registry(load(default_path())):
         if command.id.startswith("panel_"):
             if command.id == "panel_1":
-                numbers = [c.key for c in registry(load(default())) if c.id.startswith("panel_")]
+                numbers = [
+                    c.key for c in registry(load(default_path())) if c.id.startswith("panel_")
+                ]
                 rows.append(f"| `1` .. `{numbers[-1]}`, tab | go to a panel | {NOT_TYPING} |")
             continue
         does = command.help

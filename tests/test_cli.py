@@ -14,7 +14,7 @@ import pytest
 
 from archo_tui import __version__, shutdown
 from archo_tui.cli import main, split_ros_args
-from archo_tui.robot_file.load import default
+from archo_tui.robot_file.load import default_path
 from archo_tui.verbs import verbs
 from tests.support import chosen, warm
 from tests.support.archo import ARCHO
@@ -201,7 +201,7 @@ def test_without_docstrings_the_help_texts_are_there() -> None:
 def test_nothing_that_is_printed_reaches_the_terminal_as_a_sequence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = default().read_text(encoding="utf-8")
+    text = default_path().read_text(encoding="utf-8")
     robot = tmp_path / "red.yaml"
     robot.write_text(text.replace("help: Reset the", r'help: "\e[31mReset"#'), encoding="utf-8")
     monkeypatch.setenv("TERM", "\x1b[31m")

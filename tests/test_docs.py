@@ -18,12 +18,13 @@ from archo_tui import cli
 from archo_tui.commands import keymap, registry
 from archo_tui.commands.keymap import readable
 from archo_tui.commands.replay import of_replay
-from archo_tui.embedded import bounded_yaml, parameter_files
+from archo_tui.embedded import parameter_files
 from archo_tui.remote import shell as verbs_from_shells
-from archo_tui.robot_file.load import default, load
+from archo_tui.robot_file.load import default_path, load
 from archo_tui.station import alarms
 from archo_tui.verbs import verbs
 from archo_tui.verbs.parse import YES, named
+from archo_tui.yaml_text import bounded_yaml
 from tests import generated
 from tests.generated import ROOT, SCHEMA, anchor
 from tests.support import chosen
@@ -361,7 +362,7 @@ def schema_faults(text: str) -> list[str]:
     return [error.message for error in validator.iter_errors(bounded_yaml.load(text))]
 
 
-FILES = [*default().parent.glob("*.yaml"), *(ROOT / "tests" / "robots").glob("*.yaml")]
+FILES = [*default_path().parent.glob("*.yaml"), *(ROOT / "tests" / "robots").glob("*.yaml")]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
@@ -377,7 +378,7 @@ def test_no_key_of_a_robot_file_is_a_boolean_to_an_editor(file: Path) -> None:
 
 
 def test_the_robot_files_that_come_with_it_name_the_schema() -> None:
-    for file in default().parent.glob("*.yaml"):
+    for file in default_path().parent.glob("*.yaml"):
         first = file.read_text(encoding="utf-8").partition("\n")[0]
         assert first == f"# yaml-language-server: $schema={SCHEMA.name}"
 
@@ -401,7 +402,7 @@ def test_the_robot_files_that_come_with_it_name_the_schema() -> None:
     ],
 )
 def test_a_mistake_in_a_robot_file_is_marked_by_the_schema(right: str, wrong: str) -> None:
-    text = default().read_text(encoding="utf-8")
+    text = default_path().read_text(encoding="utf-8")
     assert right in text
     assert schema_faults(text.replace(right, wrong, 1))
 

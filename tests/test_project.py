@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -80,6 +81,28 @@ def test_the_names_of_tests_are_sentences_that_are_read_at_once() -> None:
         and node.name.startswith("test_")
     ]
     assert [name for name in names if name.count("_") > 14] == []
+
+
+# The rooms whose docstrings are in the form of PEP 257 and Google's guide; ruff checks the rest.
+ROOMS = ["robot_file", "yaml_text"]
+CLAUSES = (
+    *("What", "How", "Whether", "That", "Where", "When", "Which", "Who", "Whose", "Why", "If"),
+    *("As", "So", "Of", "Else", "Also", "And", "But", "Here", "There", "Nobody", "Nothing"),
+    *("It", "Its", "Those", "These", "This", "They", "Them", "One", "He", "We", "You"),
+)
+
+
+def test_no_docstring_begins_with_a_clause_or_a_pronoun() -> None:
+    found = [
+        f"{path}: {docstring.splitlines()[0]}"
+        for room in ROOMS
+        for path in sorted(Path("archo_tui", room).rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))
+        and (docstring := ast.get_docstring(node))
+        and re.split(r"\W", docstring, maxsplit=1)[0] in CLAUSES
+    ]
+    assert found == []
 
 
 def test_the_stubs_are_what_the_interface_files_say() -> None:

@@ -11,10 +11,10 @@ from archo_tui.commands.base import Command, Console, Speak, Work, write_file
 from archo_tui.commands.robot import SendGoal
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot_file.check import missing
-from archo_tui.robot_file.model import FormField, GoalKind, Service
-from archo_tui.robot_file.reserved import free
-from archo_tui.robot_file.save import dump
+from archo_tui.robot_file.dump import dump
+from archo_tui.robot_file.mismatch import not_installed
+from archo_tui.robot_file.model import CommandService, FormField, GoalKind
+from archo_tui.robot_file.reserved import unused_word
 from archo_tui.verbs.anything import type_of
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.called import verbs_by_service
@@ -56,7 +56,7 @@ class _AnyOf(Speak):
         with console.opening():  # reads files: not on this thread
             leaves = await in_daemon(console.station.robot.form, kind)
         if leaves is None:
-            console.say(missing(name, kind))
+            console.say(not_installed(name, kind))
             return
         typed = console.typed.setdefault(name, {})
         send = partial(self.send, console, name, kind)
@@ -136,7 +136,7 @@ class AnyService(_AnyOf):
             short = name.rpartition("/")[2]
             known = [old for old in console.used.commands if old.service != name]
             if not values:  # one with fields cannot be a command of a robot file
-                used = Service(id=_id(console, name), title=short, service=name)
+                used = CommandService(id=_id(console, name), title=short, service=name)
                 console.used = replace(console.used, commands=(*known, used))
         return outcome
 
@@ -148,7 +148,7 @@ def _id(console: Console, name: str) -> str:
     for command in kept.commands:
         if command.service != name:
             used |= {command.id, command.off_word}
-    return free(name.rpartition("/")[2].lower().strip("_") or "other", used)
+    return unused_word(name.rpartition("/")[2].lower().strip("_") or "other", used)
 
 
 def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:

@@ -11,8 +11,8 @@ from textual._ansi_sequences import ANSI_SEQUENCES_KEYS
 from textual.keys import _character_to_key, format_key
 
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, Command
-from archo_tui.embedded import bounded_yaml
 from archo_tui.errors import ArchoError
+from archo_tui.yaml_text import bounded_yaml
 
 _OTHER = "choose another"
 _SHOWN = 20  # characters of a wrong name that are shown

@@ -150,7 +150,7 @@ class Give(Speak):
             self.verbs = (on.id, off.id)
             self.help = f"{given.help or given.title}{services.ASKS[given.ask]}"
         self.key, self.from_file = given.key, given.where
-        self.footer = "" if given.is_about("battery") else given.title.split()[0]
+        self.footer = "" if given.toggles_reading_of("battery") else given.title.split()[0]
 
     def run(self, console: Console) -> Work | None:
         if self._off is None:

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from archo_tui.embedded import bounded_yaml
-from archo_tui.embedded.bounded_yaml import YamlError
+from archo_tui.yaml_text import bounded_yaml
+from archo_tui.yaml_text.bounded_yaml import YamlError
 
 _BOOLS = {
     form: value

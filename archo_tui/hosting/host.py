@@ -576,7 +576,7 @@ class Host:
         return outcome
 
     def _tell_stop(self, new: HostedNode) -> Outcome:
-        """Have a node that was started here carry out a STOP that is not released, if it serves it."""
+        """Have a node started here carry out a STOP that is not released, if it serves it."""
         service, request = self._stop_to_tell()
         if not service or not new.serves(service):
             return Outcome(Code.DONE, "")

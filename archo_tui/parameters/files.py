@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
-from archo_tui.embedded.bounded_yaml import YamlError
 from archo_tui.embedded.parameter_files import Override, matches, read
 from archo_tui.errors import ArchoError
+from archo_tui.yaml_text.bounded_yaml import YamlError
 
 EVERY_NODE = "/**"  # the pattern of what is typed without a node
 _FEW = 3  # nodes of a file that are named one by one

@@ -8,8 +8,8 @@ from datetime import datetime
 from pathlib import Path
 
 from archo_tui import __version__
+from archo_tui.robot_file.dump import dump
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.robot_file.save import dump
 
 _TAIL = 1_000_000  # bytes of the journal's end that are looked through
 

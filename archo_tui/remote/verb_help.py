@@ -35,10 +35,10 @@ def own(verb: str) -> str:
 def archos_verbs() -> dict[str, Verb]:
     """Return the verbs of a console of ARCHO by what is typed."""
     from archo_tui.robot.state import Leaf
-    from archo_tui.robot_file.load import default, load
+    from archo_tui.robot_file.load import default_path, load
     from archo_tui.verbs import verbs
 
-    robot = load(default())
+    robot = load(default_path())
     return verbs(
         robot, {goal.id: [Leaf(path, "int32", 0) for path in goal.form] for goal in robot.goals}
     )

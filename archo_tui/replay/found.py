@@ -52,5 +52,5 @@ def robot_of(bag: BagFile, given: str) -> RobotFile:
     if given:
         return load.load(Path(given))
     if bag.robot:
-        return load.read(bag.robot, bag.path / "robot.yaml")
-    return load.load(load.default())
+        return load.parse(bag.robot, bag.path / "robot.yaml")
+    return load.load(load.default_path())

@@ -64,7 +64,7 @@ from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
 from archo_tui.robot.values import text_of
-from archo_tui.robot_file import check, model
+from archo_tui.robot_file import mismatch, model
 
 FLUSH_PERIOD = 0.2  # s between two snapshots while much happens: 5 a second
 STREAM_PERIOD = 0.4  # s between them while only numbers go on and nodes log: nobody reads faster
@@ -246,7 +246,7 @@ class Robot:
         ros2, late = self._offers.call_command(name, request), self._late("release stop", "release")
         return await self._do("release", {}, "release stop", ros2, call)
 
-    async def command(self, command: model.Service, on: bool = True) -> Outcome:
+    async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
         """Give one of the robot file's commands; `on` is what a toggle is set to."""
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
         verb = command.id if on else command.off_word
@@ -283,7 +283,7 @@ class Robot:
                 return Outcome(Code.REFUSED, HOLDS)
             rivals = self._graph.rivals(kind.action)
             if rivals:  # of another one than the robot file's as well
-                return Outcome(Code.REFUSED, check.several(kind.action, rivals))
+                return Outcome(Code.REFUSED, mismatch.duplicate_servers(kind.action, rivals))
             if kind.action in self._faults:
                 return Outcome(Code.REFUSED, self._faults[kind.action])
             try:
@@ -322,7 +322,7 @@ class Robot:
         """
         srv_type = message_classes.load(type_name)
         if srv_type is None:
-            return Outcome(Code.REFUSED, check.missing(service, type_name))
+            return Outcome(Code.REFUSED, mismatch.not_installed(service, type_name))
         try:
             request = filled(srv_type.Request(), values)
         except ValueError as error:
@@ -522,7 +522,7 @@ class Robot:
     def _way(self, kind: model.GoalKind) -> float | None:
         """Return the length of the whole way to a goal; None: it is not known."""
         length = None if kind.remaining is None else kind.remaining.length
-        if isinstance(length, model.Link):
+        if isinstance(length, model.ParameterRef):
             return linked(self._parameters.all(), self._graph.namespace, length, 0.0, FARTHEST)
         return length
 
@@ -663,7 +663,7 @@ class Robot:
         faults = {**self._telemetry.faults, **self._offers.misfits()}
         for kind in self.file.goals:
             if kind.action in self._graph.several:
-                said = check.several(kind.action, self._graph.several[kind.action])
+                said = mismatch.duplicate_servers(kind.action, self._graph.several[kind.action])
                 faults[kind.action] = said
         if changed or faults != self._faults or self._unseen:
             self._faults = faults

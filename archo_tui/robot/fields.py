@@ -16,7 +16,7 @@ import yaml
 
 from archo_tui.robot.message_classes import EMPTY, load
 from archo_tui.robot.text import harmless
-from archo_tui.robot_file.written import flow
+from archo_tui.yaml_text.dump import flow
 
 NESTED = re.compile(r"(\w+)/(\w+)")
 # of a bound or length the digits: sequence<string<8>, 3> holds three texts of eight characters

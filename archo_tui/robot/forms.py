@@ -6,8 +6,6 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from archo_tui.embedded import bounded_yaml
-from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.fields import INTEGERS, checked, element_of
 from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.state import Leaf
@@ -17,7 +15,9 @@ from archo_tui.robot.values import (
     parse_integer,
     text_of,
 )
-from archo_tui.robot_file.model import FormField, Limit, Link
+from archo_tui.robot_file.model import FormField, Limit, ParameterRef
+from archo_tui.yaml_text import bounded_yaml
+from archo_tui.yaml_text.core_schema import YamlFault
 
 _SHOWN = 20  # characters of a wrong text that are shown
 _LONGEST = 10_000  # characters of a typed value
@@ -50,7 +50,7 @@ def parse(leaf: Leaf, given: FormField, text: str) -> Any:
     try:
         value = _value(leaf, text)
     except YamlFault as fault:
-        raise ValueError(f"{label}: {fault.said}: {shown}") from None
+        raise ValueError(f"{label}: {fault.reason}: {shown}") from None
     except ValueError:
         kinds = "true or false" if leaf.type == "boolean" else "a number"
         kinds = "a whole number" if is_integer(leaf) else "a list" if is_list(leaf) else kinds
@@ -86,7 +86,7 @@ def check_ranges(
 
 def _known(given: Limit, otherwise: float | None) -> float | None:
     """A limit of the robot file; a link to a number that nobody reports limits nothing."""
-    return otherwise if given is None or isinstance(given, Link) else given
+    return otherwise if given is None or isinstance(given, ParameterRef) else given
 
 
 def parse_all(
@@ -146,7 +146,7 @@ def _value(leaf: Leaf, text: str) -> Any:
 def _list(element: Leaf, text: str) -> list[Any]:
     """What each element means its type says, as for a field of one; of messages YAML does."""
     if "/" not in element.type:
-        return [_value(element, item) for item in bounded_yaml.texts(text)]
+        return [_value(element, item) for item in bounded_yaml.scalar_texts(text)]
     items = bounded_yaml.load(text)
     if not isinstance(items, list):
         raise ValueError

@@ -28,7 +28,7 @@ from archo_tui.robot.period import Pause
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Phase, not_offered
 from archo_tui.robot.stops import NEVER_LEFT, Gate
-from archo_tui.robot_file import check
+from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import GoalKind
 
 HISTORY = 20  # ended goals that are kept
@@ -189,7 +189,7 @@ class Goals:
         known = (kind.action, kind.type) in self._actions
         action = self.open(kind)
         if action.type is None:
-            return Outcome(Code.REFUSED, check.missing(kind.action, kind.type))
+            return Outcome(Code.REFUSED, mismatch.not_installed(kind.action, kind.type))
         goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
         one = Followed(goal, uuid.uuid4().bytes, action, self._clock, self._goal_changed)
         one.gate = gate

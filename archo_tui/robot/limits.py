@@ -8,7 +8,7 @@ from os.path import basename
 from archo_tui.robot.state import Parameter, in_namespace, linked, node_of
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
-from archo_tui.robot_file.model import Link, RobotFile
+from archo_tui.robot_file.model import ParameterRef, RobotFile
 
 _SURE = 5.0  # s that it must be so: nodes and their parameters come one by one
 
@@ -22,7 +22,7 @@ class Limits:
             for kind in robot.goals
             for path, given in kind.form.items()
             for name, link in (("lower", given.low), ("upper", given.high))
-            if isinstance(link, Link)
+            if isinstance(link, ParameterRef)
         ]
         self._since: dict[str, float] = {}  # what is to be said, and since when it is so
         self._said: set[str] = set()
@@ -64,7 +64,7 @@ class Limits:
 
 
 def _why(
-    namespace: str, nodes: Collection[str], parameters: Iterable[Parameter], link: Link
+    namespace: str, nodes: Collection[str], parameters: Iterable[Parameter], link: ParameterRef
 ) -> tuple[str, str]:
     """Return why the link leads to no number, and the level of that; empty when it leads to one."""
     node = node_of(link, namespace)
@@ -78,7 +78,7 @@ def _why(
         return f"{name} does not report its parameters", "INFO"
     if link.parameter not in own:
         return f"{name} has no parameter {link.parameter}", "INFO"
-    sure = Link(link.node, link.parameter)
+    sure = ParameterRef(link.node, link.parameter)
     if linked(own.values(), namespace, sure) is None:
         value = harmless(text_of(own[link.parameter].value))
         return f"{link.parameter} of {name} is {value[:20]}, not a number", "WARN"

@@ -14,7 +14,7 @@ from archo_tui.robot.state import Leaf
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import GoalKind
-from archo_tui.robot_file.written import flow
+from archo_tui.yaml_text.dump import flow
 
 _SHOWN = 20  # elements of an array that are shown
 

@@ -14,7 +14,7 @@ from archo_tui.robot import forms, message_classes, messages, ros2_command
 from archo_tui.robot.fields import checked, filled
 from archo_tui.robot.graph import Graph
 from archo_tui.robot.state import Leaf
-from archo_tui.robot_file import check, model
+from archo_tui.robot_file import mismatch, model
 
 
 class Offers:
@@ -52,7 +52,7 @@ class Offers:
             return None, f"{full} has servers of different types: not called"
         srv_type = message_classes.load(kind)
         if srv_type is None:
-            return None, check.missing(full, kind)
+            return None, mismatch.not_installed(full, kind)
         if message_classes.fields(srv_type.Request) != set(values):
             return None, f"{full} is {kind}, whose request differs: not called"
         kinds = srv_type.Request.get_fields_and_field_types()
@@ -71,9 +71,9 @@ class Offers:
                 found[name] = self.fitting(name, values)[1]
         for kind in self._robot.goals:
             types = self._graph.action_types.get(kind.action, ())
-            fault = check.types_fault(kind.action, types, (kind.type,))
+            fault = mismatch.unexpected_type(kind.action, types, (kind.type,))
             if types == (kind.type,) and message_classes.load(kind.type) is None:
-                fault = check.missing(kind.action, kind.type)
+                fault = mismatch.not_installed(kind.action, kind.type)
             found[kind.action] = fault or self.unfit.get(kind.action, "")
         return {name: reason for name, reason in found.items() if reason}
 
@@ -122,7 +122,7 @@ def _goal_fault(kind: model.GoalKind) -> str:
     left = [] if kind.remaining is None else [(kind.remaining.where, kind.remaining.field)]
     parts = (("Goal", action.Goal, form), ("Result", action.Result, said))
     for name, part, wanted in (*parts, ("Feedback", action.Feedback, left)):
-        fault = check.fields_fault(f"{kind.type} {name}", wanted, messages.paths(part))
+        fault = mismatch.unknown_field(f"{kind.type} {name}", wanted, messages.paths(part))
         if fault:
             return fault
     return _form_fault(kind, action.Goal()) or _fixed_fault(kind, action.Goal())

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.embedded import bounded_yaml
-from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.fields import checked
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import parse_bool, parse_integer, parse_number, same, text_of
-from archo_tui.robot_file.written import flow
+from archo_tui.yaml_text import bounded_yaml
+from archo_tui.yaml_text.core_schema import YamlFault
+from archo_tui.yaml_text.dump import flow
 
 # rcl_interfaces/ParameterType's numbers, in words
 TYPES = {
@@ -121,7 +121,7 @@ def _value(kind: str, text: str) -> Any:
 
 def _sequence(element: str, text: str) -> list[Any]:
     try:
-        items = bounded_yaml.texts(text)  # as typed: their type is declared
+        items = bounded_yaml.scalar_texts(text)  # as typed: their type is declared
     except YamlFault:
         raise ValueError(f"not a list like [1, 2]: {text}") from None
     return [_value(element, item) for item in items]

@@ -7,7 +7,7 @@ from shlex import quote
 from typing import Any
 
 from archo_tui.robot import messages
-from archo_tui.robot_file.written import flow
+from archo_tui.yaml_text.dump import flow
 
 
 def service_call(name: str, type_name: str, request: Any) -> str:

@@ -21,7 +21,7 @@ from archo_tui.robot.period import UNMEASURED, Pace, is_silent
 from archo_tui.robot.readings import number
 from archo_tui.robot.secret_names import MASK
 from archo_tui.robot.values import same, text_of
-from archo_tui.robot_file.model import FormField, Gauge, GoalKind, Limit, Link, RobotFile
+from archo_tui.robot_file.model import FormField, Gauge, GoalKind, Limit, ParameterRef, RobotFile
 
 _FARTHEST = 1e15  # of a number that a parameter holds: so many digits a double has
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
@@ -486,7 +486,7 @@ class Snapshot(NamedTuple):
     def threshold(self) -> float | None:
         """The charge (%) below which it is low, as the robot has it; None: it says nothing."""
         low = None if self.file.battery is None else self.file.battery.low
-        if isinstance(low, Link):
+        if isinstance(low, ParameterRef):
             return linked(self.parameters, self.namespace, low, 0.0, 100.0)
         return low
 
@@ -499,7 +499,7 @@ class Snapshot(NamedTuple):
 
     def limit(self, given: Limit) -> float | None:
         """A limit of what may be typed, as the robot has it now; None: there is none known."""
-        if isinstance(given, Link):
+        if isinstance(given, ParameterRef):
             return linked(self.parameters, self.namespace, given)
         return given
 
@@ -526,7 +526,7 @@ def in_namespace(namespace: str, node: str) -> str:
     return f"{namespace.rstrip('/')}/{node}"
 
 
-def node_of(link: Link, namespace: str) -> str:
+def node_of(link: ParameterRef, namespace: str) -> str:
     """Return the full name of the node that holds a link's parameter."""
     return link.node if link.node.startswith("/") else in_namespace(namespace, link.node)
 
@@ -534,7 +534,7 @@ def node_of(link: Link, namespace: str) -> str:
 def linked(
     parameters: Iterable[Parameter],
     namespace: str,
-    link: Link,
+    link: ParameterRef,
     low: float = -_FARTHEST,
     high: float = _FARTHEST,
 ) -> float | None:

@@ -44,7 +44,7 @@ class Stopping:
     def __init__(
         self,
         node: Node,
-        stop: model.Stop | None,
+        stop: model.StopServices | None,
         clock: Clock,
         pending: Services,
         graph: Graph,
@@ -282,7 +282,7 @@ class Stopping:
             await self._services.pause(_FIND_PERIOD)
             self._graph.look_for(name)
 
-    async def _call(self, stop: model.Stop, late: Callable[[_Said], None]) -> _Said:
+    async def _call(self, stop: model.StopServices, late: Callable[[_Said], None]) -> _Said:
         """One call: what its servers said of it, in time; or `late`."""
         name = stop.service
         if name not in self._graph.offered:

@@ -14,7 +14,7 @@ from contextvars import ContextVar
 from typing import NamedTuple
 
 from archo_tui.robot.typed_request import typed_request
-from archo_tui.robot_file.model import Stop
+from archo_tui.robot_file.model import StopServices
 
 NOT_SENT = "not sent: STOP came after it"
 NEVER_LEFT = "cancelled before it was sent"
@@ -35,7 +35,7 @@ class Stops:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._stop: Stop | None = None
+        self._stop: StopServices | None = None
         self._services: frozenset[str] = frozenset()  # names of the STOP's service
         self.count = 0
         self.answered = 0  # of these, when the answer to the last one came, or did not in time
@@ -43,7 +43,7 @@ class Stops:
         self.overtaken = False  # something else was asked for since the last one left
         self._carried: ContextVar[int | None] = ContextVar("stops", default=None)
 
-    def known_as(self, stop: Stop, full: str) -> None:
+    def known_as(self, stop: StopServices, full: str) -> None:
         """Set the robot's STOP, and the name that its service has on the graph."""
         self._stop = stop
         self._services = frozenset((stop.service, full, full.lstrip("/")))

@@ -18,7 +18,7 @@ from archo_tui.robot.period import LEAST_SILENCE, UNMEASURED, Period
 from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read
 from archo_tui.robot.state import Battery, Motion, Reading, in_namespace
 from archo_tui.robot.text import harmless
-from archo_tui.robot_file import check
+from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import Gauge, RobotFile, fields_of
 
 _DEPTH = 10
@@ -191,7 +191,7 @@ class Telemetry:
         lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
         usable = [kind for kind in known if not lacking[kind]]
         said = next(filter(None, lacking.values()), "")
-        said = said or check.types_fault(reader.topic, kinds, types)
+        said = said or mismatch.unexpected_type(reader.topic, kinds, types)
         if said:
             faults.setdefault(reader.topic, said)
         if not usable:
@@ -330,10 +330,10 @@ def _given(fields: Any) -> dict[str, Fields]:
 def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
     """Why a type cannot be read: not installed, or without a field that the robot file names."""
     if message_class is None:
-        return check.missing(topic, kind)
+        return mismatch.not_installed(topic, kind)
     named = [field for given in fields.values() for field in fields_of(given)]
     wanted = [(field.where, field.field) for field in named]
-    return check.fields_fault(kind, wanted, messages.paths(message_class))
+    return mismatch.unknown_field(kind, wanted, messages.paths(message_class))
 
 
 def _range(gauge: Gauge) -> tuple[float, float]:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from archo_tui.embedded import bounded_yaml
-from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot import forms
 from archo_tui.robot.state import Leaf
 from archo_tui.robot_file.model import FormField, Scalar
+from archo_tui.yaml_text import bounded_yaml
+from archo_tui.yaml_text.core_schema import YamlFault
 
 Request = Mapping[str, Scalar]  # by field, as the robot file has it
 _TYPES = {bool: "boolean", int: "int64", float: "double", str: "string"}

@@ -1,1 +1,1 @@
-"""Robots are described in a file and checked against the graph; nothing is assumed of them."""
+"""Robot files: the description of a robot's topics, actions and services that `--robot` names."""

@@ -1,58 +1,72 @@
-"""Reads robot files: every error names file and line, and the nearest word that would do."""
+"""Reader of robot files; an error names file, line and the nearest valid word."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from archo_tui.embedded import bounded_yaml
 from archo_tui.errors import ArchoError
-from archo_tui.robot_file import faults, typed_yaml
+from archo_tui.robot_file import typed_yaml, validate
 from archo_tui.robot_file.model import RobotFile
+from archo_tui.yaml_text import bounded_yaml
 
-_ROOM = Path(__file__).parent.parent
-_LONGEST = 500  # characters of what is said
+_PACKAGE = Path(__file__).parent.parent
+_MAX_LENGTH = 500  # characters of an error message
 
 
-def default() -> Path:
-    """ARCHO's own file: `config/` of the checkout, or the copy inside an installed wheel."""
-    paths = [folder / "config" / "robots" / "archo.yaml" for folder in (_ROOM.parent, _ROOM)]
+def default_path() -> Path:
+    """Return the path of ARCHO's robot file, in a checkout or in an installed wheel."""
+    paths = [folder / "config" / "robots" / "archo.yaml" for folder in (_PACKAGE.parent, _PACKAGE)]
     return next((path for path in paths if path.is_file()), paths[0])
 
 
 def load(path: Path) -> RobotFile:
-    """The robot that a file describes. Raises ArchoError with one line that says what is wrong."""
+    """Read and validate a robot file.
+
+    Raises:
+        ArchoError: The file cannot be read or is not valid; the message is one line.
+    """
     try:
         return _load(path)
     except OSError as error:
-        said = f"{path}: cannot read the robot file: {error.strerror}"
+        reason = f"{path}: cannot read the robot file: {error.strerror}"
     except (bounded_yaml.YamlError, ArchoError) as error:
-        said = str(error)
-    raise ArchoError(_shown(said))
+        reason = str(error)
+    raise ArchoError(_printable(reason))
 
 
-def read(text: str, path: Path) -> RobotFile:
-    """As `load`, of a text that says it stands in that file."""
+def parse(text: str, path: Path) -> RobotFile:
+    """Read and validate the text of a robot file.
+
+    Args:
+        text: The YAML text.
+        path: The file that error messages name; it is not opened.
+
+    Raises:
+        ArchoError: The text is not a valid robot file; the message is one line.
+    """
     try:
-        return _read(text, path)
+        return _parse(text, path)
     except (bounded_yaml.YamlError, ArchoError) as error:
-        raise ArchoError(_shown(str(error))) from None
+        raise ArchoError(_printable(str(error))) from None
 
 
 def _load(path: Path) -> RobotFile:
-    return _read(bounded_yaml.read(path), path)
+    """Read and parse a robot file; an error may quote its control characters unchanged."""
+    return _parse(bounded_yaml.read(path), path)
 
 
-def _shown(said: str) -> str:
-    """The file's own words are in it."""
-    shown = "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in said)
-    return shown[:_LONGEST]
+def _printable(text: str) -> str:
+    """Return an error text that is safe to print, though it may quote the file."""
+    shown = "".join(char if char.isprintable() else "\N{REPLACEMENT CHARACTER}" for char in text)
+    return shown[:_MAX_LENGTH]
 
 
-def _read(text: str, path: Path) -> RobotFile:
+def _parse(text: str, path: Path) -> RobotFile:
+    """Parse and validate a text; an error may quote its control characters unchanged."""
     node = bounded_yaml.compose(text, path)
     if node is None:
         raise ArchoError(f"{path}:1: the file is empty: it describes no robot")
     robot: RobotFile = typed_yaml.read(RobotFile, node, path)
-    for where, said in faults.of(robot):
-        raise ArchoError(f"{where}: {said}")
+    for where, reason in validate.find_faults(robot):
+        raise ArchoError(f"{where}: {reason}")
     return robot

@@ -1,8 +1,9 @@
-"""What a robot file says: what a robot offers, under which names, and what it means.
+"""The dataclasses of a robot file: the topics, actions and services that the console uses.
 
-Everything is optional: what a robot lacks is left out of its file, and greyed on the screen.
-`where` is the file and line that a message about it names. What a key means stands beside its type:
-the table in docs/own_robot.md and config/robots/schema.json are made of it.
+Everything is optional: a robot that lacks something leaves it out, and the screen shows it greyed.
+`where` holds `FILE:LINE`, for messages about that entry. The text beside each type is its
+documentation: `python -m tests.generated` makes docs/own_robot.md and config/robots/schema.json of
+it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
-NO_STOP = "has no STOP: use the hardware stop"  # of a robot whose file names none
+NO_STOP = "has no STOP: use the hardware stop"  # Said of a robot whose file names no stop service.
 
 Scalar = bool | int | float | str
 
@@ -22,7 +23,7 @@ def _where() -> Any:
 
 @dataclass(frozen=True)
 class MessageField:
-    """Where a reading stands in a message, and what to make of the value there."""
+    """The field of a message that holds a reading, and how to convert its value."""
 
     field: Annotated[str, "its dotted path in the message"]
     scale: Annotated[float, "factor that makes it a value of the unit"] = 1.0
@@ -34,14 +35,14 @@ class MessageField:
 
 
 def fields_of(given: MessageField | tuple[MessageField, ...] | None) -> tuple[MessageField, ...]:
-    """Return the fields of a message that a reading is made of."""
+    """Return the message fields that a reading consists of; none if it is left out."""
     if given is None:
         return ()
     return given if isinstance(given, tuple) else (given,)
 
 
 @dataclass(frozen=True)
-class Link:
+class ParameterRef:
     """A number that a node of the robot holds as a parameter."""
 
     node: Annotated[str, "the node's name; one that begins with `/` is not of `--namespace`"]
@@ -50,7 +51,7 @@ class Link:
     where: str = _where()
 
 
-Limit = float | Link | None  # None: there is none
+Limit = float | ParameterRef | None  # None: the value has no limit.
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ class MotionFields:
 
 @dataclass(frozen=True)
 class BatteryTopic:
-    """The topic that tells the charge."""
+    """The topic that reports the charge."""
 
     topic: Annotated[str, "the topic's name"]
     types: Annotated[
@@ -105,17 +106,17 @@ class BatteryTopic:
 
 @dataclass(frozen=True)
 class MotionTopic:
-    """The topic that tells how the robot moves."""
+    """The topic that reports how the robot moves."""
 
     topic: Annotated[str, "the topic's name"]
     types: Annotated[
         Mapping[str, MotionFields],
         "the fields, by message type; a topic of another type is not used",
     ]
-    title: Annotated[str, "of the panel"] = "Motion"
+    title: Annotated[str, "the title of the panel"] = "Motion"
     time_factor: Annotated[
-        Link | None,
-        "of a simulation: how many of its seconds pass in a real one; "
+        ParameterRef | None,
+        "for a simulation: how many simulated seconds pass in a real one; "
         "`x 7.5` stands beside the speed and the time left",
     ] = None
     period: Annotated[float | None, "s between two messages; measured when left out"] = None
@@ -124,7 +125,7 @@ class MotionTopic:
 
 @dataclass(frozen=True)
 class FormField:
-    """One field of a goal's form."""
+    """A field of a goal's form."""
 
     label: Annotated[str, "what it is called on the screen and in a shell; else its path"] = ""
     low: Annotated[
@@ -141,14 +142,14 @@ class FormField:
 
 
 @dataclass(frozen=True)
-class Remaining:
-    """The field of the feedback that says how much is left."""
+class RemainingField:
+    """The feedback field that holds the distance or work still to be done."""
 
     field: Annotated[str, "its dotted path in the feedback"]
     unit: Annotated[str, "what is shown behind it"] = ""
     length: Annotated[
         Limit,
-        "of the whole way; or a parameter: `{node, parameter, otherwise}`; "
+        "the length of the whole way; or a parameter: `{node, parameter, otherwise}`; "
         "without it, and while no node has it, the first remainder",
     ] = None
     where: str = _where()
@@ -156,7 +157,7 @@ class Remaining:
 
 @dataclass(frozen=True)
 class GoalKind:
-    """One action of the robot, with the form to fill in."""
+    """An action of the robot, with the form to fill in."""
 
     id: Annotated[str, "what is typed in a shell; the first goal is `go`"]
     title: Annotated[str, "what it is called on the screen"]
@@ -172,7 +173,7 @@ class GoalKind:
     fixed: Annotated[Mapping[str, Any], "what is always sent, by dotted path in the goal"] = field(
         default_factory=dict
     )
-    remaining: Annotated[Remaining | None, "how much is left"] = None
+    remaining: Annotated[RemainingField | None, "how much is left"] = None
     message: Annotated[str, "the result's field with the robot's own words for the end"] = ""
     refusals: Annotated[
         str, "log lines of the action's node that begin so hold the reason of a refusal"
@@ -181,7 +182,7 @@ class GoalKind:
 
 
 @dataclass(frozen=True)
-class Stop:
+class StopServices:
     """The services of the software stop."""
 
     service: Annotated[str, "the service that stops"]
@@ -198,7 +199,7 @@ class Stop:
 
 
 @dataclass(frozen=True)
-class Service:
+class CommandService:
     """A command: a service whose request has no field, or one bool that is toggled."""
 
     id: Annotated[str, "what is typed in a shell"]
@@ -214,13 +215,13 @@ class Service:
         Literal["moving", "always", "never"],
         "when a question comes first; `moving`: while a goal runs",
     ] = "never"
-    # nothing on the graph says so
+    # The graph cannot tell whether a service sets the robot in motion, so the file says it.
     moves: Annotated[bool, "false: it never sets the robot in motion"] = True
     toggle: Annotated[
         Mapping[str, str],
         "the request's bool, and the reading that it inverts: "
         "`battery.charging`, `motion.moving` or `motion.stopped`",
-    ] = field(default_factory=dict, metadata={"filled": True})  # where it is given it is not empty
+    ] = field(default_factory=dict, metadata={"filled": True})  # `toggle: {}` is refused.
     off: Annotated[
         str,
         "what a toggle is called, and typed, when it sends false; "
@@ -230,17 +231,17 @@ class Service:
 
     @property
     def off_word(self) -> str:
-        """What is typed for a toggle to send false; empty when it is not a toggle."""
+        """Return the word that is typed for a toggle to send false; "" if this is not a toggle."""
         return (self.off or f"{self.id}_off") if self.toggle else ""
 
-    def is_about(self, topic: Literal["battery", "motion"]) -> bool:
-        """True when it toggles a reading of that topic."""
+    def toggles_reading_of(self, topic: Literal["battery", "motion"]) -> bool:
+        """Return True if this toggles a reading of that topic."""
         return any(reading.startswith(f"{topic}.") for reading in self.toggle.values())
 
 
 @dataclass(frozen=True)
 class Gauge:
-    """A further number of the robot's."""
+    """A further number that the robot reports."""
 
     title: Annotated[str, "what it is called on the screen"]
     topic: Annotated[str, "the topic's name"]
@@ -258,27 +259,31 @@ class Gauge:
 class RobotFile:
     """A robot file."""
 
-    version: Annotated[Literal[1], "of this form of file"] = 1
+    version: Annotated[Literal[1], "version of the file format"] = 1
     name: Annotated[str, "what the robot is called"] = "robot"
     battery: Annotated[BatteryTopic | None, "the topic that tells the charge"] = None
     motion: Annotated[MotionTopic | None, "the topic that tells how the robot moves"] = None
     goals: Annotated[
         tuple[GoalKind, ...], "the actions; the first one has its form on the screen"
     ] = ()
-    stop: Annotated[Stop | None, "the services of the software stop; `none`: it has no STOP"] = None
-    commands: Annotated[tuple[Service, ...], "services with a key and a word of their own"] = ()
+    stop: Annotated[
+        StopServices | None, "the services of the software stop; `none`: it has no STOP"
+    ] = None
+    commands: Annotated[
+        tuple[CommandService, ...], "services with a key and a word of their own"
+    ] = ()
     gauges: Annotated[tuple[Gauge, ...], "further numbers, with alarms"] = ()
 
     @property
     def topics(self) -> tuple[str, ...]:
-        """Every topic that is listened to."""
+        """Return the name of every topic that the console subscribes to."""
         heard = (self.battery, self.motion)
         named = [topic.topic for topic in heard if topic] + [gauge.topic for gauge in self.gauges]
         return tuple(dict.fromkeys(named))
 
     @property
     def services(self) -> tuple[str, ...]:
-        """Every service that is called."""
+        """Return the name of every service that the console calls."""
         stop = () if self.stop is None else (self.stop.service, self.stop.release)
         named = [*stop, *(command.service for command in self.commands)]
         return tuple(name for name in dict.fromkeys(named) if name)

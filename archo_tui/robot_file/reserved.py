@@ -1,30 +1,30 @@
-"""The console's own words: no goal or command of a robot file may be called by one of them.
+"""The console's own words, which no goal or command of a robot file may have as its id.
 
-Else one typed word, or one line of a keymap, would mean two things.
+Otherwise one typed word, or one line of a keymap, would mean two things.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
 
-# the verbs of every robot, as they are typed
+# The verbs that every robot has, as they are typed.
 VERBS = (
     *("go", "cancel", "continue", "skip", "stop", "release", "give_up_stop"),
     *("status", "history", "events", "keep", "alarms", "ack", "shelve"),
     *("params", "get", "set", "undo", "save", "load"),
     *("nodes", "topics", "start", "halt", "copy", "log_level", "send_goal", "call"),
 )
-# the options that a shell may put before or behind a verb
+# The options that a shell user may put before or after a verb: without and with a value.
 VERB_FLAGS = ("--wait", "--leave", "--json", "--line", "--follow")
 VERB_VALUES = ("--to", "--timeout")
 RESERVED = frozenset(
     {
         *VERBS,
         *("help", "quit"),
-        # subcommands of archo-tui
+        # Subcommands of archo-tui.
         *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
         *("recordings", "replay", "rewind"),
-        # what only the screen has, as in a keymap
+        # Commands that only the screen has, as named in a keymap.
         *("cancel_all", "keep_robot"),
         *(f"panel_{number}" for number in range(1, 9)),
         *("edit", "restore", "switch", "only_changed", "ros_own", "filter"),
@@ -36,8 +36,8 @@ RESERVED = frozenset(
 )
 
 
-def free(word: str, used: Collection[str]) -> str:
-    """The word, or the first of `word_2`, `word_3` ... that is neither reserved nor used."""
+def unused_word(word: str, used: Collection[str]) -> str:
+    """Return the word, or the first of `word_2`, `word_3` ... that is neither reserved nor used."""
     numbered, number = word, 1
     while numbered in RESERVED or numbered in used:
         number += 1

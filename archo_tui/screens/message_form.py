@@ -13,17 +13,17 @@ from textual.content import Content
 from textual.markup import escape
 from textual.widgets import Label, Static
 
-from archo_tui.embedded.bounded_yaml import load
-from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
 from archo_tui.robot.state import Leaf
 from archo_tui.robot_file.model import FormField
-from archo_tui.robot_file.written import block
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
+from archo_tui.yaml_text.bounded_yaml import load
+from archo_tui.yaml_text.core_schema import YamlFault
+from archo_tui.yaml_text.dump import block
 
 MOST_FIELDS = 12  # beyond that it is one YAML text
 Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]

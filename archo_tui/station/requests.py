@@ -11,8 +11,8 @@ from archo_tui.robot.asker import Asker
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Goal
 from archo_tui.robot.values import text_of
-from archo_tui.robot_file.written import flow
 from archo_tui.station.queue import QueuedGoal
+from archo_tui.yaml_text.dump import flow
 
 MOST = 3  # that wait at a time
 EXPIRES = 60.0  # s after which nobody has answered

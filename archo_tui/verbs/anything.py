@@ -10,7 +10,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot import forms
 from archo_tui.robot.state import Leaf, Snapshot, in_namespace
 from archo_tui.robot.typed_request import mapping
-from archo_tui.robot_file import check
+from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import THERE
@@ -77,7 +77,7 @@ async def fields_of(
     """
     leaves = await in_daemon(station.robot.form, type_name)  # reads files
     if leaves is None:
-        raise ValueError(check.missing(name, type_name))
+        raise ValueError(mismatch.not_installed(name, type_name))
     if len(words) == 1 and words[0].startswith("{"):
         return mapping(words[0])
     by_path = {leaf.path: leaf for leaf in leaves}

@@ -7,8 +7,8 @@ from collections.abc import Awaitable, Sequence
 from archo_tui.robot import forms
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Leaf, Phase, Snapshot, node_of
-from archo_tui.robot_file import check
-from archo_tui.robot_file.model import FormField, GoalKind, Link
+from archo_tui.robot_file import mismatch
+from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.station.ledger import RELEASE
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
@@ -54,7 +54,7 @@ class Go(Verb):
 
     def values(self, words: Sequence[str]) -> Values:
         if self._leaves is None:
-            raise ValueError(check.missing(self.kind.action, self.kind.type))
+            raise ValueError(mismatch.not_installed(self.kind.action, self.kind.type))
         several = any(argument.many for argument in self.arguments) and "=" not in "".join(words)
         rows = [[word] for word in words] if several and words else [list(words)]
         form = self.kind.form
@@ -69,7 +69,7 @@ class Go(Verb):
         heard = all(
             is_reported(station, node_of(limit, snapshot.namespace))
             for limit in limits
-            if isinstance(limit, Link)
+            if isinstance(limit, ParameterRef)
         )
         return super().is_ready(station, values) and heard
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from archo_tui.robot.outcome import CALL_WAIT, Outcome
-from archo_tui.robot_file.model import Scalar, Service
+from archo_tui.robot_file.model import CommandService, Scalar
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_known, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
@@ -20,7 +20,7 @@ class Give(Verb):
 
     acts = True
 
-    def __init__(self, given: Service, on: bool = True) -> None:
+    def __init__(self, given: CommandService, on: bool = True) -> None:
         self.given, self.is_on = given, on
         self.id = given.id if on else given.off_word
         self.title = given.title if on else given.off or f"{given.title} off"

@@ -14,7 +14,7 @@ class StopNow(Verb):
     help = "STOP: software stop, at once and latched; does not replace the hardware one"
     acts = urgent = True
 
-    def __init__(self, stop: model.Stop | None) -> None:
+    def __init__(self, stop: model.StopServices | None) -> None:
         self.service = "" if stop is None else stop.service
         self.request = {} if stop is None else stop.request
         if stop is None:
@@ -29,7 +29,7 @@ class Release(Verb):
     help = "Release the stop (asks first); nothing resumes by itself"
     acts = moves = may_ask = True
 
-    def __init__(self, stop: model.Stop | None) -> None:
+    def __init__(self, stop: model.StopServices | None) -> None:
         self.service = "" if stop is None else stop.release
         self.request = {} if stop is None else stop.release_request
 

@@ -33,7 +33,7 @@ class BatteryPanel(Panel, can_focus=True):
     def __init__(self, robot: RobotFile) -> None:
         super().__init__()
         self._topic = "" if robot.battery is None else robot.battery.topic
-        ours = [c for c in robot.commands if c.is_about("battery")]
+        ours = [c for c in robot.commands if c.toggles_reading_of("battery")]
         self.keys = tuple((command.id, command.title.lower()) for command in ours)
         self._line, self._gauge = Line(id="battery-line"), Line(id="battery-gauge")
         self._history, self._trend = Line(id="battery-history"), Line(id="battery-trend")

@@ -24,7 +24,7 @@ class MotionPanel(Panel, can_focus=True):
         self.title_text = "Motion" if robot.motion is None else robot.motion.title
         super().__init__()
         self._topic = "" if robot.motion is None else robot.motion.topic
-        ours = [command for command in robot.commands if not command.is_about("battery")]
+        ours = [command for command in robot.commands if not command.toggles_reading_of("battery")]
         words = [(command.id, command.title.partition(" ")[0].lower()) for command in ours]
         self.keys = (*words[:1], ("stop", "stop"), ("release", "release"), *words[1:])
         self._line, self._word = Line(id="motion-line"), Line(id="motion-word")

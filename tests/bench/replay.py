@@ -50,7 +50,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         write(Path(folder))
         begun = time.perf_counter()
-        player = Player(BagFile(Path(folder)), load.load(load.default()), Clock())
+        player = Player(BagFile(Path(folder)), load.load(load.default_path()), Clock())
         while player.is_reading:
             time.sleep(0.001)
         player.view()

@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.embedded.bounded_yaml import YamlError
 from archo_tui.embedded.parameter_files import matches, read
+from archo_tui.yaml_text.bounded_yaml import YamlError
 
 SHARE = Path(__file__).parent.parent / "share"
 ANSWERS = json.loads((SHARE / "parameter_files_jazzy.json").read_text())

@@ -115,7 +115,7 @@ class SlowBag(BagFile):
 def test_of_what_is_not_read_yet_nothing_is_said(tmp_path: Path) -> None:
     bag.write(tmp_path, drain(seconds=600), {})
     bag_file = SlowBag(tmp_path)
-    player = Player(bag_file, load.load(load.default()), StandingClock())
+    player = Player(bag_file, load.load(load.default_path()), StandingClock())
     player.go_to(BEGIN + 9.5)
     wait_until(lambda: not player.is_reading)
     assert player.view().snapshot.battery.percentage == 25.5
@@ -202,7 +202,7 @@ def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Pat
     hours = drain(seconds=1)
     hours += [one._replace(time=one.time + 7200 * 10**9) for one in drain(seconds=3)]
     bag.write(tmp_path, hours, {})
-    player = Player(BagFile(tmp_path), load.load(load.default()), StandingClock())
+    player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
     wait_until(lambda: player.is_whole)
     assert player.snapshot().battery.percentage == 30.0
     player.go_to(player.end)
@@ -228,7 +228,7 @@ def test_states_that_differ_all_are_put_back_as_they_were(tmp_path: Path) -> Non
         said = json.dumps({"namespace": "/", "consoles": [f"anna_{second}"]})
         heard.append(Heard((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
     bag.write(tmp_path, sorted(heard, key=lambda one: one.time), {})
-    player = Player(BagFile(tmp_path), load.load(load.default()), StandingClock())
+    player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
     wait_until(lambda: player.is_whole)
     for second in (599, 3, 250, 251, 0, 400):
         player.go_to(BEGIN + second + 0.5)
@@ -243,7 +243,7 @@ def test_it_plays_on_behind_the_hour_that_is_held_and_jumps_while_it_plays(tmp_p
     ]
     bag.write(tmp_path, hours, {})
     clock = StandingClock()
-    player = Player(BagFile(tmp_path), load.load(load.default()), clock)
+    player = Player(BagFile(tmp_path), load.load(load.default_path()), clock)
     wait_until(lambda: player.is_whole)
     player.go_to(player.start + 3595.0)
     player.play(on=True)

@@ -18,8 +18,8 @@ from textual.widgets import TextArea
 
 from archo_tui.robot.message_classes import load as load_interface
 from archo_tui.robot_file.load import load
-from archo_tui.robot_file.written import block
 from archo_tui.screens.message_form import MessageForm
+from archo_tui.yaml_text.dump import block
 from tests.robots.rover import Counting
 from tests.support.archo import ARCHO
 from tests.support.console import Console, console

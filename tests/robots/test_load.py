@@ -16,14 +16,14 @@ from archo_tui.errors import ArchoError
 from archo_tui.plain.plain import help_text
 from archo_tui.robot.readings import read
 from archo_tui.robot_file import reserved
-from archo_tui.robot_file.load import default, load
-from archo_tui.robot_file.model import Link, MessageField, RobotFile
-from archo_tui.robot_file.save import dump
+from archo_tui.robot_file.dump import dump
+from archo_tui.robot_file.load import default_path, load
+from archo_tui.robot_file.model import MessageField, ParameterRef, RobotFile
 from archo_tui.verbs import verbs
 from tests.robots.mutated import mutated
 
 HERE = Path(__file__).parent
-FILES = [*default().parent.glob("*.yaml"), *HERE.glob("*.yaml")]
+FILES = [*default_path().parent.glob("*.yaml"), *HERE.glob("*.yaml")]
 ONE_GOAL = "goals:\n  - id: a\n    title: t\n    action: a\n    type: a/action/B\n"
 
 
@@ -242,14 +242,14 @@ def test_a_limit_of_a_form_is_a_number_or_a_parameter(tmp_path: Path) -> None:
     file.write_text(ONE_GOAL + f"    form: {{x: {{low: 1, high: {link}}}, y: {{low: {link}}}}}\n")
     robot = load(file)
     x, y = robot.goals[0].form.values()
-    assert (x.low, x.high, y.low) == (1.0, Link("n", "p", 9.0), Link("n", "p", 9.0))
+    assert (x.low, x.high, y.low) == (1.0, ParameterRef("n", "p", 9.0), ParameterRef("n", "p", 9.0))
     file.write_text(dump(robot))
     assert load(file) == robot
 
 
 def test_every_limit_of_a_file_is_a_number_or_a_parameter(tmp_path: Path) -> None:
     file = tmp_path / "robot.yaml"
-    link = Link("n", "p", 9.0)
+    link = ParameterRef("n", "p", 9.0)
     for text, meant in (("20", 20.0), ("{node: n, parameter: p, otherwise: 9}", link)):
         left = f"    remaining: {{field: f, length: {text}}}\n"
         file.write_text(LOW.replace("CHANGED", text) + ONE_GOAL + left)

@@ -11,7 +11,7 @@ import pytest
 from archo_tui.plain.lines import words_of
 from archo_tui.remote.server import _stop_in
 from archo_tui.robot.stops import Stops
-from archo_tui.robot_file.model import Service, Stop
+from archo_tui.robot_file.model import CommandService, StopServices
 from archo_tui.verbs import verbs
 from archo_tui.verbs.called import choose_verb
 from tests.support.archo import ARCHO, FORMS
@@ -86,14 +86,14 @@ def test_a_name_means_this_robot_unless_it_says_another(name: str, verb: str) ->
 
 
 def test_two_commands_on_one_service_are_asked_which() -> None:
-    twin = Service(id="zero", title="Zero", service="/reset_encoder")
+    twin = CommandService(id="zero", title="Zero", service="/reset_encoder")
     file = replace(ARCHO, commands=(*ARCHO.commands, twin))
     said = chosen("call reset_encoder", file=file)
     assert said == "/reset_encoder is called by several: type reset or zero"
 
 
-LATCH = Stop("emergency_stop")
-E_STOP = Stop("e_stop", {"e_stop_on": True}, "e_stop", {"e_stop_on": False})
+LATCH = StopServices("emergency_stop")
+E_STOP = StopServices("e_stop", {"e_stop_on": True}, "e_stop", {"e_stop_on": False})
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_the_request_says_whether_one_service_stops_or_releases(line: str, verb:
 
 
 def test_a_request_that_only_stops_is_never_sent_otherwise() -> None:
-    file = replace(ARCHO, stop=Stop("e_stop", {"data": True}))
+    file = replace(ARCHO, stop=StopServices("e_stop", {"data": True}))
     assert chosen("call e_stop data=true", file=file) == "stop"
     assert chosen("call e_stop data=false", file=file) == "/e_stop needs data=true (stop)"
     assert chosen("call e_stop", file=file) == "/e_stop needs data=true (stop)"
@@ -151,7 +151,7 @@ CALLS_OF_OTHERS = [
 ]
 
 
-def read_as_stop(words: list[str], stop: Stop = LATCH) -> set[bool]:
+def read_as_stop(words: list[str], stop: StopServices = LATCH) -> set[bool]:
     """Which of the three that read lines take these words for a STOP."""
     stops = Stops()
     stops.known_as(stop, f"/north/{stop.service}")

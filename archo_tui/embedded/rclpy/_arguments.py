@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 from rclpy._names import Remap, namespace_problem, node_name_problem, topic_problem
 from rclpy._rclpy_pybind11 import RCLInvalidROSArgsError, UnknownROSArgsError
 
-from archo_tui.embedded.bounded_yaml import YamlError
 from archo_tui.embedded.parameter_files import Override, matches, read, value_of
+from archo_tui.yaml_text.bounded_yaml import YamlError
 
 LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 

@@ -12,8 +12,8 @@ import yaml
 from rcl_interfaces.msg import Parameter as ParameterMsg
 from rcl_interfaces.msg import ParameterType, ParameterValue
 
-from archo_tui.embedded.bounded_yaml import YamlError
 from archo_tui.embedded.parameter_files import read
+from archo_tui.yaml_text.bounded_yaml import YamlError
 
 PARAMETER_SEPARATOR_STRING = "."
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from archo_tui.embedded.bounded_yaml import load, texts
-from archo_tui.embedded.core_schema import YamlFault
 from archo_tui.regular_files import MAX_BYTES
-from archo_tui.robot_file.written import block, flow
+from archo_tui.yaml_text.bounded_yaml import load, scalar_texts
+from archo_tui.yaml_text.core_schema import YamlFault
+from archo_tui.yaml_text.dump import block, flow
 
 
 @pytest.mark.parametrize(
@@ -103,13 +103,13 @@ def test_what_is_wrong_is_one_line_with_its_line(text: str, line: int, said: str
 
 
 def test_the_elements_of_a_list_are_read_as_they_were_typed() -> None:
-    assert texts("[010, 1_0, yes, ~, 'a b', '']") == ["010", "1_0", "yes", "~", "a b", ""]
+    assert scalar_texts("[010, 1_0, yes, ~, 'a b', '']") == ["010", "1_0", "yes", "~", "a b", ""]
 
 
 @pytest.mark.parametrize("text", ["", "1", "{a: 1}", "[[1]]", "[{a: 1}]", "&a [*a]", "[" * 9000])
 def test_what_is_no_list_of_single_values_is_refused(text: str) -> None:
     with pytest.raises(YamlFault):
-        texts(text)
+        scalar_texts(text)
 
 
 def test_whatever_is_typed_is_a_value_or_one_line() -> None:

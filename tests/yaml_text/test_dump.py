@@ -11,14 +11,14 @@ import pytest
 import yaml
 from rclpy.parameter import get_parameter_value
 
-from archo_tui.embedded import bounded_yaml
 from archo_tui.robot import messages, ros2_command
 from archo_tui.robot.fields import checked, filled
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.parameter_values import as_python
 from archo_tui.robot_file.model import FormField
-from archo_tui.robot_file.written import flow
 from archo_tui.screens.message_form import _yaml
+from archo_tui.yaml_text import bounded_yaml
+from archo_tui.yaml_text.dump import flow
 from tests.support.values import installed, told, value_of, values_of
 
 TYPES = installed()

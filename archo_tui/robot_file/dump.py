@@ -1,4 +1,4 @@
-"""A robot as the text of its file: what differs from the defaults, in the model's order."""
+"""Writer of robot files: only what differs from the defaults, in the model's order."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import MISSING, fields, is_dataclass
 from typing import Any
 
-from archo_tui.robot_file import written
 from archo_tui.robot_file.model import RobotFile
+from archo_tui.yaml_text import dump as yaml_dump
 
 _HEAD = "# Written by archo-tui. What the words mean: docs/own_robot.md.\n"
 
 
 def dump(robot: RobotFile) -> str:
-    """The text that `load` reads back as the same robot."""
-    return _HEAD + written.block({"version": robot.version, **_plain(robot)})
+    """Return YAML text from which `load` makes an equal robot."""
+    return _HEAD + yaml_dump.block({"version": robot.version, **_plain(robot)})
 
 
 def _plain(value: Any) -> Any:

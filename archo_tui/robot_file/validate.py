@@ -1,4 +1,4 @@
-"""Checks of a robot file beyond the types of its values. Pure."""
+"""Checks of a robot file's values beyond their types. Pure functions."""
 
 from __future__ import annotations
 
@@ -7,43 +7,43 @@ from collections.abc import Iterator
 
 from archo_tui.robot_file import reserved
 from archo_tui.robot_file.model import (
+    CommandService,
     GoalKind,
     Limit,
-    Link,
     MessageField,
+    ParameterRef,
     RobotFile,
-    Service,
-    Stop,
+    StopServices,
     fields_of,
 )
 
-_NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # as rclpy takes them
+_NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # The names that rclpy accepts.
 _TYPE = re.compile(r"\w+/(msg|srv|action)/\w+", re.ASCII)
 _ID = re.compile(r"[a-z][a-z0-9_]*")
 _READINGS = ("battery.charging", "motion.moving", "motion.stopped")
 
-Faults = Iterator[tuple[str, str]]  # file and line, and what is wrong there
+Faults = Iterator[tuple[str, str]]  # Pairs of `FILE:LINE` and a sentence.
 
 
-def of(robot: RobotFile) -> Faults:
-    """All that is wrong with a robot as its file describes it."""
-    yield from _names(robot)
-    yield from _types(robot)
-    yield from _titles(robot)
-    yield from _words(robot)
-    yield from _readings(robot)
-    yield from _gauges(robot)
+def find_faults(robot: RobotFile) -> Faults:
+    """Yield each fault of a robot file as its place (`FILE:LINE`) and a sentence."""
+    yield from _name_faults(robot)
+    yield from _type_faults(robot)
+    yield from _title_faults(robot)
+    yield from _word_faults(robot)
+    yield from _reading_faults(robot)
+    yield from _gauge_faults(robot)
     for goal in robot.goals:
-        yield from _goal(goal)
+        yield from _goal_faults(goal)
     if robot.stop is not None:
-        yield from _stop(robot.stop)
+        yield from _stop_faults(robot.stop)
     for command in robot.commands:
-        yield from _toggle(command)
+        yield from _toggle_faults(command)
 
 
-def _names(robot: RobotFile) -> Faults:
-    heard = [topic for topic in (robot.battery, robot.motion) if topic is not None]
-    names = [(topic.where, topic.topic) for topic in (*heard, *robot.gauges)]
+def _name_faults(robot: RobotFile) -> Faults:
+    subscribed = [topic for topic in (robot.battery, robot.motion) if topic is not None]
+    names = [(topic.where, topic.topic) for topic in (*subscribed, *robot.gauges)]
     names += [(goal.where, goal.action) for goal in robot.goals]
     names += [(command.where, command.service) for command in robot.commands]
     if robot.stop is not None:
@@ -55,9 +55,9 @@ def _names(robot: RobotFile) -> Faults:
             yield where, f"{name!r} is not a name of a topic, service or action"
 
 
-def _types(robot: RobotFile) -> Faults:
-    heard = [topic for topic in (robot.battery, robot.motion) if topic is not None]
-    types = [(topic.where, kind, "msg") for topic in heard for kind in topic.types]
+def _type_faults(robot: RobotFile) -> Faults:
+    subscribed = [topic for topic in (robot.battery, robot.motion) if topic is not None]
+    types = [(topic.where, kind, "msg") for topic in subscribed for kind in topic.types]
     types += [(gauge.where, gauge.type, "msg") for gauge in robot.gauges]
     types += [(goal.where, goal.type, "action") for goal in robot.goals]
     for where, kind, of in types:
@@ -65,7 +65,7 @@ def _types(robot: RobotFile) -> Faults:
             yield where, f"{kind!r} is not a type: expected package/{of}/Name"
 
 
-def _titles(robot: RobotFile) -> Faults:
+def _title_faults(robot: RobotFile) -> Faults:
     titles = [(goal.where, goal.title) for goal in robot.goals]
     titles += [(command.where, command.title) for command in robot.commands]
     titles += [(gauge.where, gauge.title) for gauge in robot.gauges]
@@ -74,11 +74,13 @@ def _titles(robot: RobotFile) -> Faults:
             yield where, "title is empty: say what it is in a word or two"
 
 
-def _words(robot: RobotFile) -> Faults:
-    """Each is typed, or names a line of a keymap: it means one thing."""
+def _word_faults(robot: RobotFile) -> Faults:
+    """Check the words that operators type: each is valid, not the console's own, and unique."""
     found = [("id", goal.id, goal.where) for goal in robot.goals]
     found += [("id", command.id, command.where) for command in robot.commands]
-    found += [("word", one.off_word, one.where) for one in robot.commands if one.off_word]
+    found += [
+        ("word", command.off_word, command.where) for command in robot.commands if command.off_word
+    ]
     used: set[str] = set()
     for what, word, where in found:
         if not _ID.fullmatch(word):
@@ -90,7 +92,7 @@ def _words(robot: RobotFile) -> Faults:
         used.add(word)
 
 
-def _readings(robot: RobotFile) -> Faults:
+def _reading_faults(robot: RobotFile) -> Faults:
     for topic in (robot.battery, robot.motion):
         if topic is None:
             continue
@@ -101,17 +103,17 @@ def _readings(robot: RobotFile) -> Faults:
         for fields in topic.types.values():
             for name, given in vars(fields).items():
                 for field in fields_of(given):
-                    yield from _field(field)
+                    yield from _field_faults(field)
                 if given == ():
                     yield topic.where, f"{name} is empty: name a reading, or leave it out"
     if robot.battery is not None:
-        low = _number(robot.battery.low)
+        low = _known_number(robot.battery.low)
         if low is not None and not 0 <= low <= 100:
-            where, name = _place(robot.battery.where, "low", robot.battery.low)
+            where, name = _limit_place(robot.battery.where, "low", robot.battery.low)
             yield where, f"{name} is {low:g}: a charge is within 0 .. 100"
 
 
-def _field(field: MessageField) -> Faults:
+def _field_faults(field: MessageField) -> Faults:
     if field.scale == 0:
         yield field.where, "scale is 0: every reading would be the same"
     if field.equals is not None and field.beyond is not None:
@@ -120,39 +122,43 @@ def _field(field: MessageField) -> Faults:
         yield field.where, f"beyond is {field.beyond:g}: it must not be negative"
 
 
-def _gauges(robot: RobotFile) -> Faults:
+def _gauge_faults(robot: RobotFile) -> Faults:
     titles = set()
     for gauge in robot.gauges:
-        if gauge.title in titles:  # an alarm is known by it
+        if gauge.title in titles:  # The title identifies the gauge's alarm.
             yield gauge.where, f"duplicate title {gauge.title}: choose another"
         titles.add(gauge.title)
-        yield from _field(gauge.field)
-        yield from _order(gauge.where, "low", gauge.low, "high", gauge.high)
+        yield from _field_faults(gauge.field)
+        yield from _order_faults(gauge.where, "low", gauge.low, "high", gauge.high)
         below, above = gauge.warn_below, gauge.warn_above
-        yield from _order(gauge.where, "warn_below", below, "warn_above", above)
+        yield from _order_faults(gauge.where, "warn_below", below, "warn_above", above)
 
 
-def _order(where: str, name: str, low: float | None, other: str, high: float | None) -> Faults:
+def _order_faults(
+    where: str, name: str, low: float | None, other: str, high: float | None
+) -> Faults:
     if low is not None and high is not None and low > high:
         yield where, f"{name} {low:g} is above {other} {high:g}: swap them"
 
 
-def _number(limit: Limit) -> float | None:
-    """What is known of a limit without the robot."""
-    return limit.otherwise if isinstance(limit, Link) else limit
+def _known_number(limit: Limit) -> float | None:
+    """Return the number of a limit that can be known without the robot's parameters."""
+    return limit.otherwise if isinstance(limit, ParameterRef) else limit
 
 
-def _place(where: str, name: str, limit: Limit) -> tuple[str, str]:
-    """Return where a limit's number stands, and what it is called there."""
-    return (limit.where, "otherwise") if isinstance(limit, Link) else (where, name)
+def _limit_place(where: str, name: str, limit: Limit) -> tuple[str, str]:
+    """Return where a limit's number is written (`FILE:LINE`), and the key that holds it."""
+    return (limit.where, "otherwise") if isinstance(limit, ParameterRef) else (where, name)
 
 
-def _goal(goal: GoalKind) -> Faults:
+def _goal_faults(goal: GoalKind) -> Faults:
     labels = set()
     for path, given in goal.form.items():
-        yield from _order(given.where, "low", _number(given.low), "high", _number(given.high))
+        yield from _order_faults(
+            given.where, "low", _known_number(given.low), "high", _known_number(given.high)
+        )
         label = given.label or path
-        if label.lower() in labels:  # `--plain` takes `label=value`
+        if label.lower() in labels:  # `--plain` takes `label=value` in any case.
             yield given.where, f"duplicate label {label}: choose another"
         labels.add(label.lower())
         for other in (*goal.form, *goal.fixed):
@@ -161,22 +167,22 @@ def _goal(goal: GoalKind) -> Faults:
         if path in goal.fixed:
             yield given.where, f"{path} is both in the form and fixed: give one of them"
     if goal.remaining is not None:
-        length = _number(goal.remaining.length)
+        length = _known_number(goal.remaining.length)
         if length is not None and length <= 0:
-            where, name = _place(goal.remaining.where, "length", goal.remaining.length)
+            where, name = _limit_place(goal.remaining.where, "length", goal.remaining.length)
             yield where, f"{name} is {length:g}: a length is above 0"
 
 
-def _stop(stop: Stop) -> Faults:
+def _stop_faults(stop: StopServices) -> Faults:
     is_same = stop.release.lstrip("/") == stop.service.lstrip("/")
     if is_same and stop.release_request == stop.request:
-        said = f"release is the service that stops, {stop.service}"
-        yield stop.where, f"{said}: give it a release_request of its own, name another or none"
+        same = f"release is the service that stops, {stop.service}"
+        yield stop.where, f"{same}: give it a release_request of its own, name another or none"
     if stop.release_request and not stop.release:
         yield stop.where, "release_request is for a release: name its service"
 
 
-def _toggle(command: Service) -> Faults:
+def _toggle_faults(command: CommandService) -> Faults:
     if command.off and not command.toggle:
         yield command.where, f"off is for a toggle: {command.id} has none"
     if len(command.toggle) > 1:

@@ -1,0 +1,49 @@
+"""Error texts for a robot file that does not match the ROS graph. Pure functions."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Iterable, Sequence
+
+
+def unexpected_type(name: str, found: Sequence[str], expected: Collection[str]) -> str:
+    """Return why the types of a topic or action do not fit, or "" if they do.
+
+    Args:
+        name: The topic or action.
+        found: The types that the graph reports, as `package/msg/Name`.
+        expected: The types that the robot file allows.
+    """
+    for kind in found:
+        if kind not in expected:
+            return f"{name} is {kind}: expected {' or '.join(expected)}"
+    return f"{name} has several types: {', '.join(found)}" if len(found) > 1 else ""
+
+
+def duplicate_servers(action: str, nodes: Sequence[str]) -> str:
+    """Return the reason for refusing a goal whose action has several servers.
+
+    ROS 2 delivers one goal request to all of them, so each would start to drive.
+    """
+    return f"{action} is served by {' and '.join(nodes)}: each would drive; stop all but one"
+
+
+def not_installed(name: str, kind: str) -> str:
+    """Return the error text for a type whose package cannot be imported here."""
+    return f"{name} is {kind}, which is not installed here"
+
+
+def unknown_field(kind: str, wanted: Iterable[tuple[str, str]], known: Collection[str]) -> str:
+    """Return an error for the first field that a message type lacks, or "" if it has all.
+
+    Args:
+        kind: The type's name, for the text.
+        wanted: Pairs of the place in the robot file (`FILE:LINE`) and the field's dotted path.
+        known: Every dotted path that the type has.
+    """
+    for where, path in wanted:
+        if path not in known:
+            near = difflib.get_close_matches(path, known, n=1)
+            hint = f" (nearest: {near[0]})" if near else ""
+            return f"{where}: {kind} has no field {path}{hint}"
+    return ""
