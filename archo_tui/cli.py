@@ -439,13 +439,13 @@ def _recordings_options(made: argparse._ActionsContainer) -> None:
 
 def _recordings(options: Namespace) -> int:
     """Those of the black box."""
-    from archo_tui.recording.listing import delete, lines
+    from archo_tui.recording.listing import delete_named, list_recordings
 
     if options.delete:
-        for said in delete(options.delete):
+        for said in delete_named(options.delete):
             print(_safe(said))
         return 0
-    for line in lines(as_json=options.json):
+    for line in list_recordings(as_json=options.json):
         print(_safe(line))
     return 0
 

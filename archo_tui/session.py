@@ -32,7 +32,7 @@ from archo_tui.station.station import Station
 if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
     from archo_tui.recording.box import BlackBox
-    from archo_tui.recording.witness import Witness
+    from archo_tui.recording.console_recorder import ConsoleRecorder
     from archo_tui.remote.desk import Desk
     from archo_tui.remote.server import Server
     from archo_tui.robot.client import Robot
@@ -82,7 +82,7 @@ class Session:
     robot: Robot
     host: Host
     box: BlackBox
-    _witness: Witness
+    _console_recorder: ConsoleRecorder
     unrecorded = ""  # once it is closed: why the last recording was not written
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
@@ -104,7 +104,7 @@ class Session:
             self.robot,
             self.host,
             self.journal,
-            self._witness,
+            self._console_recorder,
             self._clock,
             engine=engine.describe(options.engine, self._context),
             namespace=options.namespace,
@@ -199,7 +199,7 @@ class Session:
         from archo_tui.hosting.host import Host
         from archo_tui.hosting.node_files import NodeFile
         from archo_tui.recording.box import BlackBox
-        from archo_tui.recording.witness import Witness
+        from archo_tui.recording.console_recorder import ConsoleRecorder
         from archo_tui.robot.client import Robot
 
         self.box = BlackBox(
@@ -210,14 +210,14 @@ class Session:
             self.options.recordings_limit,
             self.options.record,
         )
-        self._witness = Witness(self.box)
+        self._console_recorder = ConsoleRecorder(self.box)
         try:
             self.robot = Robot(
                 self._context,
                 self.file,
                 self._clock,
                 self._happened,
-                self.box.hear,
+                self.box.receive,
                 watching=self.options.watch,
                 secrets=self._secrets,
             )
@@ -275,7 +275,7 @@ class Session:
 
     def _happened(self, event: Event) -> None:
         """An event came, or repeated, on the robot's thread."""
-        self._witness.happened(event)
+        self._console_recorder.happened(event)
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
             kind = _KINDS.get(event.level, "event")
             by_node = kind == "event" and event.source != "console"

@@ -62,7 +62,7 @@ async def _found(console: Console) -> list[Recording] | None:
 
     folder = state_file("recordings")
     try:
-        return (await in_daemon(store.listed, folder))[::-1]
+        return (await in_daemon(store.list_recordings, folder))[::-1]
     except OSError as error:
         said = f"{error.filename or folder}: {error.strerror or error}"
         console.tell(Outcome(Code.REFUSED, said))

@@ -1,1 +1,1 @@
-"""The black box: what was heard in the last minute, written as a ROS bag when something happens."""
+"""The black box: the last minute of messages, written as a ROS bag when something happens."""

@@ -1,4 +1,4 @@
-"""What lies beside the messages in a recording: the robot file, the journal, the versions."""
+"""The attachments of a recording: the robot file, the journal and the versions."""
 
 from __future__ import annotations
 
@@ -11,30 +11,37 @@ from archo_tui import __version__
 from archo_tui.robot_file.dump import dump
 from archo_tui.robot_file.model import RobotFile
 
-_TAIL = 1_000_000  # bytes of the journal's end that are looked through
+_MAX_JOURNAL_BYTES = 1_000_000  # Read from the end of the journal.
 
 
 def attachments(robot: RobotFile, journal: Path, begin: float, end: float) -> dict[str, str]:
-    """By name; of the journal the lines between two Unix times."""
+    """Return the text of each attachment by its file name.
+
+    Args:
+        robot: The robot, written as a robot file.
+        journal: The journal's file; a missing one counts as empty.
+        begin: Unix time of the first journal line that is included.
+        end: Unix time of the last one.
+    """
     return {
         "robot.yaml": dump(robot),
-        "journal.jsonl": "".join(_lines(journal, begin, end)),
+        "journal.jsonl": "".join(_journal_lines(journal, begin, end)),
         "versions.json": json.dumps({"archo-tui": __version__, "python": sys.version.split()[0]}),
     }
 
 
-def _lines(journal: Path, begin: float, end: float) -> list[str]:
+def _journal_lines(journal: Path, begin: float, end: float) -> list[str]:
     try:
         with open(journal, "rb") as file:
-            file.seek(max(journal.stat().st_size - _TAIL, 0))
-            text = file.read(_TAIL).decode("utf-8", "replace")
+            file.seek(max(journal.stat().st_size - _MAX_JOURNAL_BYTES, 0))
+            text = file.read(_MAX_JOURNAL_BYTES).decode("utf-8", "replace")
     except OSError:
         return []
-    return [line for line in text.splitlines(keepends=True) if begin <= _time(line) <= end]
+    return [line for line in text.splitlines(keepends=True) if begin <= _line_time(line) <= end]
 
 
-def _time(line: str) -> float:
+def _line_time(line: str) -> float:
     try:
         return datetime.fromisoformat(json.loads(line)["time"]).timestamp()
-    except (ValueError, KeyError, TypeError):  # cut off at its beginning
+    except (ValueError, KeyError, TypeError):  # The first line read may lack its beginning.
         return 0.0

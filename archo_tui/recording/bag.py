@@ -1,4 +1,4 @@
-"""A recording as a ROS bag: MCAP, with the `metadata.yaml` that rosbag2 writes beside it."""
+"""A recording as a ROS bag: an MCAP file, and the `metadata.yaml` that rosbag2 writes beside it."""
 
 from __future__ import annotations
 
@@ -16,48 +16,64 @@ import yaml
 from archo_tui.errors import in_one_line
 from archo_tui.recording.cdr_size import cdr_size
 from archo_tui.recording.definitions import definition
-from archo_tui.recording.ring import Heard, Later
+from archo_tui.recording.ring import LazyMessage, ReceivedMessage
 from archo_tui.regular_files import read
 from archo_tui.robot import message_classes
 
 METADATA = "metadata.yaml"
-_VERSION = 9  # of the metadata, as rosbag2 of Jazzy and later have it
-_FILE = "recording_0.mcap"
-_LONGEST = 1000  # characters of why it was written, of a bag of anybody
-_MOST = 2**62  # ns since the epoch: until 2116
+_METADATA_VERSION = 9  # The version that rosbag2 of Jazzy and later write.
+_MCAP_NAME = "recording_0.mcap"
+_MAX_REASON = 1000  # Characters; another tool's bag may hold any text.
+_MAX_COUNT = 2**62  # In ns since the epoch: the year 2116.
 _NUMBER = re.compile(r"[0-9]{1,9}")
-_CHUNK = 64 * 1024  # bytes that one damaged byte can cost
-_SLICE = 32  # messages between which other threads get their turn
+_CHUNK_SIZE = 64 * 1024  # Bytes of a chunk; a damaged byte costs all of it.
+_YIELD_EVERY = 32  # Messages after which other threads get a turn.
 
 
-class Written(NamedTuple):
-    """What came of writing one."""
+class WriteResult(NamedTuple):
+    """The outcome of writing a bag.
 
-    left_out: int  # messages that cannot be encoded
-    why: str  # of the first of them
+    Attributes:
+        left_out: The number of messages that could not be encoded.
+        first_error: Why the first of them could not be; "" if none was left out.
+    """
+
+    left_out: int
+    first_error: str
 
 
 def write(
-    folder: Path, heard: Sequence[Heard], about: Mapping[str, str], **attached: str
-) -> Written:
-    """Write the files of a bag into an empty folder. Raises OSError.
+    folder: Path, messages: Sequence[ReceivedMessage], about: Mapping[str, str], **attached: str
+) -> WriteResult:
+    """Write a whole bag into an empty folder.
 
-    `about` is kept as the bag's custom data, `attached` as attachments by name.
+    Args:
+        folder: The folder, which exists.
+        messages: The messages, in any order of time.
+        about: The bag's custom data in `metadata.yaml`.
+        attached: The text of each attachment by its name.
+
+    Raises:
+        OSError: The disk refuses it.
     """
     writer = BagWriter(folder)
     try:
-        writer.add(heard)
+        writer.add(messages)
         return writer.end(about, attached)
     finally:
         writer.close()
 
 
 class BagWriter:
-    """A bag that is written piece by piece; until its end it has no `metadata.yaml`."""
+    """A bag that grows on the disk; `metadata.yaml` is written when it ends."""
 
     def __init__(self, folder: Path) -> None:
-        """Begin the file, in an empty folder. Raises OSError."""
-        from mcap.writer import CompressionType, Writer  # on this thread only: it takes 0.1 s
+        """Create the MCAP file in an empty folder.
+
+        Raises:
+            OSError: The disk refuses it, or the file exists.
+        """
+        from mcap.writer import CompressionType, Writer  # Takes 0.1 s.
 
         try:
             import zstandard  # noqa: F401
@@ -66,61 +82,74 @@ class BagWriter:
         except ImportError:
             compression = CompressionType.NONE
         self.folder = folder
-        self._path = folder / _FILE
+        self._path = folder / _MCAP_NAME
         self._stream = open(self._path, "xb")  # noqa: SIM115  # closed by close()
         self._path.chmod(0o600)
-        self._writer = Writer(self._stream, chunk_size=_CHUNK, compression=compression)
+        self._writer = Writer(self._stream, chunk_size=_CHUNK_SIZE, compression=compression)
         self._writer.start(profile="ros2", library="archo-tui")
         self._channels: dict[tuple[str, Any], int] = {}
         self._schemas: dict[str, int] = {}
         self._topics: dict[str, str] = {}
-        self._number: Counter[str] = Counter()
-        self._first = self._last = self._newest = 0  # ns
-        self._written = Written(0, "")
+        self._counts: Counter[str] = Counter()
+        self._first = self._last = self._newest = 0  # In ns since the epoch.
+        self._result = WriteResult(0, "")
 
-    def add(self, heard: Sequence[Heard]) -> None:
+    def add(self, messages: Sequence[ReceivedMessage]) -> None:
         """Write messages, some of which may stay in memory until `flush` or `end`."""
-        for place, one in enumerate(heard):
-            if place % _SLICE == 0:
-                time.sleep(0)  # keys and STOP first
-            self._add(one)
+        for index, message in enumerate(messages):
+            if index % _YIELD_EVERY == 0:
+                time.sleep(0)  # Let the threads of keys and STOP run.
+            self._add(message)
 
-    def _add(self, one: Heard) -> None:
-        self._first = min(self._first or one.time, one.time)
-        self._last, self._newest = max(self._last, one.time), one.time
-        schemas, written = self._schemas, self._written
+    def _add(self, received: ReceivedMessage) -> None:
+        """Encode and write a message; one that cannot be encoded is left out and counted."""
+        self._first = min(self._first or received.time, received.time)
+        self._last, self._newest = max(self._last, received.time), received.time
+        schemas, result = self._schemas, self._result
         try:
-            kind, name, data = _encoded(one.message, first=not self._number[one.topic])
+            kind, name, data = _encode(received.message, first=not self._counts[received.topic])
             text = "" if name in schemas else definition(kind)
-        except Exception as error:  # half a character in a log line, say: the others are written
-            self._written = Written(written.left_out + 1, written.why or in_one_line(error))
+        except Exception as error:  # As for a lone surrogate in a log line; the rest is written.
+            self._result = WriteResult(
+                result.left_out + 1, result.first_error or in_one_line(error)
+            )
             return
-        if (one.topic, kind) not in self._channels:
+        if (received.topic, kind) not in self._channels:
             if name not in schemas:
                 schemas[name] = self._writer.register_schema(name, "ros2msg", text.encode())
-            self._topics[one.topic] = name
-            self._channels[one.topic, kind] = self._writer.register_channel(
-                one.topic, "cdr", schemas[name], {"offered_qos_profiles": ""}
+            self._topics[received.topic] = name
+            self._channels[received.topic, kind] = self._writer.register_channel(
+                received.topic, "cdr", schemas[name], {"offered_qos_profiles": ""}
             )
-        self._number[one.topic] += 1
-        self._writer.add_message(self._channels[one.topic, kind], one.time, data, one.time)
+        self._counts[received.topic] += 1
+        self._writer.add_message(
+            self._channels[received.topic, kind], received.time, data, received.time
+        )
 
     def attach(self, attached: Mapping[str, str]) -> None:
-        """Write texts by name."""
+        """Write attachments, each a text by its name."""
         at = self._newest
-        for name, said in attached.items():
-            data = said.encode("utf-8", "replace")
+        for name, text in attached.items():
+            data = text.encode("utf-8", "replace")
             self._writer.add_attachment(at, at, name, "text/plain", data)
 
     def flush(self) -> None:
-        """Put all that was added on the disk: a process that is killed then loses none of it."""
-        # mcap ends a chunk by its size only; what is in an open one would be in memory
+        """Put all messages on the disk, so that a process that is killed loses none of them."""
+        # The mcap library ends a chunk by its size only, and keeps an open one in memory.
         self._writer._Writer__finalize_chunk()  # type: ignore[attr-defined]
         self._stream.flush()
         os.fsync(self._stream.fileno())
 
-    def end(self, about: Mapping[str, str], attached: Mapping[str, str]) -> Written:
-        """Write what ends the bag. Raises OSError."""
+    def end(self, about: Mapping[str, str], attached: Mapping[str, str]) -> WriteResult:
+        """Finish the MCAP file and write `metadata.yaml`.
+
+        Args:
+            about: The bag's custom data.
+            attached: The text of each further attachment by its name.
+
+        Raises:
+            OSError: The disk refuses it.
+        """
         self.attach(attached)
         self._writer.finish()  # type: ignore[no-untyped-call]
         self._stream.close()
@@ -133,87 +162,97 @@ class BagWriter:
                     "offered_qos_profiles": [],
                     "type_description_hash": "",
                 },
-                "message_count": self._number[topic],
+                "message_count": self._counts[topic],
             }
             for topic, kind in self._topics.items()
         ]
-        count = sum(self._number.values())
+        count = sum(self._counts.values())
         bag = {
-            "version": _VERSION,
+            "version": _METADATA_VERSION,
             "storage_identifier": "mcap",
-            **self._times(),
+            **self._time_fields(),
             "message_count": count,
             "topics_with_message_count": counted,
             "compression_format": "",
             "compression_mode": "",
             "relative_file_paths": [self._path.name],
-            "files": [{"path": self._path.name, **self._times(), "message_count": count}],
-            "custom_data": {**about, "left_out": str(self._written.left_out)},
+            "files": [{"path": self._path.name, **self._time_fields(), "message_count": count}],
+            "custom_data": {**about, "left_out": str(self._result.left_out)},
             "ros_distro": "",
         }
         text = yaml.safe_dump({"rosbag2_bagfile_information": bag}, sort_keys=False)
         metadata = self.folder / METADATA
         metadata.write_text(text, encoding="utf-8")
         metadata.chmod(0o600)
-        return self._written
+        return self._result
 
     def close(self) -> None:
-        """Leave the file as it is."""
-        with suppress(OSError):  # of a disk that is full: what it has is all there is
+        """Close the file without finishing it; harmless after `end`."""
+        with suppress(OSError):  # A full disk refuses the last bytes; what is there stays.
             self._stream.close()
 
-    def _times(self) -> dict[str, Any]:  # anew each time: YAML would write a reference
+    def _time_fields(self) -> dict[str, Any]:  # A new object each time, or YAML writes an alias.
         return {
             "starting_time": {"nanoseconds_since_epoch": self._first},
             "duration": {"nanoseconds": self._last - self._first},
         }
 
 
-def _encoded(message: Any, *, first: bool) -> tuple[Any, str, bytes]:
-    """The class of a message, its type's name, and its bytes; `first`: of its topic."""
+def _encode(message: Any, *, first: bool) -> tuple[Any, str, bytes]:
+    """Return a message's class, the name of its type, and its bytes as CDR.
+
+    Args:
+        message: The message, or the LazyMessage that makes it.
+        first: True for the first message of its topic in the bag.
+    """
     from rclpy.serialization import serialize_message
 
-    made = message.make(first) if isinstance(message, Later) else message
+    made = message.make(first) if isinstance(message, LazyMessage) else message
     return type(made), type_name(type(made)), serialize_message(made)[: cdr_size(made)]
 
 
 def type_name(kind: Any) -> str:
-    """`archo_interfaces/action/MoveToShelf_FeedbackMessage`."""
+    """Return a message class's type, `archo_interfaces/action/MoveToShelf_FeedbackMessage` say."""
     return message_classes.name_of(kind)
 
 
-class About(NamedTuple):
-    """What `metadata.yaml` says of a bag."""
+class BagInfo(NamedTuple):
+    """The description of a bag in its `metadata.yaml`."""
 
-    start: float  # Unix time
+    start: float  # Unix time, in s.
     seconds: float
     messages: int
     why: str
     kept: bool
-    number: int = 0  # in the order in which ours were written; 0: it has none
+    number: int = 0  # The place in the order of writing; 0: another tool wrote the bag.
 
 
-def about(folder: Path) -> About:
-    """Of the bag in that folder. Raises OSError, or ValueError for what is none."""
+def read_info(folder: Path) -> BagInfo:
+    """Return the description of the bag in a folder.
+
+    Raises:
+        OSError: `metadata.yaml` cannot be read.
+        ValueError: It does not describe a bag.
+    """
     try:
         bag = yaml.safe_load(read(folder / METADATA))["rosbag2_bagfile_information"]
         custom = bag.get("custom_data")
-        said = custom if isinstance(custom, dict) else {}
-        why, number = said.get("why"), str(said.get("number"))
-        return About(
-            _whole(bag["starting_time"]["nanoseconds_since_epoch"]) / 1e9,
-            _whole(bag["duration"]["nanoseconds"]) / 1e9,
-            _whole(bag["message_count"]),
-            why[:_LONGEST] if isinstance(why, str) else "",
-            said.get("kept") == "yes",
+        ours = custom if isinstance(custom, dict) else {}
+        why, number = ours.get("why"), str(ours.get("number"))
+        return BagInfo(
+            _checked_count(bag["starting_time"]["nanoseconds_since_epoch"]) / 1e9,
+            _checked_count(bag["duration"]["nanoseconds"]) / 1e9,
+            _checked_count(bag["message_count"]),
+            why[:_MAX_REASON] if isinstance(why, str) else "",
+            ours.get("kept") == "yes",
             int(number) if _NUMBER.fullmatch(number) else 0,
         )
     except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError, RecursionError):
         raise ValueError(f"{folder.name}: {METADATA} is not one of a bag") from None
 
 
-def _whole(value: Any) -> int:
-    """Raises ValueError for anything but a number of ns, or of messages."""
-    if not isinstance(value, int) or not 0 <= value < _MOST:
+def _checked_count(value: Any) -> int:
+    """Return a number of nanoseconds or messages; raise ValueError for anything else."""
+    if not isinstance(value, int) or not 0 <= value < _MAX_COUNT:
         raise ValueError(value)
     return value

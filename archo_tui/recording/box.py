@@ -1,4 +1,4 @@
-"""The black box: keeps the last minute, and writes it when something happens, with what follows."""
+"""The black box: decides what is recorded and until when, and writes it on a thread of its own."""
 
 from __future__ import annotations
 
@@ -12,102 +12,117 @@ from typing import TYPE_CHECKING, Any
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.recording.ring import SPAN, Heard, Ring
+from archo_tui.recording.ring import SPAN, ReceivedMessage, Ring
 
 if TYPE_CHECKING:
     from archo_tui.recording import bag
 
-Written = Callable[[str, str], None]  # the name of a recording, or why it is none
-AFTER = 5.0  # s that are recorded behind the last trigger
-BEGUN = f"the last {SPAN:g} s are recorded, and the next {AFTER:g} s"
-LONGEST = 300.0  # s from the first trigger to the end
-PART = 600.0  # s of each bag where all is recorded
-_FLUSH = 0.9  # s between two times at which what came for it is put on the disk: each tick of 1 s
-ALL = "all of it"  # why, of these
-BUDGET = 1_000_000_000  # bytes of all recordings
-KEPT = "kept"  # why, of one that was begun by hand
-MOST_BYTES = 64_000_000  # of one recording, in memory
+OnWritten = Callable[[str, str], None]  # The recording's name, or "" and why there is none.
+SECONDS_AFTER = 5.0  # Recorded after the last trigger.
+BEGUN = f"the last {SPAN:g} s are recorded, and the next {SECONDS_AFTER:g} s"
+MAX_SECONDS = 300.0  # From the first trigger to the end of a recording.
+CONTINUOUS_SPAN = 600.0  # Seconds in each bag if everything is recorded.
+_FLUSH_PERIOD = 0.9  # A little less than the second between two calls of `tick`.
+ALL = "all of it"  # The reason in the metadata of such a bag.
+BUDGET = 1_000_000_000  # Bytes of all recordings together.
+KEPT = "kept"  # The reason of a recording that the operator asked for.
+MAX_BYTES = 64_000_000  # Bytes of one recording in memory.
 _SLOW = "recording not written: the disk is too slow"
-_WAITING = 1  # recordings that may wait for the disk, beside the one that is written
-_AGAIN = 10.0  # s between two looks whether a trouble is over
+_MAX_WAITING = 1  # Recordings that may wait while another is being written.
+_RETRY = 10.0  # Seconds between two tries after a failure.
 
 
-class _Open:
-    """A recording that goes on."""
+class _EventRecording:
+    """A recording in memory, from its first trigger until a few seconds after its last."""
 
     def __init__(self, ring: Ring, clock: Clock, why: str) -> None:
         now, self.at = clock.monotonic(), clock.now()
-        self.begun, self.ends = now, now + AFTER
+        self.begun, self.ends = now, now + SECONDS_AFTER
         self.why: list[str] = [why]
-        self.kept = False  # by hand
-        self.written: list[Written] = []  # told what became of it, on the thread that writes
+        self.kept = False  # True if the operator asked for it.
+        self.on_written: list[OnWritten] = []
         self._ring, self._bytes = ring, 0
-        self.heard: list[Heard] = []
-        self.heard[:0] = ring.copy_to(self._take)
+        self.messages: list[ReceivedMessage] = []
+        self.messages[:0] = ring.subscribe(self._on_message)
 
-    def _take(self, heard: Heard, weight: int) -> None:
+    def _on_message(self, message: ReceivedMessage, weight: int) -> None:
         self._bytes += weight
-        if self._bytes < MOST_BYTES:
-            self.heard.append(heard)
+        if self._bytes < MAX_BYTES:
+            self.messages.append(message)
 
     def extend(self, now: float, why: str) -> None:
-        """Something else happened."""
-        self.ends = min(now + AFTER, self.begun + LONGEST)
+        """Record on for another trigger, up to MAX_SECONDS in all."""
+        self.ends = min(now + SECONDS_AFTER, self.begun + MAX_SECONDS)
         if why not in self.why:
             self.why.append(why)
 
     def end(self) -> None:
-        """It is complete."""
-        self._ring.leave(self._take)
+        """Stop collecting messages."""
+        self._ring.unsubscribe(self._on_message)
 
     @property
     def is_full(self) -> bool:
-        """True when nothing more is taken."""
-        return self._bytes >= MOST_BYTES
+        """Return True if the recording takes no further messages, for lack of memory."""
+        return self._bytes >= MAX_BYTES
 
 
-class _All:
-    """A bag that everything is written to while it comes."""
+class _ContinuousBag:
+    """A bag to which every message is written as it comes.
+
+    Attributes:
+        ends: Monotonic time at which the next bag begins, in s.
+        flushed: Monotonic time of the last writing, in s.
+        writer: The bag's writer, once the first messages are written.
+        begun: Unix time of its first message.
+        failed: Monotonic time at which writing failed; None while it works.
+        is_waiting: True while a job for this bag waits for the writing thread.
+        folder: The bag's folder while nothing in it is of use yet.
+        left_out: True if messages were dropped because the disk was too slow.
+    """
 
     def __init__(self, ring: Ring, clock: Clock) -> None:
-        self.ends = clock.monotonic() + PART
-        self.flushed = 0.0  # monotonic s
-        self.writer: bag.BagWriter | None = None  # from the first piece on
-        self.begun = 0.0  # Unix time of its first message
-        self.failed: float | None = None  # when it could not be written on, monotonic s
-        self.is_waiting = False  # for the thread that writes
-        self.folder: Path | None = None  # until something of it is on the disk
+        self.ends = clock.monotonic() + CONTINUOUS_SPAN
+        self.flushed = 0.0
+        self.writer: bag.BagWriter | None = None
+        self.begun = 0.0
+        self.failed: float | None = None
+        self.is_waiting = False
+        self.folder: Path | None = None
         self._ring, self._lock, self._bytes = ring, threading.Lock(), 0
         self._listens = True
-        self._heard: list[Heard] = []
-        self.left_out = False  # something came that the disk was too slow for
+        self._messages: list[ReceivedMessage] = []
+        self.left_out = False
         with self._lock:
-            self._heard[:0] = ring.copy_to(self._take)
+            self._messages[:0] = ring.subscribe(self._on_message)
 
-    def _take(self, heard: Heard, weight: int) -> None:
+    def _on_message(self, message: ReceivedMessage, weight: int) -> None:
         with self._lock:
             self._bytes += weight
-            if self._bytes < MOST_BYTES:
-                self._heard.append(heard)
+            if self._bytes < MAX_BYTES:
+                self._messages.append(message)
             else:
                 self.left_out = True
 
-    def piece(self) -> list[Heard]:
-        """Return what came since the last call."""
+    def take_messages(self) -> list[ReceivedMessage]:
+        """Return the messages received since the last call."""
         with self._lock:
-            piece, self._heard, self._bytes = self._heard, [], 0
-        return piece
+            messages, self._messages, self._bytes = self._messages, [], 0
+        return messages
 
     def end(self) -> None:
-        """Take nothing more. Any thread."""
+        """Stop collecting messages. Any thread."""
         with self._lock:
             listens, self._listens = self._listens, False
         if listens:
-            self._ring.leave(self._take)
+            self._ring.unsubscribe(self._on_message)
 
 
 class BlackBox:
-    """`hear` is called on any thread, all else on the loop; a thread of its own writes."""
+    """The recorder of a console.
+
+    `receive` may be called on any thread, everything else on the event loop. Files are written on a
+    thread of its own, which begins with the first recording.
+    """
 
     def __init__(
         self,
@@ -116,103 +131,115 @@ class BlackBox:
         note: Callable[[str, str, str], None],
         attached: Callable[[float, float], Mapping[str, str]],
         budget: int = BUDGET,
-        all_to: Path | None = None,
+        record_all_to: Path | None = None,
     ) -> None:
-        """`note(level, source, text)` adds an event.
+        """Create the recorder; it collects messages at once.
 
-        `attached(begin, end)` are texts to be kept in a recording of that time, by name. `all_to`:
-        besides, all is recorded, in bags of that name; the next ones have a number behind it.
+        Args:
+            folder: The folder of recordings; it is made when the first one is written.
+            clock: The clock of all times here.
+            note: Called with level, source and text of an event for the operator.
+            attached: Called with the Unix times of begin and end; returns attachments by name.
+            budget: The bytes that all recordings may take together.
+            record_all_to: A folder to which every message is recorded besides; each bag after the
+                first has a number behind this name. None: only events are recorded.
         """
-        self._folder, self._clock, self._note, self._budget = folder, clock, note, budget
-        self._attached = attached
+        self._folder, self._clock, self._add_event, self._budget = folder, clock, note, budget
+        self._get_attachments = attached
         self.ring = Ring()
-        self._open: _Open | None = None
-        self._all_to = all_to
-        self._all: _All | None = None
-        self._all_failure = ""  # why not all is recorded
-        self.failure = ""  # why the last one could not be written
-        self._full = ""  # that the budget is nearly used
-        self._looked = 0.0  # monotonic s, whether the trouble is over
+        self._event: _EventRecording | None = None
+        self._continuous_to = record_all_to
+        self._continuous: _ContinuousBag | None = None
+        self._continuous_failure = ""  # Why the continuous bag is not written; "": it is.
+        self.failure = ""  # Why the last recording could not be written; "": it was.
+        self._budget_warning = ""  # For the operator; "": the budget is not nearly used.
+        self._retried = 0.0  # Monotonic time, in s.
         self._jobs: queue.Queue[Callable[[], None] | None] = queue.Queue()
         self._thread: threading.Thread | None = None
 
-    def hear(self, topic: str, message: Any) -> None:
+    def receive(self, topic: str, message: Any) -> None:
         """Keep a message that was received now."""
         now = self._clock.monotonic()
-        self.ring.add(Heard(int(self._clock.now() * 1e9), topic, message), now)
+        self.ring.add(ReceivedMessage(int(self._clock.now() * 1e9), topic, message), now)
 
     @property
     def trouble(self) -> str:
-        """What an operator is to know, or an empty string."""
-        failure = self.failure or self._all_failure
-        return f"RECORDING NOT WRITTEN: {failure}" if failure else self._full
+        """Return what the operator must know about recordings, or ""."""
+        failure = self.failure or self._continuous_failure
+        return f"RECORDING NOT WRITTEN: {failure}" if failure else self._budget_warning
 
-    def trigger(self, why: str, *, by_hand: bool = False, written: Written | None = None) -> None:
-        """Something happened: record the last minute, and what follows.
+    def trigger(
+        self, why: str, *, by_hand: bool = False, on_written: OnWritten | None = None
+    ) -> None:
+        """Record the last minute and the next seconds, because something happened.
 
-        `written(name, failure)` is called on another thread when that is on the disk, or is not.
+        Args:
+            why: The reason, in a few words.
+            by_hand: True if the operator asked for it: such a recording is not deleted for room.
+            on_written: Called on another thread with the recording's name and "" when it is on the
+                disk, or with "" and the reason if it could not be written.
         """
         now = self._clock.monotonic()
-        if self._open is None:
-            self._open = _Open(self.ring, self._clock, why)
+        if self._event is None:
+            self._event = _EventRecording(self.ring, self._clock, why)
         else:
-            self._open.extend(now, why)
-        self._open.kept = self._open.kept or by_hand
-        if written is not None:
-            self._open.written.append(written)
+            self._event.extend(now, why)
+        self._event.kept = self._event.kept or by_hand
+        if on_written is not None:
+            self._event.on_written.append(on_written)
 
-    def look(self) -> None:
-        """Have what is complete written."""
+    def tick(self) -> None:
+        """Hand what is complete to the writing thread; called about each second."""
         now = self._clock.monotonic()
-        if self._open is not None and (now >= self._open.ends or self._open.is_full):
-            self._hand_over(self._open)
-        is_in_trouble = self._thread is not None and bool(self.failure or self._full)
-        if is_in_trouble and now - self._looked > _AGAIN:
-            self._looked = now
+        if self._event is not None and (now >= self._event.ends or self._event.is_full):
+            self._finish_event(self._event)
+        is_in_trouble = self._thread is not None and bool(self.failure or self._budget_warning)
+        if is_in_trouble and now - self._retried > _RETRY:
+            self._retried = now
             if self._jobs.empty():
-                self._jobs.put(self._look_again)
-        if self._all_to is not None:
-            self._record_all(now, self._all_to)
+                self._jobs.put(self._retry_disk)
+        if self._continuous_to is not None:
+            self._tick_continuous(now, self._continuous_to)
 
-    def _record_all(self, now: float, to: Path) -> None:
-        """Have what came written on, each second."""
-        if self._all is not None and self._all.failed is not None:
-            if now - self._all.failed < _AGAIN:
+    def _tick_continuous(self, now: float, to: Path) -> None:
+        """Hand the messages of the last second to the writing thread, or begin the next bag."""
+        if self._continuous is not None and self._continuous.failed is not None:
+            if now - self._continuous.failed < _RETRY:
                 return
-            self._all = None
-        if self._all is None:  # it begins with the minute before
-            self._all = _All(self.ring, self._clock)
-        part = self._all
-        if part.left_out:
-            self._all_failure = "the disk is too slow"
-        if now >= part.ends:
-            self._end_all(part, to)
-        elif now - part.flushed >= _FLUSH and not part.is_waiting:
-            part.flushed, part.is_waiting = now, True
-            self._begin_thread()
-            self._jobs.put(partial(self._write_on, part, to))
+            self._continuous = None
+        if self._continuous is None:  # Its first messages are the ring's last minute.
+            self._continuous = _ContinuousBag(self.ring, self._clock)
+        current = self._continuous
+        if current.left_out:
+            self._continuous_failure = "the disk is too slow"
+        if now >= current.ends:
+            self._end_continuous(current, to)
+        elif now - current.flushed >= _FLUSH_PERIOD and not current.is_waiting:
+            current.flushed, current.is_waiting = now, True
+            self._start_thread()
+            self._jobs.put(partial(self._append, current, to))
 
-    def _end_all(self, part: _All, to: Path) -> None:
-        self._all = None
-        part.end()
-        self._begin_thread()
-        self._jobs.put(partial(self._write_on, part, to, is_last=True))
+    def _end_continuous(self, current: _ContinuousBag, to: Path) -> None:
+        self._continuous = None
+        current.end()
+        self._start_thread()
+        self._jobs.put(partial(self._append, current, to, is_last=True))
 
-    def _hand_over(self, opened: _Open) -> None:
-        self._open = None
-        opened.end()
-        self._begin_thread()
-        if self._jobs.qsize() > _WAITING + (self._all_to is not None):
-            self._not_written(opened, "the disk is too slow")
+    def _finish_event(self, recording: _EventRecording) -> None:
+        self._event = None
+        recording.end()
+        self._start_thread()
+        if self._jobs.qsize() > _MAX_WAITING + (self._continuous_to is not None):
+            self._report_failure(recording, "the disk is too slow")
         else:
-            self._jobs.put(partial(self._write, opened))
+            self._jobs.put(partial(self._write_event, recording))
 
-    def _not_written(self, opened: _Open, why: str) -> None:
+    def _report_failure(self, recording: _EventRecording, why: str) -> None:
         self.failure = why
-        for written in opened.written:
-            written("", why)
+        for on_written in recording.on_written:
+            on_written("", why)
 
-    def _begin_thread(self) -> None:
+    def _start_thread(self) -> None:
         if self._thread is None:
             self._thread = threading.Thread(target=self._run, name="black box", daemon=True)
             self._thread.start()
@@ -221,131 +248,138 @@ class BlackBox:
         while (job := self._jobs.get()) is not None:
             job()
 
-    def _write_on(self, part: _All, to: Path, *, is_last: bool = False) -> None:
-        """Write what came of everything."""
+    def _append(self, current: _ContinuousBag, to: Path, *, is_last: bool = False) -> None:
+        """Write the messages that came since the last time to the continuous bag."""
         from archo_tui.recording import bag, store
 
-        part.is_waiting = False
-        piece = part.piece()
-        if part.failed is not None:
+        current.is_waiting = False
+        messages = current.take_messages()
+        if current.failed is not None:
             return
         try:
-            if part.writer is None:
-                part.begun = piece[0].time / 1e9 if piece else self._clock.now()
-                part.folder = store.begin(to)
-                part.writer = bag.BagWriter(part.folder)
-                part.writer.add(piece)
-                # of what is cut off it is known which robot it is of
-                part.writer.attach(self._attached(part.begun, part.begun))
+            if current.writer is None:
+                current.begun = messages[0].time / 1e9 if messages else self._clock.now()
+                current.folder = store.make_folder(to)
+                current.writer = bag.BagWriter(current.folder)
+                current.writer.add(messages)
+                # Attached now, so that a bag without an end tells which robot it is of.
+                current.writer.attach(self._get_attachments(current.begun, current.begun))
             else:
                 store.check_free(to.parent)
-                part.writer.add(piece)
-            if piece:
-                part.writer.flush()
-            part.folder = None
+                current.writer.add(messages)
+            if messages:
+                current.writer.flush()
+            current.folder = None
             if is_last:
                 about = {"why": ALL, "kept": "no"}
-                self._tell_left_out(part.writer.end(about, self._attachments(part)))
-                self._note("INFO", "console", f"recorded {part.writer.folder.name}: {ALL}")
-        except Exception as error:  # whatever it is, the console lives on
-            self._all_failure = self._said(error, to)
-            self._give_up(part)
+                self._report_left_out(current.writer.end(about, self._final_attachments(current)))
+                self._add_event("INFO", "console", f"recorded {current.writer.folder.name}: {ALL}")
+        except Exception as error:  # Recording must never end the console.
+            self._continuous_failure = self._describe_error(error, to)
+            self._abandon(current)
             return
-        if not part.left_out:
-            self._all_failure = ""
+        if not current.left_out:
+            self._continuous_failure = ""
 
-    def _attachments(self, part: _All) -> dict[str, str]:
-        """Return what is attached at the end: what changes meanwhile."""
-        attached = self._attached(part.begun, self._clock.now())
+    def _final_attachments(self, current: _ContinuousBag) -> dict[str, str]:
+        """Return the attachments that have grown since the bag began: the journal."""
+        attached = self._get_attachments(current.begun, self._clock.now())
         return {name: attached[name] for name in attached if name.startswith("journal")}
 
-    def _give_up(self, part: _All) -> None:
-        """Leave a bag that cannot be written on as it is; another one is tried later."""
-        part.end()
-        part.failed = self._clock.monotonic()
-        if part.writer is not None:
-            part.writer.close()
-        if part.folder is not None:  # nothing of it is of use
-            shutil.rmtree(part.folder, ignore_errors=True)
+    def _abandon(self, current: _ContinuousBag) -> None:
+        """Leave a bag that cannot be written as it is; `_tick_continuous` begins a new one."""
+        current.end()
+        current.failed = self._clock.monotonic()
+        if current.writer is not None:
+            current.writer.close()
+        if current.folder is not None:  # The bag holds nothing of use yet.
+            shutil.rmtree(current.folder, ignore_errors=True)
 
-    def _tell_left_out(self, written: bag.Written) -> None:
-        if written.left_out:
-            said = f"{written.left_out} messages are not in the recording: {written.why}"
-            self._note("WARN", "console", said)
+    def _report_left_out(self, result: bag.WriteResult) -> None:
+        if result.left_out:
+            text = f"{result.left_out} messages are not in the recording: {result.first_error}"
+            self._add_event("WARN", "console", text)
 
-    def _write(self, opened: _Open) -> None:
+    def _write_event(self, recording: _EventRecording) -> None:
         from archo_tui.recording import bag, store
 
-        about = {"why": ", ".join(opened.why), "kept": "yes" if opened.kept else "no"}
-        heard = opened.heard
-        times = [one.time / 1e9 for one in heard] or [opened.at]
+        about = {"why": ", ".join(recording.why), "kept": "yes" if recording.kept else "no"}
+        messages = recording.messages
+        times = [message.time / 1e9 for message in messages] or [recording.at]
 
         def fill(folder: Path) -> None:
             about["number"] = str(store.next_number(self._folder))
-            attached = self._attached(min(times), max(times))
-            self._tell_left_out(bag.write(folder, heard, about, **attached))
+            attached = self._get_attachments(min(times), max(times))
+            self._report_left_out(bag.write(folder, messages, about, **attached))
 
         try:
-            made = store.add(self._folder, opened.at, opened.why[0], fill)
-        except Exception as error:  # whatever it is, the console lives on
-            self._not_written(opened, self._said(error))
+            made = store.add(self._folder, recording.at, recording.why[0], fill)
+        except Exception as error:  # Recording must never end the console.
+            self._report_failure(recording, self._describe_error(error))
             return
         self.failure = ""
-        self._note("INFO", "console", f"recorded {made.name}: {about['why']}")
-        for written in opened.written:
-            written(made.name, "")
+        self._add_event("INFO", "console", f"recorded {made.name}: {about['why']}")
+        for on_written in recording.on_written:
+            on_written(made.name, "")
         try:
             self._make_room(made)
         except Exception as error:
-            self._full = f"OLD RECORDINGS ARE NOT DELETED: {self._said(error)}"
+            self._budget_warning = f"OLD RECORDINGS ARE NOT DELETED: {self._describe_error(error)}"
 
-    def _look_again(self) -> None:
-        """Somebody may have made room."""
+    def _retry_disk(self) -> None:
+        """Clear the failure if somebody has made room on the disk since."""
         from archo_tui.recording import store
 
         try:
-            store.try_out(self._folder)
+            store.check_writable(self._folder)
         except OSError as error:
-            self.failure = self._said(error)
+            self.failure = self._describe_error(error)
             return
         self.failure = ""
         try:
             self._make_room()
         except Exception as error:
-            self._full = f"OLD RECORDINGS ARE NOT DELETED: {self._said(error)}"
+            self._budget_warning = f"OLD RECORDINGS ARE NOT DELETED: {self._describe_error(error)}"
 
     def _make_room(self, written: Path | None = None) -> None:
         from archo_tui.recording import store
 
         size, gone = store.make_room(self._folder, self._budget, written)
-        self._full = ""
-        for one in gone:
-            self._note("WARN", "console", f"recording {one.name} deleted: room was needed")
-        if size >= store.ALARM_AT * self._budget:
+        self._budget_warning = ""
+        for deleted in gone:
+            self._add_event("WARN", "console", f"recording {deleted.name} deleted: room was needed")
+        if size >= store.WARN_AT * self._budget:
             limit = f"{size / 1e6:.0f} of {self._budget / 1e6:.0f} MB"
             kept = size > self._budget
             then = "delete some that were kept by hand" if kept else "then the oldest are deleted"
-            self._full = f"RECORDINGS TAKE {limit}: {then}"
+            self._budget_warning = f"RECORDINGS TAKE {limit}: {then}"
 
-    def _said(self, error: Exception, where: Path | None = None) -> str:
+    def _describe_error(self, error: Exception, where: Path | None = None) -> str:
         if isinstance(error, OSError):
             return f"{error.strerror or error}: {error.filename or where or self._folder}"
         return in_one_line(error)
 
     def end(self) -> None:
-        """Begin to write what is not complete, too."""
-        if self._open is not None:
-            self._hand_over(self._open)
-        if self._all is not None and self._all_to is not None:
-            self._end_all(self._all, self._all_to)
+        """Hand over the recordings that still go on, complete or not."""
+        if self._event is not None:
+            self._finish_event(self._event)
+        if self._continuous is not None and self._continuous_to is not None:
+            self._end_continuous(self._continuous, self._continuous_to)
 
     def close(self, seconds: float) -> str:
-        """Wait so long for what is being written; returns why it failed, or an empty string."""
+        """Wait until everything is written.
+
+        Args:
+            seconds: The longest wait.
+
+        Returns:
+            Why the last recording was not written, or "".
+        """
         if self._thread is None:
             return ""
         self._jobs.put(None)
         self._thread.join(seconds)
         if self._thread.is_alive():
             return _SLOW
-        failure = self.failure or self._all_failure
+        failure = self.failure or self._continuous_failure
         return f"recording not written: {failure}" if failure else ""

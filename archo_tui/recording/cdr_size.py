@@ -1,7 +1,8 @@
-"""How many bytes a message takes as CDR.
+"""The number of bytes that a message takes as CDR.
 
-The `serialize_message` of Jazzy hands out as many as it had estimated, the last of them being
-whatever lay in that memory; readers count, and refuse what has more than its fields.
+The `serialize_message` of Jazzy returns as many bytes as it had estimated, the last of which are
+whatever lay in that memory. Readers refuse a message with more bytes than its fields have. Sizes
+and alignment are those of XCDR version 1, as OMG's DDS-XTypes 1.3 defines it in 7.4.
 """
 
 from __future__ import annotations
@@ -11,63 +12,69 @@ from typing import Any, NamedTuple
 
 from archo_tui.robot.fields import element_of
 
-_SIZES = {
+_PRIMITIVE_SIZES = {
     "boolean": 1, "octet": 1, "char": 1, "int8": 1, "uint8": 1, "int16": 2, "uint16": 2,
     "int32": 4, "uint32": 4, "float": 4, "int64": 8, "uint64": 8, "double": 8,
 }  # fmt: skip
-_ENCAPSULATION = 4  # bytes in front, which do not count for the places of what follows
+_ENCAPSULATION = 4  # Bytes of the header; offsets are counted from behind it.
 
 
-class _Kind(NamedTuple):
-    """A field's type."""
+class _FieldType(NamedTuple):
+    """The type of a field.
 
-    base: str  # of one element, without a bound
+    Attributes:
+        base: The type of one element, without a bound.
+        is_array: True for an array or a sequence.
+        has_length: True for a sequence: its length stands before its elements.
+    """
+
+    base: str
     is_array: bool
-    counted: bool  # a number of elements stands before them
+    has_length: bool
 
 
 def cdr_size(message: Any) -> int:
-    """With the bytes in front that say how it is encoded."""
-    return _ENCAPSULATION + _message(message, 0)
+    """Return the size of a message in bytes, the four of the encapsulation header included."""
+    return _ENCAPSULATION + _message_end(message, 0)
 
 
-def _message(message: Any, place: int) -> int:
-    """Where it ends that begins there."""
+def _message_end(message: Any, offset: int) -> int:
+    """Return the offset at which a message ends that begins at `offset`."""
     fields = message.get_fields_and_field_types()
     for name, kind in fields.items():
-        place = _field(_kind(kind), getattr(message, name), place)
-    return place if fields else place + 1  # an empty structure is one byte
+        offset = _field_end(_parse_type(kind), getattr(message, name), offset)
+    return offset if fields else offset + 1  # rosidl gives an empty message a dummy byte.
 
 
-def _field(kind: _Kind, value: Any, place: int) -> int:
+def _field_end(kind: _FieldType, value: Any, offset: int) -> int:
     if not kind.is_array:
-        return _value(kind.base, value, place)
-    if kind.counted:
-        place = _aligned(place, 4) + 4
-    size = _SIZES.get(kind.base)
+        return _value_end(kind.base, value, offset)
+    if kind.has_length:
+        offset = _align(offset, 4) + 4
+    size = _PRIMITIVE_SIZES.get(kind.base)
     if size is not None:
-        return _aligned(place, size) + size * len(value) if len(value) else place
+        return _align(offset, size) + size * len(value) if len(value) else offset
     for item in value:
-        place = _value(kind.base, item, place)
-    return place
+        offset = _value_end(kind.base, item, offset)
+    return offset
 
 
-def _value(base: str, value: Any, place: int) -> int:
+def _value_end(base: str, value: Any, offset: int) -> int:
     if base == "string":
-        return _aligned(place, 4) + 4 + len(value.encode()) + 1
+        return _align(offset, 4) + 4 + len(value.encode()) + 1
     if base == "wstring":
-        return _aligned(place, 4) + 4 + 2 * len(value.encode("utf-16-le"))  # four bytes a unit
-    if base in _SIZES:
-        return _aligned(place, _SIZES[base]) + _SIZES[base]
-    return _message(value, place)
+        return _align(offset, 4) + 4 + 2 * len(value.encode("utf-16-le"))  # Four bytes a code unit.
+    if base in _PRIMITIVE_SIZES:
+        return _align(offset, _PRIMITIVE_SIZES[base]) + _PRIMITIVE_SIZES[base]
+    return _message_end(value, offset)
 
 
-def _aligned(place: int, size: int) -> int:
-    return place + -place % size
+def _align(offset: int, size: int) -> int:
+    return offset + -offset % size
 
 
 @cache
-def _kind(text: str) -> _Kind:
+def _parse_type(text: str) -> _FieldType:
     element = element_of(text)
-    base = (element or text).partition("<")[0]  # of a bounded string
-    return _Kind(base, element is not None, text.startswith("sequence<"))
+    base = (element or text).partition("<")[0]  # Without a string's bound.
+    return _FieldType(base, element is not None, text.startswith("sequence<"))

@@ -1,4 +1,4 @@
-"""Values of our own types as JSON holds them, and back: strictly, for a file may say anything."""
+"""Conversion of our own types to JSON values and back, strictly, since a file may hold anything."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 from archo_tui.robot.acts import bounded
 from archo_tui.robot.text import harmless
 
-_DEEPEST = 4  # of lists in a value of any type
+_MAX_DEPTH = 4  # Of nested lists.
 
 
 def to_data(value: Any) -> Any:
-    """A named tuple or a dataclass as an object of its fields; an Enum by its name."""
+    """Return a value as JSON has it: a dataclass or named tuple as an object, an Enum by name."""
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, tuple) and hasattr(value, "_fields"):
@@ -33,60 +33,69 @@ def to_data(value: Any) -> Any:
 
 
 def from_data(kind: Any, data: Any) -> Any:
-    """The value of that type; fields that are not there have their defaults.
+    """Build a value of a type from JSON data; missing fields get their defaults.
 
-    Raises TypeError, ValueError or KeyError for data of another form. Texts are made harmless.
+    Texts are made harmless to print.
+
+    Raises:
+        TypeError: A part of the data is of another type.
+        ValueError: A tuple has another length.
+        KeyError: A required field or an Enum's name is missing.
     """
     origin, inner = get_origin(kind), get_args(kind)
     if kind is Any:
-        return _plain(data, 0)
+        return _plain_value(data, 0)
     if origin in (Union, types.UnionType):
-        return None if data is None else from_data(next(k for k in inner if k is not _NONE), data)
+        return (
+            None if data is None else from_data(next(k for k in inner if k is not _NONE_TYPE), data)
+        )
     if origin is tuple and inner[-1] is Ellipsis:
-        return tuple([from_data(inner[0], part) for part in _of(list, data)])
+        return tuple([from_data(inner[0], part) for part in _require_type(list, data)])
     if origin is tuple:
-        return tuple([from_data(*pair) for pair in zip(inner, _of(list, data), strict=True)])
+        return tuple(
+            [from_data(*pair) for pair in zip(inner, _require_type(list, data), strict=True)]
+        )
     if origin is frozenset:
-        return frozenset([from_data(inner[0], part) for part in _of(list, data)])
+        return frozenset([from_data(inner[0], part) for part in _require_type(list, data)])
     if origin is Mapping or (isinstance(origin, type) and issubclass(origin, Mapping)):
-        items = _of(dict, data).items()
+        items = _require_type(dict, data).items()
         return {harmless(name): from_data(inner[1], part) for name, part in items}
     if isinstance(kind, type) and issubclass(kind, Enum):
-        return kind[_of(str, data)]
+        return kind[_require_type(str, data)]
     if kind in (str, int, bool, float):
-        return _scalar(kind, data)
-    hints = _hints(kind)
-    given = _of(dict, data)
+        return _scalar_value(kind, data)
+    hints = _type_hints(kind)
+    given = _require_type(dict, data)
     return kind(**{name: from_data(hints[name], given[name]) for name in hints if name in given})
 
 
-_NONE = type(None)
+_NONE_TYPE = type(None)
 
 
 @lru_cache
-def _hints(kind: Any) -> Mapping[str, Any]:
+def _type_hints(kind: Any) -> Mapping[str, Any]:
     return get_type_hints(kind)
 
 
-def _scalar(kind: type, data: Any) -> Any:
+def _scalar_value(kind: type, data: Any) -> Any:
     if kind is float and isinstance(data, int) and not isinstance(data, bool):
         return float(data)
-    found = _of(kind, data)
+    found = _require_type(kind, data)
     return harmless(found) if kind is str else found
 
 
-def _of(kind: type, data: Any) -> Any:
+def _require_type(kind: type, data: Any) -> Any:
     if type(data) is not kind:
         raise TypeError(f"{kind.__name__} expected")
     return data
 
 
-def _plain(data: Any, depth: int) -> Any:
-    """A number, a text, or lists of them."""
+def _plain_value(data: Any, depth: int) -> Any:
+    """Return a number, a text, or lists of them, for a field of type Any."""
     if isinstance(data, str):
         return harmless(data)
-    if isinstance(data, list) and depth < _DEEPEST:
-        return [_plain(part, depth + 1) for part in data]
+    if isinstance(data, list) and depth < _MAX_DEPTH:
+        return [_plain_value(part, depth + 1) for part in data]
     if data is None or isinstance(data, (bool, int, float)):
         return data
     raise TypeError("a number, a text or a list expected")

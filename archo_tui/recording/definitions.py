@@ -1,4 +1,4 @@
-"""Message definitions as bags hold them, written from the classes: the same on every engine."""
+"""Message definitions for bags, derived from message classes: the same on both engines."""
 
 from __future__ import annotations
 
@@ -9,52 +9,55 @@ from typing import Any
 from archo_tui.robot import message_classes
 from archo_tui.robot.fields import element_of
 
-_RULE = "=" * 80
+_SEPARATOR = "=" * 80
 _SEQUENCE = re.compile(r"sequence<(?P<of>.+?)(, (?P<most>\d+))?>")
 _ARRAY = re.compile(r"(?P<of>.+)\[(?P<size>\d+)\]")
 _BOUNDED = re.compile(r"(?P<text>w?string)<(?P<most>\d+)>")
-_NAMES = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "byte"}
+_PRIMITIVES = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "byte"}
 
 
 def definition(kind: Any) -> str:
-    """The fields of a message class, and below them those of every message in it (`ros2msg`)."""
-    parts, wanted, seen = [_fields(kind)], list(_within(kind)), set[str]()
+    """Return the `ros2msg` text of a message class, with every nested message below it.
+
+    The form is that of https://mcap.dev/spec/registry#ros2msg.
+    """
+    parts, wanted, seen = [_field_lines(kind)], list(_nested_types(kind)), set[str]()
     while wanted:
         name, inner = wanted.pop(0)
         if name not in seen:
             seen.add(name)
-            parts.append(f"{_RULE}\nMSG: {name}\n{_fields(inner)}")
-            wanted += _within(inner)
+            parts.append(f"{_SEPARATOR}\nMSG: {name}\n{_field_lines(inner)}")
+            wanted += _nested_types(inner)
     return "".join(parts)
 
 
-def _fields(kind: Any) -> str:
+def _field_lines(kind: Any) -> str:
     types = kind.get_fields_and_field_types()
-    return "".join(f"{_written(types[name])} {name}\n" for name in types)
+    return "".join(f"{_ros2msg_type(types[name])} {name}\n" for name in types)
 
 
-def _written(kind: str) -> str:
-    """`sequence<double, 5>` is `float64[<=5]`."""
+def _ros2msg_type(kind: str) -> str:
+    """Return a field's type as .msg files write it: `sequence<double, 5>` is `float64[<=5]`."""
     if found := _SEQUENCE.fullmatch(kind):
         most = f"<={found['most']}" if found["most"] else ""
-        return f"{_written(found['of'])}[{most}]"
+        return f"{_ros2msg_type(found['of'])}[{most}]"
     if found := _ARRAY.fullmatch(kind):
-        return f"{_written(found['of'])}[{found['size']}]"
+        return f"{_ros2msg_type(found['of'])}[{found['size']}]"
     if found := _BOUNDED.fullmatch(kind):
         return f"{found['text']}<={found['most']}"
-    return _NAMES.get(kind, kind)
+    return _PRIMITIVES.get(kind, kind)
 
 
-def _within(kind: Any) -> Iterator[tuple[str, Any]]:
-    """The messages among the fields, by name, with their classes."""
+def _nested_types(kind: Any) -> Iterator[tuple[str, Any]]:
+    """Yield name and class of each message type among the fields."""
     for each in kind.get_fields_and_field_types().values():
         bare = element_of(each) or each
         if "/" in bare:
-            yield bare, _class(bare)
+            yield bare, _load_class(bare)
 
 
-def _class(name: str) -> Any:
-    """Of `package/Name`; an action's part is called `Action_Part`."""
+def _load_class(name: str) -> Any:
+    """Return the class of `package/Name`; an action's parts are named `Action_Part`."""
     package, name = name.split("/")
     action, _, part = name.rpartition("_")
     found = message_classes.load(f"{package}/msg/{name}")

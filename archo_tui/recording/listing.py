@@ -1,4 +1,4 @@
-"""The recordings as `archo-tui recordings` prints them."""
+"""The output of `archo-tui recordings`."""
 
 from __future__ import annotations
 
@@ -12,40 +12,59 @@ from archo_tui.recording import store
 from archo_tui.recording.box import KEPT
 
 
-def lines(*, as_json: bool) -> Iterator[str]:
-    """`2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`, the newest first."""
-    found = _listed()[::-1]
-    widest = max((len(one.name) for one in found), default=0)
-    for one in found:
+def list_recordings(*, as_json: bool) -> Iterator[str]:
+    """Yield a line for each recording, the newest first.
+
+    Args:
+        as_json: True for a JSON object on each line, False for text such as
+            `2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`.
+
+    Raises:
+        ArchoError: The folder cannot be read.
+    """
+    found = _all_recordings()[::-1]
+    widest = max((len(recording.name) for recording in found), default=0)
+    for recording in found:
         if as_json:
             yield json.dumps(
                 {
-                    "name": one.name,
-                    "path": str(one.folder),
-                    "start": datetime.fromtimestamp(one.start).astimezone().isoformat(),
-                    "seconds": one.seconds,
-                    "why": one.why,
-                    "kept": one.kept,
-                    "messages": one.messages,
-                    "bytes": one.bytes,
+                    "name": recording.name,
+                    "path": str(recording.folder),
+                    "start": datetime.fromtimestamp(recording.start).astimezone().isoformat(),
+                    "seconds": recording.seconds,
+                    "why": recording.why,
+                    "kept": recording.kept,
+                    "messages": recording.messages,
+                    "bytes": recording.bytes,
                 }
             )
         else:
-            yield line(one, widest)
+            yield format_line(recording, widest)
     if not found and not as_json:
         yield f"no recordings in {state_file('recordings')}"
 
 
-def line(one: store.Recording, width: int) -> str:
-    """With its name in so many cells."""
-    size = f"{one.bytes / 1e6:7.1f} MB" if one.bytes >= 1e6 else f"{one.bytes / 1e3:7.0f} kB"
-    kept = ", kept" if one.kept and KEPT not in one.why.split(", ") else ""
-    return f"{one.name:<{width}}  {one.seconds:5.0f} s  {size}  {one.why}{kept}"
+def format_line(recording: store.Recording, width: int) -> str:
+    """Return name, length, size and reason of a recording, its name padded to `width` cells."""
+    size = (
+        f"{recording.bytes / 1e6:7.1f} MB"
+        if recording.bytes >= 1e6
+        else f"{recording.bytes / 1e3:7.0f} kB"
+    )
+    kept = ", kept" if recording.kept and KEPT not in recording.why.split(", ") else ""
+    return f"{recording.name:<{width}}  {recording.seconds:5.0f} s  {size}  {recording.why}{kept}"
 
 
-def delete(names: Sequence[str]) -> Iterator[str]:
-    """Each by its name; says what went. Raises ArchoError before any goes."""
-    known = {one.name: one for one in _listed()}
+def delete_named(names: Sequence[str]) -> Iterator[str]:
+    """Delete recordings and yield a line for each.
+
+    Args:
+        names: Their names; nothing is deleted if one of them is unknown.
+
+    Raises:
+        ArchoError: A name is unknown, or the disk refuses it.
+    """
+    known = {recording.name: recording for recording in _all_recordings()}
     for name in names:
         if name not in known:
             raise ArchoError(f"no recording is called {name} (see archo-tui recordings)")
@@ -57,8 +76,8 @@ def delete(names: Sequence[str]) -> Iterator[str]:
         yield f"deleted {name}"
 
 
-def _listed() -> list[store.Recording]:
+def _all_recordings() -> list[store.Recording]:
     try:
-        return store.listed(state_file("recordings"))
+        return store.list_recordings(state_file("recordings"))
     except OSError as error:
         raise ArchoError(f"{error.filename}: {error.strerror}") from None

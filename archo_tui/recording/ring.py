@@ -1,4 +1,4 @@
-"""What was heard in the last minute, in memory, bounded in time and bytes."""
+"""The messages of the last minute in memory, bounded in time and bytes."""
 
 from __future__ import annotations
 
@@ -7,106 +7,128 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-SPAN = 60.0  # s that are kept
-MOST_BYTES = 16_000_000  # of the messages, as objects of Python
-_LARGEST = 1_000_000  # bytes of one that stands on when it is too old
-_OBJECT = 60  # bytes of one, about, beside what it holds
-_NUMBER = 32
-_NUMBERS = (float, int, bool)
-# topics whose messages are events: of all others the last one says how things stand
-_EVENTS = ("/rosout", "/parameter_events", "/_action/feedback", "/archo_tui/journal")
+SPAN = 60.0  # Seconds.
+MAX_BYTES = 16_000_000  # Memory of all messages, as Python objects.
+_MAX_LATCHED = 1_000_000  # Bytes of a message that is kept beyond its time.
+_OBJECT_BYTES = 60  # Measured: a Python object without its content.
+_NUMBER_BYTES = 32
+_NUMBER_TYPES = (float, int, bool)
+# The topics whose messages are events; of all others the last message is the current state.
+_EVENT_TOPICS = ("/rosout", "/parameter_events", "/_action/feedback", "/archo_tui/journal")
 
 
-class Heard(NamedTuple):
-    """One message, as it was received."""
+class ReceivedMessage(NamedTuple):
+    """A message with the time and topic at which it was received."""
 
-    time: int  # ns since the epoch, by this machine's clock
-    topic: str  # fully qualified
+    time: int  # In ns since the epoch, by this machine's clock.
+    topic: str  # With its namespace.
     message: Any
 
 
-class Later(NamedTuple):
-    """A message that is made only when it is written."""
+class LazyMessage(NamedTuple):
+    """A message that is built only if it is written.
 
-    make: Callable[[bool], Any]  # called with True for the first of its topic in a recording
-    weight: int  # bytes of memory, about
+    Attributes:
+        make: Builds it; called with True for the first message of its topic in a recording.
+        weight: The memory that it takes while it waits, in bytes, approximately.
+    """
+
+    make: Callable[[bool], Any]
+    weight: int
 
 
-Listener = Callable[[Heard, int], None]  # a message, and its weight
+Listener = Callable[[ReceivedMessage, int], None]  # Gets a message and its weight.
 
 
 def weight(value: Any) -> int:
-    """About how many bytes of memory a message, or a part of one, takes."""
-    if isinstance(value, Later):
+    """Return the memory that a message or a part of one takes, in bytes, approximately."""
+    if isinstance(value, LazyMessage):
         return value.weight
     if isinstance(value, (int, float)):
-        return _NUMBER
+        return _NUMBER_BYTES
     if isinstance(value, (str, bytes)):
-        return _OBJECT + len(value)
+        return _OBJECT_BYTES + len(value)
     slots = getattr(type(value), "__slots__", ())
     if slots:
-        whole = _OBJECT
+        whole = _OBJECT_BYTES
         for slot in slots:
             part: Any = getattr(value, slot, None)
-            kind = type(part)  # a call less for most
+            kind = type(part)  # Spares most parts a call of this function.
             if kind is str:
-                whole += _OBJECT + len(part)
+                whole += _OBJECT_BYTES + len(part)
             else:
-                whole += _NUMBER if kind in _NUMBERS else weight(part)
+                whole += _NUMBER_BYTES if kind in _NUMBER_TYPES else weight(part)
         return whole
     if isinstance(value, (list, tuple, set)):
-        return _OBJECT + sum(map(weight, value))
-    size = getattr(value, "nbytes", None)  # of an array, or a buffer of numpy's
+        return _OBJECT_BYTES + sum(map(weight, value))
+    size = getattr(value, "nbytes", None)  # An array.array or a numpy array.
     if size is None and hasattr(value, "itemsize"):
         size = len(value) * value.itemsize
-    return _OBJECT + (size or 0)
+    return _OBJECT_BYTES + (size or 0)
 
 
 class Ring:
-    """Any thread adds, any thread copies."""
+    """A buffer of the last messages. Thread-safe.
 
-    def __init__(self, span: float = SPAN, most_bytes: int = MOST_BYTES) -> None:
-        self._span, self._most = span, most_bytes
+    The last message of each topic is kept beyond its time, except on topics of events: it tells
+    the state of things at the beginning of a recording.
+    """
+
+    def __init__(self, span: float = SPAN, max_bytes: int = MAX_BYTES) -> None:
+        self._span, self._max_bytes = span, max_bytes
         self._lock = threading.Lock()
-        self._kept: deque[tuple[Heard, float, int]] = deque()  # when it was added, its weight
+        # Each with the monotonic time at which it was added, and its weight.
+        self._messages: deque[tuple[ReceivedMessage, float, int]] = deque()
         self._bytes = 0
-        self._latched: dict[str, Heard] = {}  # the last of a topic that is too old to be kept
-        self._also: list[Listener] = []
+        # The last message of each topic that has become too old for the deque.
+        self._latched: dict[str, ReceivedMessage] = {}
+        self._listeners: list[Listener] = []
 
-    def add(self, heard: Heard, now: float) -> None:
-        """Keep it, since `now` (monotonic s); the oldest go that are too old, or too many."""
-        size = weight(heard.message)
+    def add(self, received: ReceivedMessage, now: float) -> None:
+        """Keep a message, and drop those that are too old or too many.
+
+        Args:
+            received: The message.
+            now: Monotonic time, in s.
+        """
+        size = weight(received.message)
         with self._lock:
-            self._kept.append((heard, now, size))
+            self._messages.append((received, now, size))
             self._bytes += size
-            oldest = now - self._span
-            while self._bytes > self._most or (self._kept and self._kept[0][1] < oldest):
-                out, _, its_size = self._kept.popleft()
-                self._bytes -= its_size
-                if its_size <= _LARGEST and not out.topic.endswith(_EVENTS):
-                    self._latched[out.topic] = out
-            for listener in self._also:
-                listener(heard, size)
+            cutoff = now - self._span
+            while self._bytes > self._max_bytes or (
+                self._messages and self._messages[0][1] < cutoff
+            ):
+                oldest, _, oldest_size = self._messages.popleft()
+                self._bytes -= oldest_size
+                if oldest_size <= _MAX_LATCHED and not oldest.topic.endswith(_EVENT_TOPICS):
+                    self._latched[oldest.topic] = oldest
+            for listener in self._listeners:
+                listener(received, size)
 
-    def copy_to(self, listener: Listener) -> Sequence[Heard]:
-        """All that is kept, behind the last older one of each topic; `listener` gets what follows.
+    def subscribe(self, listener: Listener) -> Sequence[ReceivedMessage]:
+        """Return the messages kept so far, and pass all that follow to `listener`.
 
-        It is called on the thread that adds, and must not wait.
+        The last message of each topic that is older comes first.
+
+        Args:
+            listener: Called with a message and its weight on the thread that adds it, under the
+                ring's lock: it must not wait.
         """
         with self._lock:
-            self._also.append(listener)
-            kept = [heard for heard, _, _ in self._kept]
-            stands = [*self._latched.values()]
+            self._listeners.append(listener)
+            kept = [message for message, _, _ in self._messages]
+            latched = [*self._latched.values()]
             if kept:
-                stands = [heard._replace(time=kept[0].time) for heard in stands]
-            return [*stands, *kept]
+                latched = [message._replace(time=kept[0].time) for message in latched]
+            return [*latched, *kept]
 
-    def leave(self, listener: Listener) -> None:
-        """It gets no more."""
+    def unsubscribe(self, listener: Listener) -> None:
+        """Pass no further messages to `listener`."""
         with self._lock:
-            self._also.remove(listener)
+            self._listeners.remove(listener)
 
     @property
     def bytes(self) -> int:
-        """What is kept, about."""
+        """Return the memory that the messages take, approximately."""
         return self._bytes

@@ -1,4 +1,7 @@
-"""What no topic of the robot says, as `/archo_tui/state` has it. All times are Unix times."""
+"""The state of the console in a recording, on the topic `/archo_tui/state`.
+
+The names of the fields are those of the recorded JSON. All times are Unix times in s.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +27,8 @@ Names = Mapping[str, tuple[str, ...]]
 _GOAL_TIMES = ("sent", "heard", "started", "ended", "cancel_asked", "lost")
 
 
-class Called(NamedTuple):
-    """What an action is to the console: of the robot file's only the id counts."""
+class RecordedAction(NamedTuple):
+    """An action that goals name; of the robot file's entry only `id` must still be the same."""
 
     id: str
     title: str
@@ -34,15 +37,15 @@ class Called(NamedTuple):
     noun: str = ""
 
 
-class Wanted(NamedTuple):
+class RecordedGoal(NamedTuple):
     """A goal that waits in the queue."""
 
-    kind: Called
+    kind: RecordedAction
     values: Mapping[str, Any]
 
 
-class State(NamedTuple):
-    """At one moment."""
+class ConsoleState(NamedTuple):
+    """The console's state at one moment: what no topic of the robot tells."""
 
     engine: str = ""
     namespace: str = "/"
@@ -68,14 +71,14 @@ class State(NamedTuple):
     running: int = 0
     history: tuple[Goal, ...] = ()
     alarms: tuple[Alarm, ...] = ()
-    queue: tuple[Wanted, ...] = ()
+    queue: tuple[RecordedGoal, ...] = ()
     held: str = ""
     clients: tuple[str, ...] = ()
-    events: tuple[Event, ...] = ()  # in the first one of a recording only
+    events: tuple[Event, ...] = ()  # In the first state of a recording only.
 
 
-def times(state: State) -> Iterator[float | None]:
-    """All that are in it."""
+def all_times(state: ConsoleState) -> Iterator[float | None]:
+    """Yield every time in a state, for a check of their range."""
     for goal in (*state.history, *([state.goal] if state.goal else [])):
         yield goal.time
         yield from (getattr(goal, name) for name in _GOAL_TIMES)
@@ -91,8 +94,8 @@ def times(state: State) -> Iterator[float | None]:
         yield state.open_stop.asked
 
 
-def parts(view: View) -> tuple[object, ...]:
-    """What of a view is kept when it changes; compared by what it is, and cheaply."""
+def change_key(view: View) -> tuple[object, ...]:
+    """Return what of a view is worth recording when it changes; cheap to build and to compare."""
     snapshot = view.snapshot
     goal = snapshot.goal
     return (
@@ -119,15 +122,20 @@ def parts(view: View) -> tuple[object, ...]:
     )
 
 
-def state(view: View, *, whole: bool) -> State:
-    """All of it; `whole`: with the events so far."""
+def console_state(view: View, *, with_events: bool) -> ConsoleState:
+    """Return the state of the console for a recording.
+
+    Args:
+        view: The station's view.
+        with_events: True to include the events so far, as the first state of a recording does.
+    """
     snapshot, since = view.snapshot, view.time - view.now
     stop, goal = snapshot.open_stop, snapshot.goal
 
     def at(monotonic: float | None) -> float | None:
         return None if monotonic is None else monotonic + since
 
-    return State(
+    return ConsoleState(
         engine=view.engine,
         namespace=snapshot.namespace,
         nodes=tuple(node._replace(heard=at(node.heard)) for node in snapshot.nodes),
@@ -150,22 +158,22 @@ def state(view: View, *, whole: bool) -> State:
         charge=tuple((time + since, percentage) for time, percentage in snapshot.charge),
         open_stop=None if stop is None else stop._replace(asked=stop.asked + since),
         outlived=snapshot.outlived,
-        goal=None if goal is None else _moved(goal, since),
+        goal=None if goal is None else _with_unix_times(goal, since),
         running=snapshot.running,
-        history=tuple(_moved(ended, since) for ended in snapshot.history),
+        history=tuple(_with_unix_times(ended, since) for ended in snapshot.history),
         alarms=view.alarms,
-        queue=tuple(Wanted(_called(one.kind), one.values) for one in view.queue),
+        queue=tuple(RecordedGoal(_recorded_action(goal.kind), goal.values) for goal in view.queue),
         held=view.held,
         clients=view.clients,
-        events=tuple(replace(event, act=None) for event in snapshot.events) if whole else (),
+        events=tuple(replace(event, act=None) for event in snapshot.events) if with_events else (),
     )
 
 
-def _moved(goal: Goal, since: float) -> Goal:
+def _with_unix_times(goal: Goal, since: float) -> Goal:
     values = {name: getattr(goal, name) for name in _GOAL_TIMES}
     moved = {name: None if time is None else time + since for name, time in values.items()}
-    return goal._replace(kind=_called(goal.kind), **moved)  # type: ignore[arg-type]
+    return goal._replace(kind=_recorded_action(goal.kind), **moved)  # type: ignore[arg-type]
 
 
-def _called(kind: GoalKind) -> Called:
-    return Called(kind.id, kind.title, kind.action, kind.type, kind.noun)
+def _recorded_action(kind: GoalKind) -> RecordedAction:
+    return RecordedAction(kind.id, kind.title, kind.action, kind.type, kind.noun)

@@ -1,4 +1,4 @@
-"""The folder of recordings: each whole or not there, and all together within a budget."""
+"""The folder of recordings: each appears when it is complete, and all share a budget of bytes."""
 
 from __future__ import annotations
 
@@ -16,74 +16,100 @@ from typing import NamedTuple
 
 from archo_tui.recording import bag
 
-ALARM_AT = 0.9  # of the budget
-FLOOR = 100_000_000  # bytes that are left free on the disk, whatever happens
-_UNFINISHED = "."  # how the names of those begin that are being written
-_LONGEST = 60  # characters of what happened, in a name
-_TRIED = 100_000  # bytes that a disk must have room for, before the trouble is over
-_STALE = 3600.0  # s after which one is nobody's any more
+WARN_AT = 0.9  # The share of the budget at which the operator is warned.
+MIN_FREE = 100_000_000  # Bytes that recordings always leave free on the disk.
+_HIDDEN_PREFIX = "."  # Of the name of a recording while it is being written.
+_MAX_WORD = 60  # Characters of the reason in a recording's name.
+_TRIAL_BYTES = 100_000  # Written to see if the disk takes data again.
+_STALE_SECONDS = 3600.0  # Age at which a hidden folder is taken for a leftover.
 
 
 class Recording(NamedTuple):
-    """One that is whole."""
+    """A complete recording on the disk.
+
+    Attributes:
+        folder: Its folder, whose name is the recording's.
+        start: Unix time of its first message.
+        seconds: The time from its first to its last message.
+        messages: Their number.
+        why: What triggered it, in the order of events.
+        kept: True if it was recorded by hand: it is not deleted for room.
+        bytes: Its size on the disk.
+        number: Its place in the order of writing; 0 if another tool wrote it.
+    """
 
     folder: Path
-    start: float  # Unix time of its first message
+    start: float
     seconds: float
     messages: int
-    why: str  # what happened, in the order in which it did
-    kept: bool  # by hand: it does not go when room is needed
+    why: str
+    kept: bool
     bytes: int
-    number: int = 0  # in the order in which they were written; 0: another tool has written it
+    number: int = 0
 
     @property
     def name(self) -> str:
-        """What `recordings --delete` calls it."""
+        """Return the name by which `archo-tui recordings --delete` knows it."""
         return self.folder.name
 
 
-def listed(folder: Path) -> list[Recording]:
-    """List all recordings, the oldest first; what is none is left out. Raises OSError.
+def list_recordings(folder: Path) -> list[Recording]:
+    """Return all recordings of a folder, the oldest first; anything else there is left out.
 
-    The order is that of writing: a computer whose clock was set back, or that has none, gives a
-    new recording an old date.
+    They are sorted by their number before their date: a computer whose clock was set back, or that
+    has none, gives a new recording an old date.
+
+    Raises:
+        OSError: The folder cannot be read; a missing one is empty.
     """
     found = []
     with suppress(FileNotFoundError):
         for path in folder.iterdir():
             ours = path.is_dir() and not path.is_symlink()
-            if ours and not path.name.startswith(_UNFINISHED):
+            if ours and not path.name.startswith(_HIDDEN_PREFIX):
                 with suppress(OSError, ValueError):
-                    found.append(_read(path))
-    return sorted(found, key=lambda one: (one.number, one.start, one.name))
+                    found.append(_read_recording(path))
+    return sorted(found, key=lambda recording: (recording.number, recording.start, recording.name))
 
 
-def _read(path: Path) -> Recording:
-    said = bag.about(path)
+def _read_recording(path: Path) -> Recording:
+    info = bag.read_info(path)
     size = sum(file.lstat().st_size for file in path.iterdir())
-    return Recording(path, *said[:5], size, said.number)
+    return Recording(path, *info[:5], size, info.number)
 
 
 def delete(recording: Recording) -> None:
-    """Raises OSError."""
+    """Delete a recording.
+
+    Raises:
+        OSError: The disk refuses it.
+    """
     shutil.rmtree(recording.folder)
 
 
 def next_number(folder: Path) -> int:
-    """Return the number of a recording that is written now. Raises OSError."""
-    return 1 + max((one.number for one in listed(folder)), default=0)
+    """Return the number for a recording that is written now.
+
+    Raises:
+        OSError: The folder cannot be read.
+    """
+    return 1 + max((recording.number for recording in list_recordings(folder)), default=0)
 
 
 def check_free(folder: Path) -> None:
-    """Raise OSError while so little is free that the rest of the system needs it."""
-    if shutil.disk_usage(folder).free < FLOOR:
-        raise OSError(errno.ENOSPC, f"less than {FLOOR / 1e6:.0f} MB are free", str(folder))
+    """Raise OSError if the disk has less than MIN_FREE bytes left."""
+    if shutil.disk_usage(folder).free < MIN_FREE:
+        raise OSError(errno.ENOSPC, f"less than {MIN_FREE / 1e6:.0f} MB are free", str(folder))
 
 
-def begin(wanted: Path) -> Path:
-    """Make the folder of that name, or with a number behind it. Raises OSError.
+def make_folder(wanted: Path) -> Path:
+    """Make a folder for a bag that grows on the disk, and return it.
 
-    It is for a bag that is written piece by piece, and seen from the first one on.
+    Args:
+        wanted: Its path; if that exists, a number is put behind its name.
+
+    Raises:
+        OSError: The disk is full or refuses it.
     """
     check_free(wanted.parent)
     for number in itertools.count(1):
@@ -95,20 +121,30 @@ def begin(wanted: Path) -> Path:
 
 
 def add(folder: Path, at: float, what: str, fill: Callable[[Path], None]) -> Path:
-    """A new recording of that time and name, which `fill(folder)` writes. Raises OSError.
+    """Write a recording that appears under its name only when all of it is on the disk.
 
-    It appears under its name when all of it is on the disk.
+    Args:
+        folder: The folder of recordings; made if it is missing.
+        at: Unix time, for the name.
+        what: What happened, for the name.
+        fill: Called with the folder into which it writes the bag.
+
+    Returns:
+        The recording's folder.
+
+    Raises:
+        OSError: The disk is full or refuses it.
     """
     folder.parent.mkdir(parents=True, exist_ok=True)
     folder.mkdir(mode=0o700, exist_ok=True)
     check_free(folder)
-    word = re.sub(r"\W+", "_", what, flags=re.ASCII).strip("_")[:_LONGEST]
-    return _write(folder / f"{datetime.fromtimestamp(at):%Y-%m-%d_%H-%M-%S}_{word}", fill)
+    word = re.sub(r"\W+", "_", what, flags=re.ASCII).strip("_")[:_MAX_WORD]
+    return _write_hidden(folder / f"{datetime.fromtimestamp(at):%Y-%m-%d_%H-%M-%S}_{word}", fill)
 
 
-def _write(wanted: Path, fill: Callable[[Path], None]) -> Path:
-    """A bag of that name, or with a number behind it where there is one. Raises OSError."""
-    made = wanted.with_name(f"{_UNFINISHED}{wanted.name}.{os.getpid()}")
+def _write_hidden(wanted: Path, fill: Callable[[Path], None]) -> Path:
+    """Fill a hidden folder, put it on the disk, and rename it to `wanted` or the next free name."""
+    made = wanted.with_name(f"{_HIDDEN_PREFIX}{wanted.name}.{os.getpid()}")
     made.mkdir(mode=0o700)
     try:
         fill(made)
@@ -116,7 +152,7 @@ def _write(wanted: Path, fill: Callable[[Path], None]) -> Path:
             file.chmod(0o600)
             _sync(file)
         _sync(made)
-        whole = _rename(made, wanted)
+        whole = _rename_to_free(made, wanted)
     except BaseException:
         shutil.rmtree(made, ignore_errors=True)
         raise
@@ -124,8 +160,8 @@ def _write(wanted: Path, fill: Callable[[Path], None]) -> Path:
     return whole
 
 
-def _rename(made: Path, wanted: Path) -> Path:
-    """To that name, or with a number behind it: two may happen within a second."""
+def _rename_to_free(made: Path, wanted: Path) -> Path:
+    """Rename a folder to `wanted`, or with a number behind: two may happen within a second."""
     number, whole = 1, wanted
     while True:
         try:
@@ -147,13 +183,13 @@ def _sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def try_out(folder: Path) -> None:
-    """Raises OSError while nothing can be written."""
-    made = folder / f"{_UNFINISHED}try.{os.getpid()}"
+def check_writable(folder: Path) -> None:
+    """Raise OSError if the folder cannot take a small file."""
+    made = folder / f"{_HIDDEN_PREFIX}try.{os.getpid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
     check_free(folder)
     try:
-        made.write_bytes(bytes(_TRIED))
+        made.write_bytes(bytes(_TRIAL_BYTES))
         _sync(made)
     finally:
         made.unlink(missing_ok=True)
@@ -162,29 +198,37 @@ def try_out(folder: Path) -> None:
 def make_room(
     folder: Path, budget: int, written: Path | None = None
 ) -> tuple[int, list[Recording]]:
-    """Delete the oldest that nobody kept until the rest is within the budget. Raises OSError.
+    """Delete the oldest recordings until the rest is within the budget.
+
+    Those kept by hand, and the newest, are not deleted. Leftovers of killed processes are.
 
     Args:
-        folder: Where the recordings are.
-        budget: Bytes that all of them may take together.
-        written: The one that was written just now, which stays, as the newest does.
+        folder: The folder of recordings.
+        budget: The bytes that all of them may take together.
+        written: The recording written just now, which is not deleted either.
 
     Returns:
-        The bytes that are left, and what went. Leftovers of a process that was killed go too.
+        The bytes that remain, and the deleted recordings.
+
+    Raises:
+        OSError: The disk refuses it.
     """
     for path in folder.iterdir():
-        with suppress(FileNotFoundError):  # another console has finished it
-            if path.name.startswith(_UNFINISHED) and time.time() - path.stat().st_mtime > _STALE:
+        with suppress(FileNotFoundError):  # Another console may have renamed it meanwhile.
+            if (
+                path.name.startswith(_HIDDEN_PREFIX)
+                and time.time() - path.stat().st_mtime > _STALE_SECONDS
+            ):
                 shutil.rmtree(path, ignore_errors=True)
-    known = listed(folder)
-    size = sum(one.bytes for one in known)
+    known = list_recordings(folder)
+    size = sum(recording.bytes for recording in known)
     gone = []
-    for one in known[:-1]:
+    for recording in known[:-1]:
         if size <= budget:
             break
-        if not (one.kept or one.folder == written):
-            with suppress(FileNotFoundError):  # another console has done it
-                delete(one)
-            size -= one.bytes
-            gone.append(one)
+        if not (recording.kept or recording.folder == written):
+            with suppress(FileNotFoundError):  # Another console may have deleted it meanwhile.
+                delete(recording)
+            size -= recording.bytes
+            gone.append(recording)
     return size, gone

@@ -1,4 +1,4 @@
-"""What makes the black box write. Pure."""
+"""The events that begin a recording. Pure functions."""
 
 from __future__ import annotations
 
@@ -11,21 +11,31 @@ from archo_tui.station.station import View
 STOP = "STOP"
 
 
-def happened(before: View, now: View, changed: Sequence[Alarm]) -> list[str]:
-    """Why the last minute is to be kept, in a few words each; nothing when it is as any other."""
-    return [*_stops(before, now), *_alarms(changed), *_goals(before, now)]
+def reasons_to_record(before: View, now: View, changed: Sequence[Alarm]) -> list[str]:
+    """Return why the last minute is worth recording, in a few words each; mostly none.
+
+    Args:
+        before: The view of the last call.
+        now: The view of this one.
+        changed: Alarms whose state differs from the last call.
+    """
+    return [*_stop_reasons(before, now), *_alarm_reasons(changed), *_goal_reasons(before, now)]
 
 
-def _stops(before: View, now: View) -> Iterator[str]:
-    """Whoever pressed it; or the robot says that it is stopped, and did not."""
+def _stop_reasons(before: View, now: View) -> Iterator[str]:
+    """Yield STOP if anybody sent it since, or if the robot reports a stop and did not before."""
     old, new = before.snapshot, now.snapshot
     stops_now = new.motion.stopped and old.motion.received is not None and not old.motion.stopped
-    if stops_now or (new.open_stop is not None and old.open_stop is None) or _said(old, new):
+    if (
+        stops_now
+        or (new.open_stop is not None and old.open_stop is None)
+        or _has_new_stop_event(old, new)
+    ):
         yield STOP
 
 
-def _said(old: Snapshot, new: Snapshot) -> bool:
-    """True when somebody has said it since: it may be confirmed between two looks."""
+def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
+    """Return True if an event since tells of a STOP, which may be over by now."""
     if new.events is old.events:
         return False
     known = max((event.number for event in old.events), default=0)
@@ -33,15 +43,15 @@ def _said(old: Snapshot, new: Snapshot) -> bool:
     return any(act is not None and act.verb == "stop" for act in since)
 
 
-def _alarms(changed: Sequence[Alarm]) -> Iterator[str]:
-    """Grave ones that have come: lost contact, a crashed node, an empty battery, and others."""
+def _alarm_reasons(changed: Sequence[Alarm]) -> Iterator[str]:
+    """Yield each alarm of high priority that has become active."""
     for alarm in changed:
         if alarm.priority == Priority.HIGH and alarm.state == State.UNACKNOWLEDGED:
             yield alarm.name
 
 
-def _goals(before: View, now: View) -> Iterator[str]:
-    """Those that were accepted and ended neither arrived nor called off."""
+def _goal_reasons(before: View, now: View) -> Iterator[str]:
+    """Yield each accepted goal that ended neither arrived nor cancelled by an operator."""
     known = max((goal.number for goal in before.snapshot.history), default=0)
     for goal in reversed(now.snapshot.history):
         if goal.number > known and _failed(goal):

@@ -25,7 +25,7 @@ def path_of(given: str) -> Path:
     if given and (os.path.exists(given) or "/" in given):
         return Path(given)
     try:
-        known = store.listed(folder)
+        known = store.list_recordings(folder)
     except OSError as error:
         raise ArchoError(f"{error.filename}: {error.strerror}") from None
     if not known:

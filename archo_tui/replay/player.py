@@ -7,8 +7,8 @@ from datetime import datetime
 from math import floor
 
 from archo_tui.clock import Clock
-from archo_tui.recording.state import Wanted
-from archo_tui.recording.witness import STATE
+from archo_tui.recording.console_recorder import STATE
+from archo_tui.recording.state import RecordedGoal
 from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.story import Story
 from archo_tui.replay.topics import namespace
@@ -166,7 +166,7 @@ class Player:
             replay=f"REPLAY {datetime.fromtimestamp(now):%Y-%m-%d %H:%M:%S}",
         )
 
-    def _queued(self, wanted: Wanted) -> QueuedGoal:
+    def _queued(self, wanted: RecordedGoal) -> QueuedGoal:
         return QueuedGoal(self._story.kind(wanted.kind), wanted.values)
 
 

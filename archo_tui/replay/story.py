@@ -8,9 +8,9 @@ from math import floor
 from typing import Any, NamedTuple, cast
 
 from archo_tui.clock import Clock
+from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.data import from_data
-from archo_tui.recording.state import Called, State, times
-from archo_tui.recording.witness import JOURNAL, STATE
+from archo_tui.recording.state import ConsoleState, RecordedAction, all_times
 from archo_tui.replay.topics import Topics
 from archo_tui.robot import message_classes, messages
 from archo_tui.robot.consoles import author
@@ -84,7 +84,7 @@ class Story:
         heard = {name for name in file.topics if self._topics.resolve_topic_name(name) in types}
         actions = {kind.action: "not recorded" for kind in file.goals}
         offered = frozenset(heard | {*actions, *file.services})
-        self._unsaid = State(namespace=namespace, offered=offered, faults=actions)
+        self._unsaid = ConsoleState(namespace=namespace, offered=offered, faults=actions)
         self.state, self._said = self._unsaid, ""  # and the JSON that it was read from
         self.goal: Goal | None = None
         self._log = EventLog()
@@ -155,12 +155,12 @@ class Story:
             self._looked = float(second)
             self._board.update(conditions(self.snapshot, self._looked), self._looked, self._looked)
 
-    def _stand(self, state: State) -> None:
+    def _stand(self, state: ConsoleState) -> None:
         """So it is from now on, whatever was told before."""
         before = self.goal
         for alarm in state.alarms:
             assert alarm.priority  # KeyError: of no kind that there is
-        if not all(time is None or 0 <= time < _LATEST for time in times(state)):
+        if not all(time is None or 0 <= time < _LATEST for time in all_times(state)):
             raise ValueError("a time that has no date")
         self.state = state._replace(events=())
         self.goal = None if state.goal is None else self._known(state.goal)
@@ -184,7 +184,7 @@ class Story:
         """With what the robot file says of its kind."""
         return goal._replace(kind=self.kind(goal.kind))
 
-    def kind(self, called: Called | GoalKind) -> GoalKind:
+    def kind(self, called: RecordedAction | GoalKind) -> GoalKind:
         """The goal of the robot file that is called so, or one that is not in it."""
         known = self._kinds.get((called.id, called.action))
         return known or GoalKind(
@@ -286,9 +286,9 @@ class Story:
         )
 
 
-def _read(said: str) -> State:
+def _read(said: str) -> ConsoleState:
     """Raises TypeError, ValueError or KeyError for nonsense."""
-    return from_data(State, json.loads(said))  # type: ignore[no-any-return]
+    return from_data(ConsoleState, json.loads(said))  # type: ignore[no-any-return]
 
 
 def _form(kind: GoalKind) -> tuple[Leaf, ...]:

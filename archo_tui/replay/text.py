@@ -7,7 +7,7 @@ from datetime import datetime
 from math import floor
 
 from archo_tui.clock import time_of_day
-from archo_tui.recording.witness import JOURNAL, STATE
+from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.player import named
 from archo_tui.replay.story import LONGEST, ROSOUT, Story

@@ -6,7 +6,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from archo_tui.recording.witness import JOURNAL
+from archo_tui.recording.console_recorder import JOURNAL
 from archo_tui.replay.bag_file import Said
 from archo_tui.replay.held import MOST_MESSAGES
 from archo_tui.replay.story import Kept, Story

@@ -8,7 +8,7 @@ from textual.app import ComposeResult
 from textual.binding import Binding
 from textual.containers import Vertical
 
-from archo_tui.recording.listing import line
+from archo_tui.recording.listing import format_line
 from archo_tui.recording.store import Recording
 from archo_tui.screens.dialog import Dialog
 from archo_tui.widgets.rows import Columns, Rows, Text
@@ -16,7 +16,7 @@ from archo_tui.widgets.rows import Columns, Rows, Text
 
 def recording_lines(recording: Recording, _width: int, _columns: Columns) -> list[Text]:
     """`2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`."""
-    return [(line(recording, len(recording.name)), "")]
+    return [(format_line(recording, len(recording.name)), "")]
 
 
 class RecordingList(Dialog[None]):

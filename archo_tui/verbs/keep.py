@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from archo_tui.recording.box import AFTER, BEGUN
+from archo_tui.recording.box import BEGUN, SECONDS_AFTER
 from archo_tui.recording.ring import SPAN
 from archo_tui.robot.outcome import Outcome
 from archo_tui.station.station import Station
@@ -17,7 +17,7 @@ class Keep(Verb):
 
     id, title, tells = "keep", "Keep the last minute", True
     survives_stop = True  # it records just that
-    help = f"Keep the last minute: record the last {SPAN:g} s and the next {AFTER:g} s"
+    help = f"Keep the last minute: record the last {SPAN:g} s and the next {SECONDS_AFTER:g} s"
     begun = BEGUN
 
     async def run(self, station: Station, values: Values) -> Outcome:

@@ -21,7 +21,7 @@ from archo_interfaces.msg import BatteryStatus, MotorStatus  # noqa: E402
 from rcl_interfaces.msg import Log  # noqa: E402
 
 from archo_tui.recording import bag, store  # noqa: E402
-from archo_tui.recording.ring import Heard, Ring  # noqa: E402
+from archo_tui.recording.ring import ReceivedMessage, Ring  # noqa: E402
 from tests.bench.process import Program  # noqa: E402
 
 RATE = 50  # Hz, of each of three topics
@@ -33,14 +33,14 @@ MESSAGES = (
 )
 
 
-def minute() -> list[Heard]:
+def minute() -> list[ReceivedMessage]:
     """What is heard in a minute."""
     step = 10**9 // RATE
     times = range(10**18, 10**18 + SECONDS * 10**9, step)
-    return [Heard(at, topic, message) for at in times for topic, message in MESSAGES]
+    return [ReceivedMessage(at, topic, message) for at in times for topic, message in MESSAGES]
 
 
-def ring_share(heard: list[Heard], span: float = 10.0) -> float:
+def ring_share(heard: list[ReceivedMessage], span: float = 10.0) -> float:
     """The ring's part of the CPU that the console takes at 50 Hz."""
     costs = []
     for _ in range(5):
@@ -53,7 +53,7 @@ def ring_share(heard: list[Heard], span: float = 10.0) -> float:
         return median(costs) / console.load(span)
 
 
-async def held_up(writes: bool, heard: list[Heard], folder: Path) -> float:
+async def held_up(writes: bool, heard: list[ReceivedMessage], folder: Path) -> float:
     """The worst delay, in ms, of a loop that sleeps for a millisecond again and again."""
     over = threading.Event()
 

@@ -23,19 +23,19 @@ def write(folder: Path) -> None:
     from rcl_interfaces.msg import Log
 
     from archo_tui.recording import bag
-    from archo_tui.recording.ring import Heard
+    from archo_tui.recording.ring import ReceivedMessage
 
     heard = []
     for number in range(HOUR * RATE):
         at = 1_700_000_000 * 10**9 + number * 10**9 // RATE
         if number % RATE == 0:
             level = BatteryStatus(percentage=90.0 - number / 1000, voltage=22.0)
-            heard.append(Heard(at, "/battery_level", level))
+            heard.append(ReceivedMessage(at, "/battery_level", level))
         else:
-            heard.append(Heard(at, "/motor_status", MotorStatus(encoder_ticks=number)))
+            heard.append(ReceivedMessage(at, "/motor_status", MotorStatus(encoder_ticks=number)))
         if number % (5 * RATE) == 0:
             said = Log(level=20, name="dashboard", msg="x" * (number % 300))
-            heard.append(Heard(at, "/rosout", said))
+            heard.append(ReceivedMessage(at, "/rosout", said))
     bag.write(folder, heard, {})
 
 

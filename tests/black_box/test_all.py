@@ -38,24 +38,24 @@ async def test_at_the_end_it_is_a_whole_bag(tmp_path: Path) -> None:
         await op.until("✓ ARRIVED")
         await op.at(clock.seconds() + 20)
         assert not (path / bag.METADATA).exists()
-    said = bag.about(path)
+    said = bag.read_info(path)
     assert said.why == "all of it"
     assert said.seconds > 20
     with AnyReader([path]) as reader:
         assert {"/battery_level", "/motor_status", "/archo_tui/state"} <= set(reader.topics)
-    assert store.listed(state_file("recordings")) == []
+    assert store.list_recordings(state_file("recordings")) == []
 
 
 def test_every_ten_minutes_another_one_is_begun(tmp_path: Path) -> None:
     path, clock = tmp_path / "shift", StandingClock()
-    box = BlackBox(tmp_path, clock, lambda *_: None, lambda *_: {}, all_to=path)
+    box = BlackBox(tmp_path, clock, lambda *_: None, lambda *_: {}, record_all_to=path)
     for second in range(700):
         clock.passed = float(second)
-        box.hear("/said", String(data=str(second)))
-        box.look()
+        box.receive("/said", String(data=str(second)))
+        box.tick()
     box.end()
     assert box.close(DEADLINE) == ""
-    first, second_bag = bag.about(path), bag.about(tmp_path / "shift_2")
+    first, second_bag = bag.read_info(path), bag.read_info(tmp_path / "shift_2")
     assert (first.seconds, second_bag.seconds) == (600.0, 158.0)
     assert second_bag.start == first.start + 541  # it begins with the minute before
 
@@ -107,9 +107,9 @@ def test_a_full_disk_is_named_by_the_place_that_was_asked_for(
     monkeypatch.setattr(bag.BagWriter, "flush", full)
     path = tmp_path / "disk" / "shift"
     path.parent.mkdir()
-    box = BlackBox(tmp_path, StandingClock(), lambda *_: None, lambda *_: {}, all_to=path)
-    box.hear("/said", String(data="x"))
-    box.look()
+    box = BlackBox(tmp_path, StandingClock(), lambda *_: None, lambda *_: {}, record_all_to=path)
+    box.receive("/said", String(data="x"))
+    box.tick()
     box.end()
     assert box.close(DEADLINE) == f"recording not written: No space left on device: {path}"
     assert list(path.parent.iterdir()) == []
@@ -120,11 +120,11 @@ def test_what_came_is_on_the_disk_within_a_second_in_each_part(
 ) -> None:
     path, clock = tmp_path / "shift", StandingClock()
     attached = lambda *_: {"robot.yaml": "name: ARCHO", "journal.jsonl": "x"}  # noqa: E731
-    box = BlackBox(tmp_path, clock, lambda *_: None, attached, all_to=path)
+    box = BlackBox(tmp_path, clock, lambda *_: None, attached, record_all_to=path)
     for second in range(5):
         clock.passed = float(second)
-        box.hear("/said", String(data=str(second)))
-        box.look()
+        box.receive("/said", String(data=str(second)))
+        box.tick()
         until(lambda: _count(path) == second + 1)  # noqa: B023
     assert BagFile(path).robot == "name: ARCHO"
     box.end()
@@ -172,23 +172,23 @@ def test_below_the_floor_nothing_is_written_and_it_goes_on_when_there_is_room(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, clock, told = tmp_path / "shift", StandingClock(), list[tuple[str, str]]()
-    box = BlackBox(tmp_path / "r", clock, lambda *_: None, lambda *_: {}, all_to=path)
+    box = BlackBox(tmp_path / "r", clock, lambda *_: None, lambda *_: {}, record_all_to=path)
     with monkeypatch.context() as patch:
-        patch.setattr(store, "FLOOR", 10**18)
-        box.hear("/said", String(data="x"))
-        box.trigger("STOP", written=lambda *told_so: told.append(told_so))
+        patch.setattr(store, "MIN_FREE", 10**18)
+        box.receive("/said", String(data="x"))
+        box.trigger("STOP", on_written=lambda *told_so: told.append(told_so))
         for clock.passed in (0.0, 6.0):
-            box.look()
+            box.tick()
             until(lambda: "less than 1000000000000 MB are free" in box.trouble)
         until(lambda: told)
     assert told[0][1].startswith("less than ")
-    assert (list(tmp_path.glob("shift*")), store.listed(tmp_path / "r")) == ([], [])
+    assert (list(tmp_path.glob("shift*")), store.list_recordings(tmp_path / "r")) == ([], [])
     clock.passed = 20.0
-    box.look()
+    box.tick()
     until(lambda: not box.trouble)
     box.end()
     assert box.close(DEADLINE) == ""
-    assert bag.about(path).messages == 1
+    assert bag.read_info(path).messages == 1
 
 
 def until(holds: Callable[[], object]) -> None:

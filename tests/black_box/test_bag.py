@@ -15,7 +15,7 @@ from rcl_interfaces.msg import Log, ParameterEvent
 from rosbags.highlevel import AnyReader
 
 from archo_tui.recording import bag, store
-from archo_tui.recording.ring import Heard, Later
+from archo_tui.recording.ring import LazyMessage, ReceivedMessage
 from tests.black_box.test_ring import nobody
 from tests.robots.test_rover import rover
 from tests.robots.test_tug import tug
@@ -30,7 +30,7 @@ START = (
 
 def written(folder: Path, messages: Sequence[tuple[str, Any]]) -> None:
     """A bag of these, a millisecond apart."""
-    heard = [Heard(10**18 + n * 10**6, *one) for n, one in enumerate(messages)]
+    heard = [ReceivedMessage(10**18 + n * 10**6, *one) for n, one in enumerate(messages)]
     bag.write(folder, heard, {"why": "a test", "kept": "no"}, **{"robot.yaml": "name: X\n"})
 
 
@@ -61,7 +61,7 @@ def test_every_field_of_a_message_is_read_back_by_others(tmp_path: Path) -> None
         ("/move_to_shelf/_action/feedback", feedback),
         ("/rosout", Log(level=30, name="dashboard", msg="Low battery: 18.0%\n end", line=7)),
         ("/parameter_events", ParameterEvent(node="/motor_controller")),
-        ("/later", Later(lambda first: Log(msg="made now"), 100)),
+        ("/later", LazyMessage(lambda first: Log(msg="made now"), 100)),
     ]
     written(tmp_path, sent)
     read = list(by_rosbags(tmp_path))
@@ -87,19 +87,19 @@ def test_without_its_metadata_the_file_is_read_as_well(tmp_path: Path) -> None:
 
 def test_what_it_says_about_itself_is_read_back(tmp_path: Path) -> None:
     written(tmp_path, [("/battery_level", BatteryStatus())] * 3)
-    assert bag.about(tmp_path) == bag.About(1e9, 0.002, 3, "a test", False)
+    assert bag.read_info(tmp_path) == bag.BagInfo(1e9, 0.002, 3, "a test", False)
     (tmp_path / bag.METADATA).write_text("rosbag2_bagfile_information: [1")
     with pytest.raises(ValueError, match=r"metadata\.yaml is not one of a bag"):
-        bag.about(tmp_path)
+        bag.read_info(tmp_path)
 
 
 async def live(op: Console, folder: Path) -> list[tuple[str, Any]]:
     """All that the console has heard, which is written there, by topic."""
     ring = op.session.box.ring
-    heard = ring.copy_to(nobody)
-    ring.leave(nobody)
+    heard = ring.subscribe(nobody)
+    ring.unsubscribe(nobody)
     bag.write(folder, heard, {})
-    return [(one.topic, one.message) for one in heard if not isinstance(one.message, Later)]
+    return [(one.topic, one.message) for one in heard if not isinstance(one.message, LazyMessage)]
 
 
 def compare(folder: Path, heard: Sequence[tuple[str, Any]], *topics: str) -> None:
@@ -164,21 +164,21 @@ def test_what_is_no_bag_is_none_and_hinders_nobody(said: str, tmp_path: Path) ->
     whole = tmp_path / "whole"
     whole.mkdir()
     written(whole, [("/rosout", Log(msg="all is well"))])
-    assert [one.name for one in store.listed(tmp_path)] == ["whole"]
+    assert [one.name for one in store.list_recordings(tmp_path)] == ["whole"]
     assert store.make_room(tmp_path, 10**9)[1] == []
 
 
 @pytest.mark.parametrize("custom", ["[1]", "abc", "{start: x, why: {a: 1}}", "{why: [1, 2]}"])
 def test_odd_custom_data_is_left_alone(custom: str, tmp_path: Path) -> None:
     (tmp_path / bag.METADATA).write_text(START.format("5").replace("{}", custom))
-    assert bag.about(tmp_path) == bag.About(5e-9, 5e-9, 1, "", False)
+    assert bag.read_info(tmp_path) == bag.BagInfo(5e-9, 5e-9, 1, "", False)
 
 
 def test_one_message_that_cannot_be_encoded_is_left_out_alone(tmp_path: Path) -> None:
     lines = [Log(msg="before"), Log(msg="caf\udce9"), Log(msg="behind")]
-    heard = [Heard(n, "/rosout", line) for n, line in enumerate(lines)]
+    heard = [ReceivedMessage(n, "/rosout", line) for n, line in enumerate(lines)]
     came = bag.write(tmp_path, heard, {})
     assert came.left_out == 1
-    assert "surrogates not allowed" in came.why
+    assert "surrogates not allowed" in came.first_error
     assert [message.msg for _, _, message in by_rosbags(tmp_path)] == ["before", "behind"]
-    assert bag.about(tmp_path).messages == 2
+    assert bag.read_info(tmp_path).messages == 2

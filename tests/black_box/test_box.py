@@ -21,8 +21,8 @@ from rosbags.highlevel import AnyReader
 
 from archo_tui.paths import state_file
 from archo_tui.recording import bag, store
-from archo_tui.recording.listing import line
-from archo_tui.recording.ring import Heard
+from archo_tui.recording.listing import format_line
+from archo_tui.recording.ring import ReceivedMessage
 from archo_tui.recording.store import Recording
 from tests.support import clock, warm
 from tests.support.console import FAST, LONG, Console, console
@@ -30,7 +30,7 @@ from tests.support.quiet import outside
 
 
 def found() -> list[Recording]:
-    return store.listed(state_file("recordings"))
+    return store.list_recordings(state_file("recordings"))
 
 
 async def recorded(op: Console, count: int = 1) -> list[Recording]:
@@ -201,11 +201,11 @@ def test_the_oldest_go_that_nobody_kept_when_room_is_needed(tmp_path: Path) -> N
     folder = tmp_path / "recordings"
     for number in range(5):
         store.add(folder, 1000.0 + number, f"n{number}", fill_kept if number == 1 else fill)
-    size = sum(one.bytes for one in store.listed(folder)) // 5
+    size = sum(one.bytes for one in store.list_recordings(folder)) // 5
     left, gone = store.make_room(folder, 3 * size + size // 2)
     assert [one.name[-2:] for one in gone] == ["n0", "n2"]
-    assert [one.name[-2:] for one in store.listed(folder)] == ["n1", "n3", "n4"]
-    assert left == sum(one.bytes for one in store.listed(folder))
+    assert [one.name[-2:] for one in store.list_recordings(folder)] == ["n1", "n3", "n4"]
+    assert left == sum(one.bytes for one in store.list_recordings(folder))
 
 
 def test_two_of_one_second_have_names_of_their_own(tmp_path: Path) -> None:
@@ -222,9 +222,9 @@ from archo_tui import engine
 engine.activate("embedded")
 from archo_interfaces.msg import BatteryStatus
 from archo_tui.recording import bag, store
-from archo_tui.recording.ring import Heard
+from archo_tui.recording.ring import ReceivedMessage
 charges = [BatteryStatus(percentage=float(n % 100)) for n in range(300)]
-heard = [Heard(10**18 + n, "/battery_level", charge) for n, charge in enumerate(charges)]
+heard = [ReceivedMessage(10**18 + n, "/battery_level", charge) for n, charge in enumerate(charges)]
 while True:
     store.add(pathlib.Path(sys.argv[1]), 1000.0, "x", lambda f: bag.write(f, heard, {"why": "x"}))
     print("written", flush=True)
@@ -242,7 +242,7 @@ def test_a_process_that_is_killed_leaves_whole_recordings_or_none(tmp_path: Path
             time.sleep(random.uniform(0.0, 0.05))  # anywhere in the next one, or those behind it
             process.send_signal(signal.SIGKILL)
     whole = [path for path in folder.iterdir() if not path.name.startswith(".")]
-    assert len(whole) == len(store.listed(folder)) > 0
+    assert len(whole) == len(store.list_recordings(folder)) > 0
     for path in whole:
         with AnyReader([path]) as reader:
             assert reader.message_count == 300
@@ -253,7 +253,7 @@ def test_a_link_among_the_recordings_is_left_alone(tmp_path: Path) -> None:
     store.add(elsewhere, 1000.0, "theirs", fill)
     store.add(folder, 2000.0, "ours", fill)
     (folder / "link").symlink_to(next(elsewhere.iterdir()))
-    assert [one.why for one in store.listed(folder)] == ["a test"]
+    assert [one.why for one in store.list_recordings(folder)] == ["a test"]
     assert store.make_room(folder, 1)[1] == []
     assert len(list(elsewhere.iterdir())) == 1
 
@@ -271,7 +271,7 @@ def test_the_list_says_when_why_how_long_and_how_large() -> None:
     assert archo("recordings") == (0, f"no recordings in {folder}\n", "")
     for at, what, made in ((1000.0, "STOP", fill), (2000.0, "kept", fill_kept)):
         store.add(folder, at, what, made)
-    names = [one.name for one in store.listed(folder)]
+    names = [one.name for one in store.list_recordings(folder)]
     code, out, _ = archo("recordings")
     assert code == 0
     assert sorted(line.split()[0] for line in out.splitlines()) == sorted(names)
@@ -285,13 +285,13 @@ def test_the_list_says_when_why_how_long_and_how_large() -> None:
     code, _, err = archo("recordings", "--delete", names[0], "../x")
     said = f"archo-tui: no recording is called {names[0]} (see archo-tui recordings)\n"
     assert (code, err) == (2, said)
-    assert [one.name for one in store.listed(folder)] == [names[1]]
+    assert [one.name for one in store.list_recordings(folder)] == [names[1]]
 
 
 @pytest.mark.parametrize(("size", "said"), [(212_400, "    212 kB"), (1_240_000, "    1.2 MB")])
 def test_a_small_recordings_size_is_told_in_kilobytes(size: int, said: str) -> None:
     one = Recording(Path("a"), 0.0, 65.0, 9, "STOP", kept=False, bytes=size)
-    assert line(one, 3) == f"a       65 s  {said}  STOP"
+    assert format_line(one, 3) == f"a       65 s  {said}  STOP"
 
 
 def test_a_folder_that_is_none_is_one_line() -> None:
@@ -365,18 +365,18 @@ def test_the_one_just_written_stays_whatever_the_clock_says(tmp_path: Path) -> N
     def numbered(made: Path) -> None:
         (made / "x_0.mcap").write_bytes(b"x" * 1000)
         about = {"why": "a test", "number": str(store.next_number(folder))}
-        message = Heard(int(at * 1e9), "/rosout", Log())
+        message = ReceivedMessage(int(at * 1e9), "/rosout", Log())
         bag.write(made, [message], about)
 
     kept = []
     for at, name in ((5000.0, "a"), (5001.0, "b"), (10.0, "c"), (11.0, "d")):  # the clock is reset
         made = store.add(folder, at, name, numbered)
-        size = next(one.bytes for one in store.listed(folder) if one.folder == made)
+        size = next(one.bytes for one in store.list_recordings(folder) if one.folder == made)
         store.make_room(folder, 2 * size + size // 2, made)
-        kept.append("".join(one.name[-1] for one in store.listed(folder)))
+        kept.append("".join(one.name[-1] for one in store.list_recordings(folder)))
     assert kept == ["a", "ab", "bc", "cd"]
     foreign = tmp_path / "recordings" / "of_another_tool"  # with a date, and no number
     foreign.mkdir()
-    bag.write(foreign, [Heard(2 * 10**18, "/rosout", Log())], {})
+    bag.write(foreign, [ReceivedMessage(2 * 10**18, "/rosout", Log())], {})
     assert next(one.name for one in store.make_room(folder, 1, made)[1]) == "of_another_tool"
-    assert [one.folder for one in store.listed(folder)] == [made]
+    assert [one.folder for one in store.list_recordings(folder)] == [made]

@@ -30,7 +30,7 @@ def test_a_stop_just_before_the_end_is_recorded(way: str | signal.Signals) -> No
     else:
         terminal.write("\x11")
     terminal.exit_code()
-    assert [one.why for one in store.listed(state_file("recordings"))] == ["STOP"]
+    assert [one.why for one in store.list_recordings(state_file("recordings"))] == ["STOP"]
 
 
 def test_a_disk_that_hangs_holds_the_end_up_for_a_moment_only() -> None:

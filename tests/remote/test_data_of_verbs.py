@@ -28,7 +28,7 @@ async def test_keep_names_its_recording_once_it_is_written_and_no_line_waits_for
         await person.until("max_speed is")
         assert "recorded 2" not in person.said
         assert await person.end() == 0  # not before it is written
-        (recording,) = store.listed(state_file("recordings"))
+        (recording,) = store.list_recordings(state_file("recordings"))
         assert f"recorded {recording.name}\n" in person.said
 
 
@@ -36,12 +36,12 @@ async def test_keep_names_its_recording_once_it_is_written_and_no_line_waits_for
 async def test_a_shell_waits_for_its_recording_and_is_told_the_name(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(box, "AFTER", 0.5)
+    monkeypatch.setattr(box, "SECONDS_AFTER", 0.5)
     async with served() as person:
         began = clock.seconds()
         kept = await typed("keep", "--json")
-        assert clock.seconds() - began >= box.AFTER
-        (recording,) = store.listed(state_file("recordings"))
+        assert clock.seconds() - began >= box.SECONDS_AFTER
+        (recording,) = store.list_recordings(state_file("recordings"))
         result = json.loads(kept.out)
         assert (kept.code, result["code"]) == (0, "done")
         assert result["data"] == {"recording": recording.name}

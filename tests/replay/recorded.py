@@ -33,8 +33,8 @@ async def written(op: Console) -> Path:
     """The recording, when the seconds behind its trigger have passed."""
     await op.at(clock.seconds() + 6.5)
     folder = state_file("recordings")
-    await outside(lambda: store.listed(folder) or op.session.box.failure, "a recording")
-    return store.listed(folder)[-1].folder
+    await outside(lambda: store.list_recordings(folder) or op.session.box.failure, "a recording")
+    return store.list_recordings(folder)[-1].folder
 
 
 def shown(app: ArchoApp) -> dict[str, object]:

@@ -23,7 +23,7 @@ from archo_tui.errors import ArchoError
 from archo_tui.recording import bag
 from archo_tui.recording.bag import type_name
 from archo_tui.recording.definitions import definition
-from archo_tui.recording.ring import Heard
+from archo_tui.recording.ring import ReceivedMessage
 from archo_tui.replay import chunks, held
 from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.mcap_index import Piece
@@ -52,7 +52,7 @@ FEEDBACK = "/move_to_shelf/_action/feedback"
 def recorded(folder: Path, sent: list[tuple[str, Any]], **attached: str) -> Path:
     """By this console's own recorder, a tenth of a second apart."""
     folder.mkdir(exist_ok=True)
-    heard = [Heard(START * 10**9 + n * 10**8, *one) for n, one in enumerate(sent)]
+    heard = [ReceivedMessage(START * 10**9 + n * 10**8, *one) for n, one in enumerate(sent)]
     bag.write(folder, heard, {"why": "a test"}, **attached)
     return folder
 

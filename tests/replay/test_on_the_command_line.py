@@ -14,8 +14,8 @@ from archo_tui import cli
 from archo_tui.clock import time_of_day
 from archo_tui.paths import state_file
 from archo_tui.recording import bag, store
-from archo_tui.recording.ring import Heard
-from archo_tui.recording.witness import JOURNAL, STATE
+from archo_tui.recording.console_recorder import JOURNAL, STATE
+from archo_tui.recording.ring import ReceivedMessage
 from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.found import path_of, robot_of
 from archo_tui.replay.text import lines
@@ -71,7 +71,9 @@ async def test_without_a_name_the_newest_is_meant() -> None:
         await op.press("ctrl+x")
         await op.until("STOPPED: look for the cause")
         await written(op)
-    path = store.listed(state_file("recordings"))[-1].folder  # more may be written at its end
+    path = store.list_recordings(state_file("recordings"))[
+        -1
+    ].folder  # more may be written at its end
     older = path.with_name("an_older_one")
     shutil.copytree(path, older)
     said = (older / "metadata.yaml").read_text(encoding="utf-8")
@@ -93,7 +95,7 @@ def test_an_event_behind_one_with_a_high_number_is_told(tmp_path: Path) -> None:
         (1, "/rosout", Log(level=20, name="dashboard", msg="as always")),
         (2, JOURNAL, Log(level=20, name="console", msg="YOU: STOP: confirmed")),
     ]
-    heard = [Heard((begin + at) * 10**9, topic, one) for at, topic, one in messages]
+    heard = [ReceivedMessage((begin + at) * 10**9, topic, one) for at, topic, one in messages]
     bag.write(tmp_path, heard, {})
     bag_file = BagFile(tmp_path)
     told = list(lines(bag_file, robot_of(bag_file, "")))

@@ -15,8 +15,8 @@ from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
 from archo_tui.recording import bag
-from archo_tui.recording.ring import Heard
-from archo_tui.recording.witness import JOURNAL, STATE
+from archo_tui.recording.console_recorder import JOURNAL, STATE
+from archo_tui.recording.ring import ReceivedMessage
 from archo_tui.replay.bag_file import BagFile, Said
 from archo_tui.replay.player import Player
 from archo_tui.robot_file import load
@@ -46,16 +46,20 @@ GOAL = {
 }
 
 
-def drain(namespace: str = "", seconds: int = 60) -> list[Heard]:
+def drain(namespace: str = "", seconds: int = 60) -> list[ReceivedMessage]:
     """A battery that falls from 30 % by half a percent a second; a motor that stands."""
     heard = []
     for second in range(seconds):
         at = (BEGIN + second) * 10**9
         level = BatteryStatus(percentage=30.0 - second / 2, voltage=22.0)
-        heard.append(Heard(at, f"{namespace}/battery_level", level))
-        heard.append(Heard(at + 1, f"{namespace}/motor_status", MotorStatus(encoder_ticks=second)))
+        heard.append(ReceivedMessage(at, f"{namespace}/battery_level", level))
+        heard.append(
+            ReceivedMessage(at + 1, f"{namespace}/motor_status", MotorStatus(encoder_ticks=second))
+        )
     name = f"{namespace.lstrip('/')}.dashboard".lstrip(".")
-    heard.append(Heard((BEGIN + 30) * 10**9, "/rosout", Log(level=30, name=name, msg="Low")))
+    heard.append(
+        ReceivedMessage((BEGIN + 30) * 10**9, "/rosout", Log(level=30, name=name, msg="Low"))
+    )
     return sorted(heard, key=lambda one: one.time)
 
 
@@ -81,7 +85,9 @@ async def test_a_bag_of_the_robots_topics_is_shown_with_its_alarms(
 
 
 async def test_silence_in_a_bag_is_lost_contact(tmp_path: Path) -> None:
-    late = Heard((BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late"))
+    late = ReceivedMessage(
+        (BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late")
+    )
     bag.write(tmp_path, [*drain(seconds=5), late], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 20.0)
@@ -89,7 +95,9 @@ async def test_silence_in_a_bag_is_lost_contact(tmp_path: Path) -> None:
 
 
 async def test_a_silence_looked_at_from_its_end_to_its_begin_was_no_longer(tmp_path: Path) -> None:
-    late = Heard((BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late"))
+    late = ReceivedMessage(
+        (BEGIN + 40) * 10**9, "/rosout", Log(level=20, name="dashboard", msg="Late")
+    )
     bag.write(tmp_path, [*drain(seconds=5), late], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 20.0)
@@ -162,7 +170,7 @@ NONSENSE = [
 async def test_a_state_that_says_nonsense_is_counted_and_the_rest_is_shown(
     said: str, tmp_path: Path
 ) -> None:
-    odd: Any = Heard(BEGIN * 10**9 + 5, STATE, String(data=said))
+    odd: Any = ReceivedMessage(BEGIN * 10**9 + 5, STATE, String(data=said))
     bag.write(tmp_path, [*drain(), odd], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 10.5)
@@ -172,7 +180,7 @@ async def test_a_state_that_says_nonsense_is_counted_and_the_rest_is_shown(
 
 async def test_where_no_state_can_be_read_alarms_are_looked_for(tmp_path: Path) -> None:
     odd = String(data=json.dumps({"goal": {"phase": "FLYING"}}))
-    bag.write(tmp_path, [*drain(), Heard(BEGIN * 10**9 + 5, STATE, odd)], {})
+    bag.write(tmp_path, [*drain(), ReceivedMessage(BEGIN * 10**9 + 5, STATE, odd)], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 40.5)
         assert "LOW BATTERY 10.0 %" in watcher.text
@@ -180,7 +188,7 @@ async def test_where_no_state_can_be_read_alarms_are_looked_for(tmp_path: Path) 
 
 async def test_a_text_with_escapes_changes_no_terminal(tmp_path: Path) -> None:
     said = json.dumps({"nodes": [{"name": "/evil\x1b]0;owned\x07"}], "namespace": "/"})
-    bag.write(tmp_path, [*drain(), Heard(BEGIN * 10**9, STATE, String(data=said))], {})
+    bag.write(tmp_path, [*drain(), ReceivedMessage(BEGIN * 10**9, STATE, String(data=said))], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 1.0)
         assert "evil" in watcher.text
@@ -190,7 +198,7 @@ async def test_a_text_with_escapes_changes_no_terminal(tmp_path: Path) -> None:
 async def test_a_command_that_is_copied_is_one_line(tmp_path: Path) -> None:
     """It is pasted into a shell."""
     said = Log(level=20, name="console", msg="YOU: moved", function="ros2 topic list\nrm x\x1b[A")
-    bag.write(tmp_path, [*drain(), Heard((BEGIN + 5) * 10**9, JOURNAL, said)], {})
+    bag.write(tmp_path, [*drain(), ReceivedMessage((BEGIN + 5) * 10**9, JOURNAL, said)], {})
     async with replay(tmp_path) as watcher:
         await watcher.show(BEGIN + 10.5)
         (event,) = (one for one in watcher.app.view.snapshot.events if one.level == "YOU")
@@ -226,7 +234,7 @@ def test_states_that_differ_all_are_put_back_as_they_were(tmp_path: Path) -> Non
     heard = drain(seconds=600)
     for second in range(600):
         said = json.dumps({"namespace": "/", "consoles": [f"anna_{second}"]})
-        heard.append(Heard((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
+        heard.append(ReceivedMessage((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
     bag.write(tmp_path, sorted(heard, key=lambda one: one.time), {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
     wait_until(lambda: player.is_whole)

@@ -11,10 +11,10 @@ from rcl_interfaces.msg import Log
 from std_msgs.msg import String
 
 from archo_tui.recording import bag
+from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.data import to_data
-from archo_tui.recording.ring import Heard
-from archo_tui.recording.state import state
-from archo_tui.recording.witness import JOURNAL, STATE
+from archo_tui.recording.ring import ReceivedMessage
+from archo_tui.recording.state import console_state
 from tests.replay.recorded import replay
 from tests.support.clock import TIME
 from tests.support.night import corners
@@ -34,7 +34,7 @@ def write(folder: Path) -> None:
     """A low battery on the way to a shelf, and what was done about it."""
     station = stub_app(STATES["battery low and moving"], StandingClock()).station
     station.take(station.robot.snapshot)
-    said = json.dumps(to_data(state(station.view, whole=True)))
+    said = json.dumps(to_data(console_state(station.view, with_events=True)))
     messages: list[tuple[float, str, object]] = [(0.0, STATE, String(data=said))]
     for second in range(60):
         level = BatteryStatus(percentage=18.0 - second / 100, voltage=21.3)
@@ -44,7 +44,7 @@ def write(folder: Path) -> None:
     for second, text in ((12, "go to shelf 12: accepted"), (41, "cancel: accepted")):
         log = Log(level=20, name="console", msg=f"YOU: {text}")
         messages.append((second, JOURNAL, log))
-    heard = [Heard(round((TIME + at) * 1e9), topic, one) for at, topic, one in messages]
+    heard = [ReceivedMessage(round((TIME + at) * 1e9), topic, one) for at, topic, one in messages]
     bag.write(folder, sorted(heard, key=lambda one: one.time), {})
 
 

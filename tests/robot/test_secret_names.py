@@ -93,7 +93,7 @@ async def test_only_the_operator_sees_a_secret(monkeypatch: pytest.MonkeyPatch) 
         assert "api_key is s3same, was hunter2 at the start" in shown.out  # the operator's own
         assert (await typed("keep")).code == 0
         await person.end()
-    (recording,) = store.listed(state_file("recordings"))
+    (recording,) = store.list_recordings(state_file("recordings"))
     with AnyReader([recording.folder]) as reader:
         recorded = b"".join(data for _, _, data in reader.messages()).decode(errors="replace")
     journal = journal_file().read_text()

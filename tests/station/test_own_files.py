@@ -71,7 +71,10 @@ def test_what_libraries_print_leads_somewhere(misplaced: Callable[[Path], Path])
 
 @pytest.mark.parametrize(
     "write",
-    [lambda path: regular_files.replace(path, "text"), lambda path: store.try_out(path.parent)],
+    [
+        lambda path: regular_files.replace(path, "text"),
+        lambda path: store.check_writable(path.parent),
+    ],
     ids=["a file", "a try"],
 )
 def test_a_full_disk_leaves_nothing_half_written(

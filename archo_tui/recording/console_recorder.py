@@ -1,0 +1,107 @@
+"""The console's own topics in a recording, and the watch for events that begin one."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from rcl_interfaces.msg import Log
+from std_msgs.msg import String
+
+from archo_tui.clock import LAST_STAMP
+from archo_tui.recording import triggers
+from archo_tui.recording.box import BEGUN, KEPT, BlackBox
+from archo_tui.recording.data import to_data
+from archo_tui.recording.ring import LazyMessage
+from archo_tui.recording.state import change_key, console_state
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.state import LEVELS, OWN_LEVELS, Event
+from archo_tui.station.alarms import Alarm
+from archo_tui.station.station import View
+
+JOURNAL, STATE = "/archo_tui/journal", "/archo_tui/state"
+_EVENT_WEIGHT = 1000  # Bytes that a waiting event takes, approximately.
+_STATE_WEIGHT = 20_000  # The same of a view.
+_MAX_STATE_AGE = 10.0  # Seconds after which an unchanged state is recorded again.
+
+
+class ConsoleRecorder:
+    """The recorder of what the console did and showed.
+
+    `happened` is called on the robot's thread, everything else on the event loop.
+    """
+
+    def __init__(self, box: BlackBox) -> None:
+        self._box = box
+        self._last_view: View | None = None
+        self._last_key: tuple[object, ...] = ()
+        self._state_time = 0.0  # Monotonic time of the last recorded state, in s.
+        self.kept = ""  # The last recording on the disk that the operator asked for.
+
+    @property
+    def trouble(self) -> str:
+        """Return what the operator must know about recordings, or ""."""
+        return self._box.trouble
+
+    def happened(self, event: Event) -> None:
+        """Record an event if it tells what this console or another one did."""
+        if event.level in OWN_LEVELS or event.source == "console":
+            self._box.receive(JOURNAL, LazyMessage(partial(_to_log, event), _EVENT_WEIGHT))
+
+    def look(self, view: View, changed: Sequence[Alarm]) -> None:
+        """Record the view if it changed, and begin or end recordings.
+
+        Args:
+            view: The station's view of now.
+            changed: Alarms whose state differs from the last call.
+        """
+        now = change_key(view)
+        if now != self._last_key or view.now - self._state_time > _MAX_STATE_AGE:
+            self._last_key, self._state_time = now, view.now
+            self._box.receive(STATE, LazyMessage(partial(_to_string, view), _STATE_WEIGHT))
+        if self._last_view is not None:
+            for why in triggers.reasons_to_record(self._last_view, view, changed):
+                self._box.trigger(why)
+        self._last_view = view
+        self._box.tick()
+
+    def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
+        """Record the last minute and the next seconds, because the operator asked for it.
+
+        Args:
+            written: Called on the event loop with the outcome when the recording is on the disk.
+        """
+        loop = None if written is None else asyncio.get_running_loop()
+
+        def on_disk(name: str, failure: str) -> None:
+            self.kept = name or self.kept
+            said = Outcome(Code.DONE, f"recorded {name}")
+            if failure:
+                said = Outcome(Code.REFUSED, f"recording not written: {failure}")
+            if loop is not None and written is not None:
+                with suppress(RuntimeError):  # The loop is closed if the console has ended.
+                    loop.call_soon_threadsafe(written, said)
+
+        self._box.trigger(KEPT, by_hand=True, on_written=on_disk)
+        return Outcome(Code.DONE, BEGUN)
+
+
+def _to_log(event: Event, _first: bool) -> Log:
+    seconds, rest = divmod(int(event.time * 1e9), 10**9)
+    return Log(
+        stamp=Time(sec=min(seconds, LAST_STAMP), nanosec=rest),
+        level=LEVELS.get(event.level, LEVELS["INFO"]),
+        name=event.source,
+        msg=f"{event.level}: {event.text}" if event.level in OWN_LEVELS else event.text,
+        function=event.command,  # The `ros2` command line with the same effect.
+    )
+
+
+def _to_string(view: View, first: bool) -> Any:
+    said = to_data(console_state(view, with_events=first))
+    return String(data=json.dumps(said, ensure_ascii=False, separators=(",", ":")))
