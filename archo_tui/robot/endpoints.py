@@ -14,9 +14,9 @@ _UNMATCHED = (
     ("reliability", ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT),
     ("durability", DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE),
 )
-
-
-_NOTHING, _MISREADS = "hears nothing of", "may misread"
+# subscriber, publishers, topic, why
+_HEARS_NOTHING = "{} hears nothing of {} on {}: {}"
+_MISREADS = "{} may misread {} on {}: {}"
 _SHOWN = 8  # digits of a type hash that are shown: two versions of a type differ in them
 _OWN = "this console"
 
@@ -54,8 +54,8 @@ def mismatches(
                 found.setdefault((name, *reason), set()).add(_node(publisher))
     return tuple(
         sorted(
-            f"{name} {what} {', '.join(n.lstrip('/') for n in sorted(them))}"
-            f" on {topic}: {reason}. {remedy}."
+            what.format(name, ", ".join(n.lstrip("/") for n in sorted(them)), topic, reason)
+            + f". {remedy}."
             for (name, what, reason, remedy), them in found.items()
         )
     )
@@ -65,12 +65,16 @@ def _unmatched(publisher: Any, subscription: Any) -> tuple[str, str, str] | None
     """Return what happens where DDS does not match the two, why, and what mends it."""
     wanted, given = subscription.topic_type, publisher.topic_type
     if wanted != given:
-        return _NOTHING, f"it subscribes to {wanted}, published is {given}", "Use one type in both"
+        return (
+            _HEARS_NOTHING,
+            f"it subscribes to {wanted}, published is {given}",
+            "Use one type in both",
+        )
     for policy, asked, offered in _UNMATCHED:
         wants, has = (getattr(end.qos_profile, policy) for end in (subscription, publisher))
         if (wants, has) == (asked, offered):
             return (
-                _NOTHING,
+                _HEARS_NOTHING,
                 f"it asks for {asked.name}, published is {offered.name}",
                 f"Publish {asked.name}, or subscribe with {offered.name}",
             )

@@ -180,7 +180,7 @@ def test_an_answer_from_before_the_goal_was_taken_does_not_end_it() -> None:
     assert seen == [Phase.MOVING, Phase.ABORTED]
 
 
-def test_what_is_left_of_a_goal_found_underway_is_judged_by_what_was_seen_of_it() -> None:
+def test_time_left_of_a_goal_found_underway_counts_from_then() -> None:
     clock = StandingClock()
     followed = followed_at(clock)
     followed.update(is_found=True, started=clock.monotonic() - 300.0, length=18.0)

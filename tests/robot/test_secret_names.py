@@ -73,7 +73,7 @@ class Door(Node):
 
 @pytest.mark.real_time
 async def test_only_the_operator_sees_a_secret(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(box, "AFTER", 0.2)
+    monkeypatch.setattr(box, "SECONDS_AFTER", 0.2)
     make_folder(config_file("secret_names.txt"))
     config_file("secret_names.txt").write_text("pin\n")
     async with served(Door) as person:
