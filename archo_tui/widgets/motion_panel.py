@@ -26,11 +26,14 @@ class MotionPanel(Panel, can_focus=True):
         self._topic = "" if robot.motion is None else robot.motion.topic
         ours = [command for command in robot.commands if not command.toggles_reading_of("battery")]
         words = [(command.id, command.title.partition(" ")[0].lower()) for command in ours]
-        self.keys = (*words[:1], ("stop", "stop"), ("release", "release"), *words[1:])
+        stops = [("stop", "cancel all")]  # without a STOP that is all that its key does
+        if robot.stop is not None:
+            stops = [("stop", "stop"), *[("release", "release")][: bool(robot.stop.release)]]
+        self.keys = (*words[:1], *stops, *words[1:])
         self._line, self._word = Line(id="motion-line"), Line(id="motion-word")
         self._gauges = [Line(classes="gauge") for _ in robot.gauges]
-        stop = "" if robot.stop is None else robot.stop.service
-        self._services = [(stop, Button("STOP", "stop", id="stop"))]
+        stop, label = ("", "Cancel all") if robot.stop is None else (robot.stop.service, "STOP")
+        self._services = [(stop, Button(label, "stop", id="stop"))]
         for command in ours[:1]:
             button = Button(command.title, command.id, id=command.id)
             self._services.insert(0, (command.service, button))
@@ -39,9 +42,7 @@ class MotionPanel(Panel, can_focus=True):
         yield self._line
         yield self._word
         with Horizontal(classes="buttons"):
-            yield from (button for _, button in self._services[:-1])
-            yield Line(classes="gap")
-            yield self._services[-1][1]
+            yield from (button for _, button in self._services)
         yield from self._gauges  # below STOP: in a small terminal they are cut, and it is not
 
     def show(self, view: Shown) -> None:

@@ -22,6 +22,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
 from archo_tui.robot_file.load import load
 from tests.robots.rover import Rover
+from tests.support.console import console
 from tests.support.plain import operated
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
@@ -119,3 +120,25 @@ async def test_a_shell_and_python_are_told_that_it_was_no_stop() -> None:
             return "stopped"
 
         assert f"{NONE}none was cancelled)" in await asyncio.to_thread(stop)
+
+
+async def test_its_panel_names_what_the_key_does_and_nothing_that_releases() -> None:
+    async with console(robot=FILE, node_makers=[Rover], wait=False) as op:
+        await op.until("^x cancel all")
+        assert "Cancel all" in op.line("Cancel all")
+        assert "STOP" not in op.text.replace("no STOP", "")
+        assert "R release" not in op.text
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 36)])
+async def test_the_longest_title_of_a_command_leaves_the_stop_its_place(
+    size: tuple[int, int], here: Path
+) -> None:
+    file = here / "robot.yaml"
+    file.write_text(
+        "name: Long\nstop: {service: halt}\ncommands:\n"
+        f"  - {{id: map, title: Save {'the whole map ' * 9}, key: m, service: map}}\n"
+    )
+    async with console(robot=file, node_makers=[Rover], size=size, wait=False) as op:
+        await op.until("Save the")
+        assert " STOP " in op.line("Save the")
