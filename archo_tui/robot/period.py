@@ -6,10 +6,17 @@ from typing import NamedTuple, TypeGuard
 
 _MEASURED = 5  # intervals, of which the median is the period
 LEAST_SILENCE = 2.5  # s
-UNMEASURED = 30.0  # s of silence before the period is known: longer than that of most topics
-LONGEST_SET = UNMEASURED / 3  # s; a longer period that a parameter seems to be is not believed
+UNMEASURED = 90.0  # s of silence before the period is known: longer than that of most topics
+LONGEST_SET = 10.0  # s; a longer period that a parameter seems to be is not believed
 _ALIKE = 0.1  # of a parameter's value by which a period may differ from it
 _SMOOTHING = 0.2  # weight of the newest interval in a pace
+_DENSE = LEAST_SILENCE / 3  # s; intervals up to that make no difference to LEAST_SILENCE
+_LEARNT = 10.0  # s of messages at least, by which it is known what is typical of a topic
+_MOST = 20  # longer intervals by which it is known at the latest
+_LONGER = 1.25  # times as long as another interval is no chance
+_GROWING = 3  # intervals in a row, each longer than the one before: the link grows slower
+_REGULAR = 3  # silences in a row that are as long as each other, until they are typical
+_AS_LONG = 1.1  # times as long as the shortest of them the longest may be
 
 
 class Period(NamedTuple):
@@ -21,6 +28,10 @@ class Period(NamedTuple):
     intervals: tuple[float, ...] = ()
     last: float | None = None
     known: float | None = None  # the period (s) that holds until it is measured
+    dense: float = 0.0  # s in all of the intervals up to _DENSE
+    gaps: tuple[float, ...] = ()  # s; the longer intervals
+    learnt: float | None = None  # what is typical, in s; None: that is being learnt
+    silences: tuple[float, ...] = ()  # s; the last intervals that were longer than is typical
 
     def anew(self, old: object, new: object) -> Period:
         """Return the period to be measured anew, because a parameter has changed.
@@ -32,7 +43,7 @@ class Period(NamedTuple):
             old: What the parameter was; None: it is of another node than the publisher.
             new: What it is.
         """
-        seconds = self.seconds
+        seconds = self.typical or self.seconds
         if seconds is None or not (is_number(old) and is_number(new)):
             return Period(known=seconds)
         if abs(seconds - old) <= _ALIKE * old:
@@ -40,12 +51,71 @@ class Period(NamedTuple):
         return Period(known=seconds)
 
     def heard(self, now: float) -> Period:
-        """With one more message."""
-        if len(self.intervals) == _MEASURED:
-            return self
+        """Return the period with one more message at `now` (monotonic s)."""
         if self.last is None:
             return self._replace(last=now)
-        return self._replace(intervals=(*self.intervals, now - self.last), last=now)
+        interval = now - self.last
+        if self.learnt is not None:
+            return self._with_typical(interval, now)
+        intervals = (*self.intervals, interval)[:_MEASURED]
+        learning = self._replace(intervals=intervals, last=now)
+        if interval <= _DENSE:
+            learning = learning._replace(dense=self.dense + interval)
+        else:
+            learning = learning._replace(gaps=(*self.gaps, interval))
+        if not learning._is_sure:
+            return learning
+        return learning._replace(learnt=learning._middle)._with_typical(interval, now)
+
+    def _with_typical(self, interval: float, now: float) -> Period:
+        """Return the period with a message, when it is known what is typical.
+
+        Silences that come regularly become typical, as those between long bursts.
+        """
+        assert self.learnt is not None
+        if interval <= max(3 * self.learnt, LEAST_SILENCE):
+            return self._replace(last=now)
+        silences = (*self.silences, interval)[-_REGULAR:]
+        if len(silences) == _REGULAR and max(silences) <= _AS_LONG * min(silences):
+            return self._replace(last=now, learnt=max(silences), silences=())
+        return self._replace(last=now, silences=silences)
+
+    @property
+    def _is_sure(self) -> bool:
+        """Return whether enough was heard to know what is typical: one long gap is a hiccup."""
+        if len(self.gaps) >= _MOST:
+            return True
+        if self._span < _LEARNT or len(self.intervals) < _MEASURED:
+            return False
+        middle = self._middle
+        return middle <= _DENSE or sum(gap * _LONGER >= middle for gap in self.gaps) > 1
+
+    @property
+    def _span(self) -> float:
+        """The time from the first message to the last, in s."""
+        return self.dense + sum(self.gaps)
+
+    @property
+    def _middle(self) -> float:
+        """The interval in s in which the middle of the time lies; so a burst counts as one message.
+
+        The last intervals do not count while they grow.
+        """
+        gaps = list(self.gaps)
+        grown = 0
+        while grown < len(gaps) - 1 and gaps[-1 - grown] > _LONGER * gaps[-2 - grown]:
+            grown += 1
+        if grown >= _GROWING:
+            gaps = gaps[:-grown]
+        passed, half = self.dense, (self.dense + sum(gaps)) / 2
+        for gap in sorted(gaps):
+            if passed >= half:
+                break
+            passed += gap
+            if passed >= half:
+                return gap
+        # not the mean, which differs with each message: that would be news
+        return min(self.seconds or 0.0, _DENSE)
 
     @property
     def seconds(self) -> float | None:
@@ -53,6 +123,16 @@ class Period(NamedTuple):
         if not self.intervals:
             return self.known
         return sorted(self.intervals)[len(self.intervals) // 2]
+
+    @property
+    def typical(self) -> float | None:
+        """The interval in s by which silence is judged: that in which the middle of the time lies.
+
+        The first messages may be a burst, and say nothing yet: what is known holds; None: nothing.
+        """
+        if self.learnt is not None:
+            return self.learnt
+        return self.known if self._span < LEAST_SILENCE else self._middle
 
 
 class Pause(NamedTuple):

@@ -152,7 +152,7 @@ class Telemetry:
         for key, period in self._periods.items():
             is_its = node in self._publishers.get(key, ())
             self._periods[key] = period.anew(old if is_its else None, new)
-        known = {key: period.seconds for key, period in self._periods.items()}
+        known = {key: period.typical for key, period in self._periods.items()}
         fixed = self._fixed(self._robot.battery), self._fixed(self._robot.motion)
         self.battery = self.battery._replace(period=fixed[0] or known.get("battery"))
         self.motion = replace(self.motion, period=fixed[1] or known.get("motion"))
@@ -290,7 +290,7 @@ class Telemetry:
 
     def _measured(self, key: object, now: float) -> float | None:
         self._periods[key] = self._periods.get(key, Period()).heard(now)
-        return self._periods[key].seconds
+        return self._periods[key].typical
 
     def _grace(self, key: object) -> float | None:
         return self._graces.get(key, UNMEASURED)

@@ -180,7 +180,7 @@ def test_an_answer_from_before_the_goal_was_taken_does_not_end_it() -> None:
     assert seen == [Phase.MOVING, Phase.ABORTED]
 
 
-def test_time_left_of_a_goal_found_underway_counts_from_then() -> None:
+def test_the_time_left_of_a_goal_found_underway_is_judged_by_what_was_seen() -> None:
     clock = StandingClock()
     followed = followed_at(clock)
     followed.update(is_found=True, started=clock.monotonic() - 300.0, length=18.0)
@@ -191,7 +191,7 @@ def test_time_left_of_a_goal_found_underway_counts_from_then() -> None:
     assert followed.goal.seconds_left(clock.monotonic()) == 20.0  # 2 m in 4 s
 
 
-def test_how_long_the_way_of_a_goal_found_underway_is_nobody_guesses() -> None:
+def test_the_way_of_a_goal_found_underway_is_not_guessed() -> None:
     clock = StandingClock()
     followed = followed_at(clock)
     followed.update(is_found=True, mine=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Iterable, Iterator
 from functools import partial
 from typing import Any
 
@@ -12,7 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float32
 
-from archo_tui.robot.period import Period
+from archo_tui.robot.period import UNMEASURED, Period, is_silent
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
@@ -59,20 +60,51 @@ async def test_nodes_that_were_heard_once_and_were_stopped_are_lost() -> None:
 
 
 @pytest.mark.waits
-async def test_what_is_heard_once_is_old_after_30_s_though_its_node_is_there() -> None:
+async def test_what_is_heard_once_is_old_after_90_s_though_its_node_is_there() -> None:
+    if clock.current is None:
+        pytest.skip("it takes as long in real time")
     async with operated(Teller) as person:
-        assert "battery GOOD, 42.0 %\n" in await state(person, 28.0)
+        assert "battery GOOD, 42.0 %\n" in await state(person, 88.0)
         assert "CONTACT LOST" not in person.said
-        assert "battery GOOD, 42.0 %, old, " in await state(person, 31.0)
+        assert "battery GOOD, 42.0 %, old, " in await state(person, 91.0)
         assert "alarm unacknowledged: CONTACT LOST for " in person.said
 
 
-@pytest.mark.parametrize("maker", [partial(Teller, 10.0), partial(Teller, qos=LATCHED)])
+class Bursting(Teller):
+    """Says its charge so many times, 0.1 s apart, and again after so many s."""
+
+    def __init__(self, count: int, again: float, **options: Any) -> None:
+        super().__init__(again, **options)
+        self.count, self.left = count, 0
+        self.create_timer(0.1, self.go_on)
+
+    def tell(self) -> None:
+        super().tell()
+        self.left = self.count - 1
+
+    def go_on(self) -> None:
+        if self.left > 0:
+            self.left -= 1
+            super().tell()
+
+
+@pytest.mark.parametrize(
+    ("maker", "watched"),
+    [
+        (partial(Teller, 10.0), 60.0),
+        (partial(Teller, 60.0), 200.0),
+        (partial(Bursting, 20, 10.0), 45.0),
+        (partial(Teller, qos=LATCHED), 60.0),
+    ],
+    ids=["each 10 s", "each 60 s", "bursts", "latched"],
+)
 @pytest.mark.waits
-async def test_who_speaks_rarely_or_says_what_holds_is_not_silent(maker: Any) -> None:
+async def test_who_speaks_rarely_or_says_what_holds_is_not_silent(
+    maker: Any, watched: float
+) -> None:
     async with operated(maker) as person:
         # in real time long enough for one silence of 10 s
-        later = seconds() + (15.0 if clock.current is None else 60.0)
+        later = seconds() + (15.0 if clock.current is None else watched)
         await until(lambda: seconds() > later)
         person.type("status\n")
         await person.until("battery GOOD, 42.0 %\n")
@@ -128,6 +160,72 @@ def test_a_period_is_known_until_it_is_measured_anew(
     period = Period().heard(7.0).heard(7.0 + measured).anew(old, new)
     assert period.seconds == pytest.approx(known)
     assert period.heard(20.0).heard(23.0).seconds == 3.0
+
+
+def bursts(count: int, each: float, pause: float, total: float = 300.0) -> Iterator[float]:
+    """Yield the times (s) of messages that come in bursts, until `total`."""
+    at = 0.0
+    while at < total:
+        yield from (at + each * number for number in range(count))
+        at += each * (count - 1) + pause
+
+
+@pytest.mark.parametrize(
+    ("times", "lost"),
+    [
+        (bursts(1, 0.0, 0.2), 2.5),
+        (bursts(1, 0.0, 1.0), 3.0),
+        (bursts(1, 0.0, 10.0), 30.0),
+        (bursts(1, 0.0, 60.0), 180.0),
+        (bursts(10, 0.01, 10.0), 30.0),
+        (bursts(20, 0.1, 60.0), 180.0),
+        (bursts(3, 1.0, 8.0), 24.0),
+        (bursts(5, 0.2, 2.0), 6.0),
+    ],
+    ids=["5 Hz", "1 Hz", "10 s", "60 s", "10 a burst", "20 a burst", "slow bursts", "short pauses"],
+)
+def test_silence_is_judged_by_what_is_typical_and_noticed(
+    times: Iterator[float], lost: float
+) -> None:
+    period, last = Period(), next(times)
+    period = period.heard(last)
+    for at in times:
+        assert not is_silent(last, period.typical, at, UNMEASURED), at
+        period, last = period.heard(at), at
+    assert not is_silent(last, period.typical, last + lost - 0.1, UNMEASURED)
+    assert is_silent(last, period.typical, last + lost + 0.1, UNMEASURED)
+
+
+def lost(times: Iterable[float]) -> tuple[Period, list[float]]:
+    """Return the period, and when messages came behind a silence, in s."""
+    period, last, found = Period(), 0.0, list[float]()
+    for at in times:
+        if is_silent(last, period.typical, at, UNMEASURED):
+            found.append(round(at, 1))
+        period, last = period.heard(at), at
+    return period, found
+
+
+def test_pauses_that_come_regularly_between_long_bursts_become_typical() -> None:
+    period, silences = lost(bursts(100, 0.1, 5.0))
+    assert silences == [14.9, 29.8, 44.7]
+    assert period.typical == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("factor", [1.5, 2.0])
+def test_a_link_that_grows_slower_and_slower_is_noticed_each_time(factor: float) -> None:
+    times = [0.2 * number for number in range(100)]
+    for number in range(8):
+        times.append(times[-1] + 4.0 * factor**number)
+    period, silences = lost(times)
+    assert len(silences) == 8
+    assert period.typical == pytest.approx(0.2)
+
+
+def test_a_hiccup_at_the_start_is_not_typical() -> None:
+    period, silences = lost([0.0, 0.2, 0.4, 3.4, *(3.4 + 0.2 * number for number in range(1, 60))])
+    assert silences == []
+    assert period.typical == pytest.approx(0.2)
 
 
 async def test_a_console_that_was_suspended_with_its_nodes_has_lost_nobody() -> None:
