@@ -27,7 +27,7 @@ OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
 FIRST_FOUND = 5.0  # s from the start in which the robot may not be found yet
 _SETTLED = 1.0  # s after a change of nodes in which what the one before has said still comes
 _FIND_PERIOD = 0.1  # s between two looks for a server
-_NOTHING_NEW = ("", "ok", "stop", "stopped", "success")  # in the answer to a STOP that is confirmed
+_NOTHING_NEW = ("", "done", "ok", "stop", "stopped", "success")  # in the answer to a STOP that is confirmed
 
 
 class _Said(NamedTuple):
@@ -92,13 +92,14 @@ class Stopping:
     async def send_again(self) -> None:
         """A STOP that was not answered, while the robot is heard: it may drive on.
 
-        Answers to earlier calls still count.
+        Answers to earlier calls still count. One that could not be sent is sent now.
         """
         if self.open is None:
             return
+        sent = "now" if self.open.answer == StopAnswer.NOT_SENT else "again"
         outcome, is_news = await self._send()
         if is_news:
-            self._tell(f"STOP, sent again: {outcome.text}", outcome.code)
+            self._tell(f"STOP, sent {sent}: {outcome.text}", outcome.code)
 
     async def _send(self) -> tuple[Outcome, bool]:
         """How one call ended, and whether that was news."""
@@ -228,7 +229,7 @@ class Stopping:
         """What the robot says of itself, by one node only."""
         if self.open is not None and motion.stopped:
             self._unheeded = self.open.asked
-            if self.is_to_be_repeated:
+            if self.open.answer == StopAnswer.NONE:
                 said = "STOP, sent again: the robot says that it is stopped"
                 self._tell(said, Code.DONE)
             self.over()
@@ -263,8 +264,15 @@ class Stopping:
 
     @property
     def is_to_be_repeated(self) -> bool:
-        """True for one that not every server has answered: the robot may not have got it."""
-        return self.open is not None and self.open.answer == StopAnswer.NONE
+        """True for one that the robot may not have got.
+
+        Not every server has answered, or there was none as it was asked for, and now there is.
+        """
+        if self._stop is None or self.open is None:
+            return False
+        is_late = self.open.answer == StopAnswer.NOT_SENT
+        is_late = is_late and self._stop.service in self._graph.offered
+        return is_late or self.open.answer == StopAnswer.NONE
 
     @property
     def obeyed_since(self) -> float | None:

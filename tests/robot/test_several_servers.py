@@ -22,6 +22,7 @@ from tests.support.archo import go
 from tests.support.clock import NOW
 from tests.support.quiet import ended, until
 from tests.support.robot import making, robot
+from tests.support.ros import begin
 from tests.support.states import STATES
 
 
@@ -47,6 +48,24 @@ class Brake(Node):
             await over
             self.destroy_timer(timer)
         response.success, response.message = self.says != "no", f"{self.get_name()} {self.says}"
+        return response
+
+
+class Late(Node):
+    """Is heard, and serves a STOP only once it is told to."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__("late", **options)
+        self.asked = 0
+        self.battery = self.create_publisher(Float32, "battery_level", 10)
+        self.create_timer(0.5, lambda: self.battery.publish(Float32(data=80.0)))
+
+    def offer(self) -> None:
+        self.create_service(EmergencyStop, "emergency_stop", self.stop)
+
+    def stop(self, _: Any, response: EmergencyStop.Response) -> EmergencyStop.Response:
+        self.asked += 1
+        response.success = True
         return response
 
 
@@ -189,6 +208,19 @@ async def test_a_stop_that_cannot_be_sent_says_so() -> None:
         assert not (await ended(it.emergency_stop())).ok
         said = "STOP NOT SENT (/emergency_stop is not offered by any node): use the hardware stop"
         assert alarms(it)[UNCONFIRMED] == said
+
+
+async def test_a_stop_that_nobody_could_be_sent_is_sent_once_somebody_serves_it() -> None:
+    made: list[Late] = []
+    async with robot(making(made, Late)) as it:
+        await until(lambda: it.snapshot.battery.received is not None)
+        assert not (await ended(it.emergency_stop())).ok
+        begin(made[0], made[0].offer)
+        said = "STOP, sent now: confirmed"
+        await until(lambda: said in {event.text for event in it.snapshot.events})
+        assert made[0].asked == 1
+        assert it.snapshot.open_stop is None
+        assert UNCONFIRMED not in alarms(it)
 
 
 async def test_a_stop_is_given_up_when_the_operator_says_so() -> None:
