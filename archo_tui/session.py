@@ -112,6 +112,7 @@ class Session:
             on_disconnect=options.on_disconnect,
             quiet=options.quiet_alarms,
             unseen=engine.unseen(options.engine, self._context),
+            file_is_default=options.robot is None,
         )
         self._watch = Watch(self._watched(interfaces))
         self._server = self._socket() if options.remote else None

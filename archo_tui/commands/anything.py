@@ -11,7 +11,7 @@ from archo_tui.commands.base import Command, Console, Speak, Work, write_file
 from archo_tui.commands.robot import SendGoal
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot_file.dump import dump
+from archo_tui.robot_file.dump import dump, without
 from archo_tui.robot_file.mismatch import not_installed
 from archo_tui.robot_file.model import CommandService, FormField, GoalKind
 from archo_tui.robot_file.reserved import unused_word
@@ -167,5 +167,8 @@ class KeepRobot(Command):
     def run(self, console: Console) -> None:
         from archo_tui.screens.ask_path import AskPath
 
-        write = write_file(console, dump(console.used), "keep as robot file")
+        used, station = console.used, console.station
+        if station.file_is_default:  # of another robot's than ARCHO little or nothing is there
+            used = without(used, station.robot.snapshot.absent)
+        write = write_file(console, dump(used), "keep as robot file")
         console.open(AskPath("Keep as robot file", "Robot file", "robot.yaml", write))

@@ -478,6 +478,13 @@ class Snapshot(NamedTuple):
         """Why a service or action of the robot file cannot be used, or an empty string."""
         return self.faults.get(name, "") if name in self.offered else not_offered(name)
 
+    @property
+    def absent(self) -> frozenset[str]:
+        """The names of the robot file that nobody serves, or not as the file says."""
+        actions = (kind.action for kind in self.file.goals)
+        names = (*self.file.topics, *self.file.services, *actions)
+        return frozenset(name for name in names if self.unavailable(name))
+
     def parameter(self, name: str) -> Parameter | None:
         """The first parameter of that name on any node."""
         return next((p for p in self.parameters if p.name == name), None)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import MISSING, fields, is_dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import MISSING, fields, is_dataclass, replace
 from typing import Any
 
 from archo_tui.robot_file.model import RobotFile
@@ -15,6 +15,24 @@ _HEAD = "# Written by archo-tui. What the words mean: docs/own_robot.md.\n"
 def dump(robot: RobotFile) -> str:
     """Return YAML text from which `load` makes an equal robot."""
     return _HEAD + yaml_dump.block({"version": robot.version, **_plain(robot)})
+
+
+def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
+    """Return a robot without what has one of these names of topics, services and actions.
+
+    One that lacks any of it is another robot, and not called by the name either.
+    """
+    battery, motion, stop = robot.battery, robot.motion, robot.stop
+    kept = replace(
+        robot,
+        battery=None if battery is None or battery.topic in names else battery,
+        motion=None if motion is None or motion.topic in names else motion,
+        goals=tuple(kind for kind in robot.goals if kind.action not in names),
+        stop=None if stop is None or stop.service in names else stop,
+        commands=tuple(one for one in robot.commands if one.service not in names),
+        gauges=tuple(gauge for gauge in robot.gauges if gauge.topic not in names),
+    )
+    return kept if kept == robot else replace(kept, name=RobotFile.name)
 
 
 def _plain(value: Any) -> Any:

@@ -130,16 +130,19 @@ class Station:
         on_disconnect: str,
         quiet: bool = False,
         unseen: str = "",
+        file_is_default: bool = False,
     ) -> None:
         """`attached`: the robot lives on without this process; `on_disconnect`: see shutdown.py.
 
         `quiet`: new alarms are shown, and neither rung nor told to the desktop. `unseen`: where
-        no node is, when none is found, and what to try; empty: nobody asks.
+        no node is, when none is found, and what to try; empty: nobody asks. `file_is_default`: no
+        robot file was given, so ARCHO's is used, whatever robot is there.
         """
         self.quiet, self.unseen = quiet, unseen
         self.ringer = Ringer()  # here, for a screen that was started anew does not ring again
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
+        self.file_is_default = file_is_default
         self.edits = UndoList()
         self.ledger = Ledger()
         self.queue = GoalQueue(self.ledger)
