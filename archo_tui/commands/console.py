@@ -19,7 +19,7 @@ from archo_tui.shutdown import CANCEL, LEAVE, let_go
 from archo_tui.station.alarms import is_grave
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.verbs.base import Verb
-from archo_tui.words.goal import way
+from archo_tui.words.goal import activity
 
 if TYPE_CHECKING:
     from archo_tui.screens.help import Entry
@@ -144,7 +144,7 @@ class Suspend(Command):
         if goal is None or console.station.attached:
             console.action_suspend_process()
             return
-        question = f"The robot is {way(goal)}; its nodes would pause."
+        question = f"The robot is {activity(goal)}; its nodes would pause."
         console.confirm("Suspend", question, "Stay", {"Suspend": console.action_suspend_process})
 
 
@@ -162,7 +162,7 @@ class Quit(Command):
         answers: Answers = {"Cancel it and quit": partial(self._end, console, CANCEL)}
         if station.attached:
             answers = {**answers, "Leave it running and quit": partial(self._end, console, LEAVE)}
-        console.confirm("Quit", f"The robot is {way(goal)}.", "Stay", answers)
+        console.confirm("Quit", f"The robot is {activity(goal)}.", "Stay", answers)
         return None
 
     async def _end(self, console: Console, choice: str) -> None:

@@ -9,7 +9,7 @@ from archo_tui.replay.player import Player
 from archo_tui.replay.robot import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.text import ShowText
-from archo_tui.words.alarm import standing
+from archo_tui.words.alarm import timeline
 
 # of all others none does anything in a replay
 _SHOW = frozenset(
@@ -167,7 +167,7 @@ class Alarms(Command):
             console.say("This moment is still being read.")
             return
         lines = [
-            f"{alarm.priority.value}  {standing(alarm)}\n   {alarm.text}"
+            f"{alarm.priority.value}  {timeline(alarm)}\n   {alarm.text}"
             for alarm in console.view.alarms
         ]
         console.open(ShowText("Alarms", "\n\n".join(lines) or "No alarms."))

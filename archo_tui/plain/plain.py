@@ -28,7 +28,7 @@ from archo_tui.verbs.called import choose_verb
 from archo_tui.verbs.parse import YES, UnknownVerbError, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
-from archo_tui.words import spoken
+from archo_tui.words import line_by_line
 from archo_tui.words.event import event_text, is_of_own_file
 
 if TYPE_CHECKING:
@@ -304,7 +304,7 @@ class Plain:
             self._out(outcome.text)
         waiting = [wanted.text for wanted in station.queue.waiting]
         if verb.moves and outcome.code == Code.ACCEPTED and waiting:
-            self._say(f"queue: {spoken.queue(waiting, station.queue.held)}")
+            self._say(f"queue: {line_by_line.queue_text(waiting, station.queue.held)}")
         self._failed = self._failed or verb.id == "skip"  # one goal less that arrives
         return outcome
 
@@ -440,7 +440,7 @@ class Plain:
         if before is not None and before.number != goal.number:
             before = None
         if (before is None or _said_of(before) != _said_of(goal)) and not _is_said(before, goal):
-            said = spoken.goal(snapshot, self._clock.monotonic(), self._status.ask)
+            said = line_by_line.goal_text(snapshot, self._clock.monotonic(), self._status.ask)
             self._say(f"goal {said}")
 
     def _tell_alarms(self, changed: list[Alarm]) -> None:

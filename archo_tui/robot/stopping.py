@@ -27,7 +27,14 @@ OBEYED = 1.0  # s after the answer to a STOP in which every goal has ended
 FIRST_FOUND = 5.0  # s from the start in which the robot may not be found yet
 _SETTLED = 1.0  # s after a change of nodes in which what the one before has said still comes
 _FIND_PERIOD = 0.1  # s between two looks for a server
-_NOTHING_NEW = ("", "done", "ok", "stop", "stopped", "success")  # in the answer to a STOP that is confirmed
+_NOTHING_NEW = (
+    "",
+    "done",
+    "ok",
+    "stop",
+    "stopped",
+    "success",
+)  # in the answer to a STOP that is confirmed
 
 
 class _Said(NamedTuple):

@@ -14,7 +14,7 @@ from archo_tui.screens.shelve import ShelveReason
 from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
 from archo_tui.station.station import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
-from archo_tui.words.alarm import standing
+from archo_tui.words.alarm import timeline
 
 _INDENT = " " * 8
 
@@ -22,7 +22,7 @@ _INDENT = " " * 8
 def alarm_lines(alarm: Alarm, width: int, _columns: Columns) -> list[Text]:
     """`✗ HIGH  since 12:04:31, unacknowledged`, and what to do below."""
     style = {State.UNACKNOWLEDGED: "bold", State.SHELVED: QUIET}.get(alarm.state, "")
-    head = f"{alarm.priority.value:<7} {standing(alarm)}"
+    head = f"{alarm.priority.value:<7} {timeline(alarm)}"
     text = textwrap.wrap(alarm.text, max(width - len(_INDENT), 20))
     return [(head, style), *((_INDENT + line, style) for line in text)]
 

@@ -18,7 +18,7 @@ from archo_tui.station.station import View
 from archo_tui.terminal.app import COMMANDS, begin
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.styled import content
-from archo_tui.words.nodes import on_graph
+from archo_tui.words.nodes import graph_lines
 
 _GROUP = "node"  # of workers: the end does not wait for what is only looked at
 
@@ -76,7 +76,7 @@ class NodeDialog(Dialog[None]):
 
     def _show(self, found: NodeInfo | Outcome) -> None:
         info = found if isinstance(found, NodeInfo) else None
-        what = Content(found.text) if isinstance(found, Outcome) else content(on_graph(found))
+        what = Content(found.text) if isinstance(found, Outcome) else content(graph_lines(found))
         self.write("#node-graph", Content.assemble("\n", what.rstrip()))
         level = None if info is None else info.level
         said = "" if info is None else info.no_level if level is None else level.text

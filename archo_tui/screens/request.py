@@ -19,7 +19,7 @@ from archo_tui.station.requests import READ, Request, written
 from archo_tui.station.station import View
 from archo_tui.terminal.typed import Read, now
 from archo_tui.widgets.button import Button
-from archo_tui.words import spoken
+from archo_tui.words import line_by_line
 
 _AROUND = 5  # lines that are not the question: answers, borders, the keys below
 APART = 0.3  # s that an answer comes behind the key before it, which a paste's does not
@@ -117,8 +117,8 @@ class AnswerRequest(Dialog[None]):
             f"{one.asker.source} wants: {one.text}",
             *values,
             "",
-            f"battery: {spoken.battery(view.snapshot, view.now)}",
-            f"robot: {spoken.motion(view.snapshot, view.now)}",
+            f"battery: {line_by_line.battery_text(view.snapshot, view.now)}",
+            f"robot: {line_by_line.motion_text(view.snapshot, view.now)}",
             f"expires in {one.left(view.now):.0f} s",
         ]
         self._text.update(Content("\n".join(map(harmless, lines))))

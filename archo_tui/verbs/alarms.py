@@ -10,7 +10,7 @@ from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import state
 from archo_tui.verbs.base import Argument, Values, Verb
-from archo_tui.words.alarm import standing
+from archo_tui.words.alarm import timeline
 
 ALL = "all"
 _FOR = f"shelved for {SHELF_TIME / 60:.0f} min"
@@ -22,7 +22,7 @@ class Alarms(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         station.look()
-        lines = [f"{alarm.name}, {standing(alarm)}: {alarm.text}" for alarm in station.view.alarms]
+        lines = [f"{alarm.name}, {timeline(alarm)}: {alarm.text}" for alarm in station.view.alarms]
         return Outcome(Code.DONE, "\n".join(lines) or "No alarms: nothing needs attention.")
 
     def data(self, station: Station, values: Values) -> Any:

@@ -9,8 +9,8 @@ from archo_tui.robot.acts import bounded
 from archo_tui.robot.state import Event, Goal, Latch, Parameter, Snapshot
 from archo_tui.station.alarms import Priority
 from archo_tui.station.station import Station
-from archo_tui.words.goal import doing, way_left
-from archo_tui.words.spoken import in_words
+from archo_tui.words.goal import remaining_text, running_word
+from archo_tui.words.line_by_line import spans_to_text
 from archo_tui.words.state import battery_word, motion_word
 
 
@@ -80,8 +80,8 @@ def in_line(station: Station) -> str:
         old = charge is None or snapshot.battery.is_old(now)
         parts.append("-- %" if old else f"{charge:.0f} %")
     if goal is not None and not snapshot.is_stopped:
-        left = way_left(goal)
-        parts.append(f"{doing(goal)}, {left}" if left else doing(goal))
+        left = remaining_text(goal)
+        parts.append(f"{running_word(goal)}, {left}" if left else running_word(goal))
     else:
         parts.append(_word(snapshot, now, 40))
     if station.queue.held:
@@ -95,7 +95,7 @@ def in_line(station: Station) -> str:
 
 def _word(snapshot: Snapshot, now: float, width: int) -> str:
     """What the robot does, without the mark before it."""
-    return in_words(motion_word(snapshot, now, width))
+    return spans_to_text(motion_word(snapshot, now, width))
 
 
 def goal(found: Goal, now: float) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from archo_tui.robot.stops import NOT_SENT
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import full_name, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
-from archo_tui.words.goal import way
+from archo_tui.words.goal import activity
 from archo_tui.words.nodes import node_rows
 
 
@@ -108,7 +108,7 @@ class Halt(_OfNode):
         needed = " and ".join(name for name in _served(hosted) if name in grave)
         if not needed:
             return None
-        text = f"The robot is {way(goal)}, and {hosted.name} serves {needed}. Stop the node?"
+        text = f"The robot is {activity(goal)}, and {hosted.name} serves {needed}. Stop the node?"
         return Question("Stop a node", text, "Leave it", "Stop it")
 
 

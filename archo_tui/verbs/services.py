@@ -9,7 +9,7 @@ from archo_tui.robot_file.model import CommandService, Scalar
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_known, type_of
 from archo_tui.verbs.base import Argument, Question, Values, Verb
-from archo_tui.words.goal import way
+from archo_tui.words.goal import activity
 
 TIMEOUT = "--timeout"  # of the values of `call`: s that the answer is waited for, if more
 ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; asks first"}
@@ -41,7 +41,7 @@ class Give(Verb):
         goal, given = station.running_goal, self.given
         if given.ask == "never" or (given.ask == "moving" and goal is None):
             return None
-        now = f"The robot is {way(goal)}. " if goal is not None else ""
+        now = f"The robot is {activity(goal)}. " if goal is not None else ""
         title = self.title[0].upper() + self.title[1:]
         return Question(title, f"{now}{title} now?", "Leave it", title.split()[0])
 

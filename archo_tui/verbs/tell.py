@@ -16,9 +16,16 @@ from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
 from archo_tui.verbs.as_data import goal as goal_data
 from archo_tui.verbs.base import PATIENCE, THERE, Argument, Values, Verb
-from archo_tui.words.alarm import state as state_of
+from archo_tui.words.alarm import state_word
 from archo_tui.words.event import event_text
-from archo_tui.words.spoken import battery, ended, goal, in_words, motion, queue
+from archo_tui.words.line_by_line import (
+    battery_text,
+    ended_goal_text,
+    goal_text,
+    motion_text,
+    queue_text,
+    spans_to_text,
+)
 from archo_tui.words.state import gauge_line, motion_unit
 
 _EVENTS = 20
@@ -53,14 +60,14 @@ class Status(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
         title = snapshot.file.motion.title.lower() if snapshot.file.motion else "motion"
-        waiting = queue([wanted.text for wanted in station.queue.waiting], station.queue.held)
+        waiting = queue_text([wanted.text for wanted in station.queue.waiting], station.queue.held)
         lines = [
-            f"battery {battery(snapshot, now)}",
-            f"{title} {motion(snapshot, now)}",
-            *(in_words(gauge_line(reading, now)) for reading in snapshot.gauges),
-            f"goal {goal(snapshot, now, self.ask)}",
+            f"battery {battery_text(snapshot, now)}",
+            f"{title} {motion_text(snapshot, now)}",
+            *(spans_to_text(gauge_line(reading, now)) for reading in snapshot.gauges),
+            f"goal {goal_text(snapshot, now, self.ask)}",
             *([f"queue {waiting}"] if waiting else []),
-            *(f"alarm {state_of(a)}: {self.advice(a, snapshot)}" for a in station.view.alarms),
+            *(f"alarm {state_word(a)}: {self.advice(a, snapshot)}" for a in station.view.alarms),
         ]
         return Outcome(Code.DONE, "\n".join(lines))
 
@@ -94,7 +101,7 @@ class Past(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         lines = [_hour(station, quantity) for quantity in _NAMES]
-        lines += map(ended, station.robot.snapshot.history)
+        lines += map(ended_goal_text, station.robot.snapshot.history)
         return Outcome(Code.DONE, "\n".join(filter(None, lines)) or "nothing yet")
 
     def data(self, station: Station, values: Values) -> Any:

@@ -21,7 +21,7 @@ class Topics(Verb):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         station.look()
-        lines = [row.spoken for row in resource_rows(station.view)]
+        lines = [row.as_line for row in resource_rows(station.view)]
         return Outcome(Code.DONE, "\n".join(lines) or "nothing on the graph")
 
     def data(self, station: Station, values: Values) -> Any:
@@ -32,8 +32,8 @@ class Topics(Verb):
                 "name": row.resource.name,
                 "types": list(row.resource.types),
                 "nodes": list(row.resource.nodes),
-                "rate": None if row.often in ("", SILENT) else paces[row.resource.name].rate,
-                "silent": row.often == SILENT,
+                "rate": None if row.rate in ("", SILENT) else paces[row.resource.name].rate,
+                "silent": row.rate == SILENT,
                 "mismatches": list(row.resource.mismatches),
             }
             for row in resource_rows(station.view)

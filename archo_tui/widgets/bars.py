@@ -19,8 +19,8 @@ from archo_tui.station.station import View
 from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad
 from archo_tui.widgets.shown import Shown
-from archo_tui.words.goal import doing, way_left
-from archo_tui.words.state import number
+from archo_tui.words.goal import remaining_text, running_word
+from archo_tui.words.state import fixed_width
 
 _WHAT = 24  # cells of what is wrong, at least, in a banner that has no room for all
 _TINY = 71  # cells of the header, without the clock, below which panels may be scrolled away
@@ -35,7 +35,7 @@ def header(view: View, width: int) -> Content:
     watching = view.replay or ("watching" if view.watching else "")
     what = [harmless(view.snapshot.file.name), _contact(view), watching, doing]
     if width < _TINY and view.snapshot.file.battery is not None:  # its panel may be out of sight
-        what.insert(2, f"{number(view.snapshot.battery.percentage, '.1f')} %")
+        what.insert(2, f"{fixed_width(view.snapshot.battery.percentage, '.1f')} %")
     assistants = [client for client in view.clients if client.startswith(ASSISTANT)]
     programs = len(view.clients) - len(assistants)
     shells = f"{programs} shell{'s'[: programs > 1]}" if programs else ""
@@ -228,5 +228,5 @@ def _doing(view: View) -> tuple[str, str]:
         return "✗ STOPPED", ""
     if goal is None:
         return stop, ""
-    does = doing(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word
-    return f"{does}   {stop}".rstrip(), way_left(goal)
+    does = running_word(goal) if goal.phase in (Phase.SENT, Phase.MOVING) else goal.word
+    return f"{does}   {stop}".rstrip(), remaining_text(goal)

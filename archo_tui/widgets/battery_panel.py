@@ -17,11 +17,11 @@ from archo_tui.words.state import (
     PLAIN,
     WARN,
     Spans,
-    age,
+    age_text,
     battery_line,
-    battery_source,
     battery_word,
-    gauge,
+    charge_bar,
+    no_reading_reason,
 )
 
 
@@ -51,7 +51,7 @@ class BatteryPanel(Panel, can_focus=True):
         if battery.received is None or battery.is_old(view.now):
             tone = OLD
         tone = ACTIVE if tone == PLAIN else tone
-        bar = gauge(battery.percentage, snapshot.threshold, width, tone)
+        bar = charge_bar(battery.percentage, snapshot.threshold, width, tone)
         self._gauge.say(bar)
         sampled = snapshot.charge, width
         if sampled != self._sampled:  # once a second, however fast readings come
@@ -69,9 +69,9 @@ def _trend(snapshot: Snapshot, now: float, width: int) -> Spans:
     if battery.received is None:
         described = snapshot.file.battery
         is_fault = described is not None and described.topic in snapshot.faults
-        return ((battery_source(snapshot), WARN if is_fault else OLD),)
+        return ((no_reading_reason(snapshot), WARN if is_fault else OLD),)
     if battery.is_old(now):
-        return ((f"last heard {age(now - battery.received)} ago", OLD),)
+        return ((f"last heard {age_text(now - battery.received)} ago", OLD),)
     if battery.unreadable:
         return (("not within 0 .. 100 %", WARN),)
     if battery.charging is None:

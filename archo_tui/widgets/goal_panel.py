@@ -129,13 +129,13 @@ class GoalPanel(Panel):
         boarded = limits, goal, snapshot.history, view.queue, width, size
         if boarded != self._boarded:  # readings and feedback change nothing on it
             self._boarded = boarded
-            numbers = None if kind is None else boards.numbers_of(snapshot, kind)
+            numbers = None if kind is None else boards.selectable_numbers(snapshot, kind)
             self._has_board = numbers is not None and width > 0
             if kind is not None and numbers is not None and width > 0:
                 events = max(size.height // 3 - _EVENTS, 0) if size.width >= _WIDE else 0
                 rows = max(size.height - _ELSEWHERE - events, _LEAST_ROWS)
                 marks = boards.marks(snapshot, kind, view.queue)
-                self.board.show(boards.grid(numbers, width, rows), marks)
+                self.board.show(boards.fit_grid(numbers, width, rows), marks)
         self._unfold()
 
     def _unfold(self) -> None:

@@ -23,9 +23,9 @@ def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
     names = column((row.resource.name for row in rows), 0, width)
     types = column((row.types for row in rows), 0, width)
     nodes = column((row.who for row in rows), 0, width)
-    often = column((row.often for row in rows), 0, width)
-    room = width - _KIND - names - types - often - 3 * _GAP
-    return (names, types, room, often) if nodes <= room else (often,)
+    rate_width = column((row.rate for row in rows), 0, width)
+    room = width - _KIND - names - types - rate_width - 3 * _GAP
+    return (names, types, room, rate_width) if nodes <= room else (rate_width,)
 
 
 def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
@@ -45,11 +45,11 @@ def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text
     kind, name = f"{row.resource.kind:<{_KIND}}", row.resource.name
     style = "" if row.resource.nodes else QUIET
     if len(columns) > 1:
-        names, types, nodes, often = columns
-        rate = f"{row.often:>{often}}"
+        names, types, nodes, rate_width = columns
+        rate = f"{row.rate:>{rate_width}}"
         return [(f"{kind}{name:<{names}}  {row.types:<{types}}  {row.who:<{nodes}}  {rate}", style)]
     room = width - _KIND - (columns[0] + _GAP if columns[0] else 0)
-    rate = f"  {row.often:>{columns[0]}}" if columns[0] else ""
+    rate = f"  {row.rate:>{columns[0]}}" if columns[0] else ""
     below = f"  {row.short_types}  {row.who}"
     return [(f"{kind}{pad(name, max(room, 1))}{rate}", style), (crop(below, width), QUIET)]
 

@@ -23,7 +23,7 @@ from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.plot import MARK, Range, curve
 from archo_tui.widgets.shown import Shown
 from archo_tui.widgets.styled import rich_style
-from archo_tui.words.state import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans, faster
+from archo_tui.words.state import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans, time_factor_text
 
 _LABEL = 6  # cells for the number at the side
 _LEAST = 3  # rows of a plot
@@ -70,7 +70,11 @@ def history_lines(
     for plot in shown:
         values = view.history.ranges(plot.quantity, span, 2 * cells, view.second)
         mark = view.snapshot.threshold if plot.fixed else None
-        unit = plot.unit if plot.quantity != "speed" else f"{plot.unit} {faster(view.snapshot)}"
+        unit = (
+            plot.unit
+            if plot.quantity != "speed"
+            else f"{plot.unit} {time_factor_text(view.snapshot)}"
+        )
         lines += _plot(plot._replace(unit=unit.rstrip()), values, latest[plot.quantity], rows, mark)
     ends = end_marks(view.history.ends, view.time, span, cells)
     lines.append(((" " * (_LABEL + 1), PLAIN), (ends, PLAIN)))

@@ -13,7 +13,7 @@ from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 from archo_tui.widgets.shown import NONE_RECORDED, Shown
 from archo_tui.words.nodes import NodeRow, node_rows
-from archo_tui.words.state import PLAIN, STRONG, age
+from archo_tui.words.state import PLAIN, STRONG, age_text
 
 _MARK, _AGE, _RATE = 2, 6, 9  # columns
 _NARROW = 30  # cells below which the panel is low, too: one crashed node must not hide the others
@@ -53,7 +53,7 @@ def _state_lines(row: NodeRow, width: int, columns: Columns) -> list[Text]:
     if word:
         return [(name + word, style)]
     heard, rate = row.state.heard, row.state.rate
-    ago = "" if heard is None else age(row.second - heard)
+    ago = "" if heard is None else age_text(row.second - heard)
     often = f" {rate:5.1f} Hz" if rate is not None else ""
     numbers = f"{ago:>5}{often:<{columns[1]}}" if columns[1] else f"{ago:>5}"
     room = max(width - _MARK - columns[0] - 1, 0)

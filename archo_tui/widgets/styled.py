@@ -9,7 +9,7 @@ from rich.style import Style
 from textual.color import Color
 from textual.content import Content
 
-from archo_tui.words.state import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, on_bar
+from archo_tui.words.state import ACTIVE, BAD, EDGE, OLD, PLAIN, STRONG, WARN, Spans, marked_tone
 
 STYLES = {
     PLAIN: "",
@@ -23,8 +23,10 @@ STYLES = {
 
 
 # the bar goes on beneath its mark: its colour, or the shade that `░` makes of it
-STYLES |= {on_bar(tone): f"{STYLES[tone]} reverse" for tone in (ACTIVE, STRONG, OLD, WARN, BAD)}
-STYLES[on_bar(EDGE)] = "$foreground on $shade"
+STYLES |= {
+    marked_tone(tone): f"{STYLES[tone]} reverse" for tone in (ACTIVE, STRONG, OLD, WARN, BAD)
+}
+STYLES[marked_tone(EDGE)] = "$foreground on $shade"
 
 
 def aligned(spans: Spans, width: int) -> Spans:

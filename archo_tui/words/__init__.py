@@ -1,1 +1,1 @@
-"""What is said of the robot: every state as glyph, word and tone. Pure."""
+"""The texts of all frontends: the robot's states as glyph, word and tone. Pure functions."""

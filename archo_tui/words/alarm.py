@@ -1,4 +1,4 @@
-"""How an alarm stands, in words. Pure."""
+"""The texts of an alarm. Pure functions."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ from archo_tui.clock import time_of_day
 from archo_tui.station.alarms import Alarm, State
 
 
-def standing(alarm: Alarm) -> str:
-    """`since 12:04:31, over at 12:05:02, unacknowledged`, and why it was shelved."""
+def timeline(alarm: Alarm) -> str:
+    """Return since when an alarm stands, and its state and reason.
+
+    An example is `since 12:04:31, over at 12:05:02, unacknowledged`.
+    """
     text, state = f"since {time_of_day(alarm.since)}", alarm.state.value
     if alarm.until is not None:
         text += f", over at {time_of_day(alarm.until)}"
@@ -17,7 +20,7 @@ def standing(alarm: Alarm) -> str:
     return f"{text}, {state}: {alarm.reason}" if alarm.reason else f"{text}, {state}"
 
 
-def state(alarm: Alarm) -> str:
-    """`unacknowledged`, and of a shelved one whether its condition is over."""
+def state_word(alarm: Alarm) -> str:
+    """Return the word of an alarm's state; a shelved alarm's says also if its condition is over."""
     is_over = alarm.state == State.SHELVED and alarm.is_over
     return f"over, {alarm.state.value}" if is_over else alarm.state.value

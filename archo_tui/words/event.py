@@ -1,4 +1,4 @@
-"""An event in a line. Pure."""
+"""The texts of an event. Pure functions."""
 
 from __future__ import annotations
 
@@ -8,22 +8,27 @@ from archo_tui.robot.state import Event, Hosted, logger_node
 
 
 def event_text(event: Event) -> str:
-    """`WARN dashboard: Low battery: 18.0% (x 12)`; the count is of all alike so far."""
+    """Return an event in a line, such as `WARN dashboard: Low battery: 18.0% (x 12)`.
+
+    The count is that of all equal events so far.
+    """
     count = f" (x {event.count})" if event.count > 1 else ""
     return f"{event.level} {event.source}: {event.text}{count}"
 
 
 def is_of_own_file(event: Event, hosted: Iterable[Hosted]) -> bool:
-    """Return True for what a node of the user's own file logs or prints.
+    """Return True for an event that a node of the user's own file logged or printed.
 
     Args:
-        event: Its source is a logger's name (`lamp`, `lamp.motor`), or a node's and ` stdout`.
+        event: The event; its source is a logger's name (`lamp`, `lamp.motor`), or a node's name
+            followed by ` stdout`.
         hosted: The nodes of this process.
     """
     source = event.source.removesuffix(" stdout")
     node = logger_node(source)
     return any(
-        f"{node}/".startswith(f"{own.name}/") or own.file == f"{source}.py"  # while it is imported
+        f"{node}/".startswith(f"{own.name}/")
+        or own.file == f"{source}.py"  # As the file is imported.
         for own in hosted
         if own.file
     )

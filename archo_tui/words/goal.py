@@ -1,4 +1,4 @@
-"""Where a goal stands: its words, its bar, and the goals before. Pure: state in, text out."""
+"""The texts of a goal: its state, its progress bar, and the goals before it. Pure functions."""
 
 from __future__ import annotations
 
@@ -16,39 +16,44 @@ from archo_tui.words.state import (
     STRONG,
     WARN,
     Spans,
-    faster,
     seconds_text,
+    time_factor_text,
 )
 
-_WORD = 14  # cells for the word, as long as it is no longer
-_LIST = 12  # cells of the queue without which its keys are not said
-_WIDE = 60  # cells from which on a strip names its ends
-_FIRST_FEEDBACK = 15.0  # s in which the first feedback of an action that sends any has come
+_WORD_WIDTH = 14  # The column of the state's word, in cells.
+_MIN_QUEUE_WIDTH = 12  # The queue's cells below which its keys are left out.
+_WIDE_STRIP = 60  # A bar of so many cells names its ends.
+_FIRST_FEEDBACK = 15.0  # Seconds after which an action is taken to send no feedback.
 
 
 def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None) -> Spans:
-    """Where the goal stands, in the words of its phase; `ask` says how one is given.
+    """Return the state of the current goal in a line.
 
-    What follows the word has a column of its own where all of it has room in `width` cells.
+    Args:
+        snapshot: The state of the robot.
+        now: Monotonic time, in s.
+        ask: How a goal is given, said while there is none.
+        width: The cells available; the details begin in a column of their own if they fit. None
+            means unlimited.
     """
     goal = snapshot.goal
     if goal is None:
-        return no_goal(snapshot, ask)
+        return no_goal_line(snapshot, ask)
     texts = {
         Phase.SENT: (
             PLAIN,
-            doing(goal),
+            running_word(goal),
             f"waiting for the robot ... {seconds_text(now - goal.sent)}",
         ),
         Phase.REFUSED: (BAD, "✗ REFUSED", f"at {time_of_day(goal.time)}: {goal.message}"),
-        Phase.MOVING: (STRONG, doing(goal), _progress(goal, now)),
+        Phase.MOVING: (STRONG, running_word(goal), _progress(goal, now)),
         Phase.CANCELLING: (
             STRONG,
-            "CANCELLING" if goal.mine else doing(goal),
+            "CANCELLING" if goal.mine else running_word(goal),
             f"asked {seconds_text(now - (goal.cancel_asked or now))} ago",
         ),
-        Phase.CANCELLED: (BAD, "✗ CANCELLED", _where_ended(goal)),
-        Phase.ARRIVED: (STRONG, f"✓ {goal.word}", _arrival(goal)),
+        Phase.CANCELLED: (BAD, "✗ CANCELLED", _cancelled_details(goal)),
+        Phase.ARRIVED: (STRONG, f"✓ {goal.word}", _arrival_details(goal)),
         Phase.ABORTED: (BAD, "✗ ABORTED", goal.message),
         Phase.DISPUTED: (WARN, "? ENDED", goal.message),
         Phase.GONE: (BAD, "✗ LOST", goal.message),
@@ -67,27 +72,32 @@ def goal_line(snapshot: Snapshot, now: float, ask: str, width: int | None = None
     }
     tone, word, rest = texts[goal.phase]
     if goal.phase == Phase.MOVING and _time_left(goal, now):
-        longer = f"{rest} {faster(snapshot)}".rstrip()
-        # a part of the factor would be another one; whole, it stands beside the speed
+        longer = f"{rest} {time_factor_text(snapshot)}".rstrip()
+        # A factor that is cut would be another number; in full it stands beside the speed.
         rest = longer if width is None or len(f"{word}   {longer}") <= width else rest
     if goal.is_running and snapshot.running > 1:
         rest += f"   +{snapshot.running - 1} more"
-    has_room = width is None or _WORD + 1 + len(rest) <= width
-    if len(word) <= _WORD and has_room:
-        return (f"{word:<{_WORD}}", tone), (f" {rest}", PLAIN)
+    has_room = width is None or _WORD_WIDTH + 1 + len(rest) <= width
+    if len(word) <= _WORD_WIDTH and has_room:
+        return (f"{word:<{_WORD_WIDTH}}", tone), (f" {rest}", PLAIN)
     return (word, tone), (f"   {rest}", PLAIN)
 
 
 def goal_strip(goal: Goal | None, width: int) -> Spans:
-    """The way, with the robot on it: `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`.
+    """Return the progress of a goal as a bar with the robot on it.
 
-    At its ends what is driven and what is left, where there is room for it.
+    An example is `start   6.0 m ━━━▶────── 12.0 m shelf 12   33 %`; a narrow bar leaves out the
+    distances.
+
+    Args:
+        goal: The current goal; None draws an empty bar.
+        width: The width of the bar, in cells.
     """
     length = None if goal is None or goal.remaining is None else goal.length
     if goal is None or not length or goal.phase in (Phase.SENT, Phase.REFUSED):
         return (("─" * max(width - 8, 4), EDGE), ("     -- ", OLD))
     fraction = goal.fraction()
-    before, behind = _ends(goal, length) if width >= _WIDE else ("", "")
+    before, behind = _strip_ends(goal, length) if width >= _WIDE_STRIP else ("", "")
     room = max(width - 8 - len(before) - len(behind), 4)
     done = min(int(fraction * room), room - 1)
     tone = ACTIVE if goal.is_running else PLAIN
@@ -95,9 +105,9 @@ def goal_strip(goal: Goal | None, width: int) -> Spans:
     return (before, OLD), *way, (behind, OLD), (f"  {100 * fraction:3.0f} %", PLAIN)
 
 
-def _ends(goal: Goal, length: float) -> tuple[str, str]:
-    """What stands before and behind the strip, as wide all the way."""
-    unit, wide = _unit(goal), len(f"{length:.1f}")
+def _strip_ends(goal: Goal, length: float) -> tuple[str, str]:
+    """Return the texts before and behind the bar, of the same width at each moment of the way."""
+    unit, wide = _unit_suffix(goal), len(f"{length:.1f}")
     left = length * (1 - goal.fraction())
     target = f" {goal.name}" if goal.kind.noun and goal.target else ""
     return f"start {length - left:{wide}.1f}{unit} ", f" {left:{wide}.1f}{unit}{target}"
@@ -110,39 +120,44 @@ def goal_history(
     held: str = "",
     keys: str = "",
 ) -> Spans:
-    """What is driven next, and the goals before, newest first, as many as there is room for.
+    """Return the goals that wait, or else those that ended, newest first, as many as fit.
 
-    `keys` say what can be done with a queue that is held.
+    Args:
+        history: The goals that ended, newest first.
+        width: The cells available.
+        waiting: The goals in the queue.
+        held: Why the queue is held; "" if it is not.
+        keys: What can be done with a held queue, such as `n continue   k skip`.
     """
     if waiting:
-        return _queue(waiting, held, width, keys)
+        return _queue_line(waiting, held, width, keys)
     if not history:
         return (("last goals: none", OLD),)
-    text = f"last goals: {ended(history[0])}"
+    text = f"last goals: {ended_text(history[0])}"
     for goal in history[1:]:
-        longer = f"{text}   {ended(goal)}"
+        longer = f"{text}   {ended_text(goal)}"
         if len(longer) > width:
             break
         text = longer
     return ((text, OLD),)
 
 
-def _queue(waiting: Sequence[str], held: str, width: int, keys: str) -> Spans:
-    """`then 7, 3`, or `held: 7, 3 (cancelled)   n continue   k skip`; the list is cut first."""
+def _queue_line(waiting: Sequence[str], held: str, width: int, keys: str) -> Spans:
+    """Return `then 7, 3`, or `held: 7, 3 (cancelled)   n continue   k skip`, cut to a width."""
     after = f" ({held})" if held else ""
     keys = f"   {keys}" if held and keys else ""
-    if len(after + keys) + _LIST > width:
+    if len(after + keys) + _MIN_QUEUE_WIDTH > width:
         keys = ""
-    if len(after) + _LIST > width:
-        after = f"{after[: max(width - _LIST - 2, 0)]}…)" if after else ""
-    room = max(width - len(after + keys), _LIST)
+    if len(after) + _MIN_QUEUE_WIDTH > width:
+        after = f"{after[: max(width - _MIN_QUEUE_WIDTH - 2, 0)]}…)" if after else ""
+    room = max(width - len(after + keys), _MIN_QUEUE_WIDTH)
     text = ("held: " if held else "then ") + ", ".join(waiting)
     text = text if len(text) <= room else f"{text[: room - 1]}…"
     return (text + after, WARN if held else PLAIN), (keys, PLAIN)
 
 
-def no_goal(snapshot: Snapshot, ask: str) -> Spans:
-    """What can be done while no goal was sent, or why nothing can."""
+def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
+    """Return how to give a goal while there is none, or why none can be given."""
     if not snapshot.file.goals:
         return (("the robot file names no goal", OLD),)
     kind = snapshot.file.goals[0]
@@ -153,15 +168,15 @@ def no_goal(snapshot: Snapshot, ask: str) -> Spans:
 
 
 def keys_to_press(kind: GoalKind, go_key: str) -> str:
-    """How a goal is given on the screen: `Press g, type the shelf, press enter.`"""
+    """Return how a goal is given on the screen: `Press g, type the shelf, press enter.`"""
     labels = [given.label or path for path, given in kind.form.items()]
     what = f"type the {labels[0].lower()}, " if len(labels) == 1 else ""
     what = f"type {', '.join(labels)}, " if len(labels) > 1 else what
     return f"Press {go_key}, {what}press enter."
 
 
-def doing(goal: Goal) -> str:
-    """`MOVING to 12`, or `RUNNING fibonacci 10` of one that leads nowhere."""
+def running_word(goal: Goal) -> str:
+    """Return `MOVING to 12`, or `RUNNING fibonacci 10` for a goal that leads nowhere."""
     if not goal.mine:
         return f"{goal.word} ({goal.name})"
     if goal.kind.noun:
@@ -169,26 +184,26 @@ def doing(goal: Goal) -> str:
     return f"{goal.word} {goal.name}"
 
 
-def way(goal: Goal) -> str:
-    """What a running goal does, in a sentence: `on its way to shelf 12`, `running fibonacci 10`."""
+def activity(goal: Goal) -> str:
+    """Return what a running goal does, to be put in a sentence: `on its way to shelf 12`."""
     if not goal.mine:
         return f"carrying out {goal.name}"
     return f"on its way to {goal.name}" if goal.kind.noun else f"running {goal.name}"
 
 
-def way_left(goal: Goal) -> str:
-    """`9.0 m left`, or nothing while that is not known."""
+def remaining_text(goal: Goal) -> str:
+    """Return `9.0 m left`, or "" if the feedback does not tell it."""
     known = goal.remaining is not None and not goal.unreadable
-    return f"{goal.remaining:.1f}{_unit(goal)} left" if known else ""
+    return f"{goal.remaining:.1f}{_unit_suffix(goal)} left" if known else ""
 
 
-def _unit(goal: Goal) -> str:
+def _unit_suffix(goal: Goal) -> str:
     unit = goal.kind.remaining.unit if goal.kind.remaining else ""
     return f" {unit}" if unit else ""
 
 
 def _progress(goal: Goal, now: float) -> str:
-    unit, so_far = _unit(goal), f"{seconds_text(goal.elapsed(now))} so far"
+    unit, so_far = _unit_suffix(goal), f"{seconds_text(goal.elapsed(now))} so far"
     if goal.unreadable:
         return f"? {goal.unreadable}{unit} left   {so_far}"
     if goal.feedback:
@@ -197,35 +212,35 @@ def _progress(goal: Goal, now: float) -> str:
         return f"served, no feedback   {so_far}"
     if goal.remaining is None:
         return f"waiting for the first feedback ... {seconds_text(goal.elapsed(now))}"
-    if goal.length is None:  # not known yet: no bar, no percentage
-        return f"{way_left(goal)}   {so_far}{_time_left(goal, now)}"
+    if goal.length is None:  # Without the length of the way there is no percentage.
+        return f"{remaining_text(goal)}   {so_far}{_time_left(goal, now)}"
     way = f"{goal.remaining:.1f}{unit} left of {goal.length:.1f}{unit}"
     return f"{way}   {so_far}{_time_left(goal, now)}"
 
 
 def _time_left(goal: Goal, now: float) -> str:
-    """Return `, about 1.5 s left`; empty while what is left is not known."""
+    """Return `, about 1.5 s left`, or "" if that cannot be estimated."""
     left = None if goal.unreadable or goal.feedback else goal.seconds_left(now)
     return "" if left is None else f", about {seconds_text(left)} left"
 
 
-def _where_ended(goal: Goal) -> str:
+def _cancelled_details(goal: Goal) -> str:
     if goal.remaining is None:
         return goal.message
     where = f"before {goal.name}" if goal.kind.noun and goal.mine else "left"
-    return f"{goal.message}, {goal.remaining:.1f}{_unit(goal)} {where}"
+    return f"{goal.message}, {goal.remaining:.1f}{_unit_suffix(goal)} {where}"
 
 
-def _arrival(goal: Goal) -> str:
+def _arrival_details(goal: Goal) -> str:
     took = seconds_text(goal.elapsed(0.0))
     if goal.length is None:
         return goal.message or f"in {took}"
-    way = f"{goal.length:.1f}{_unit(goal)} in {took}"
+    way = f"{goal.length:.1f}{_unit_suffix(goal)} in {took}"
     return f"{goal.message}, {way}" if goal.message else way
 
 
-def ended(goal: Goal) -> str:
-    """`✓ 12 arrived 12:03:58`."""
+def ended_text(goal: Goal) -> str:
+    """Return a goal that ended in a few words: `✓ 12 arrived 12:03:58`."""
     at, name = time_of_day(goal.time), goal.target if goal.kind.noun and goal.target else goal.name
     if not goal.mine:
         glyph = "✓" if goal.phase == Phase.ARRIVED else "?" if goal.phase == Phase.DISPUTED else "✗"

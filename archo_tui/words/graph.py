@@ -1,4 +1,4 @@
-"""What is published and served, and by whom. Pure."""
+"""The texts of topics, services and actions, with the nodes that offer them. Pure functions."""
 
 from __future__ import annotations
 
@@ -11,37 +11,42 @@ SILENT = "silent"
 
 
 class ResourceRow(NamedTuple):
-    """One topic, service or action."""
+    """A topic, service or action as a row of the Graph panel.
+
+    Attributes:
+        resource: What the graph tells of it.
+        rate: `1.0 Hz` or SILENT; "" if the console does not subscribe to it.
+    """
 
     resource: Resource
-    often: str = ""  # `1.0 Hz` or SILENT; empty: the console does not listen to it
+    rate: str = ""
 
     @property
     def who(self) -> str:
-        """The nodes, without the slash that all of them begin with."""
+        """Return the nodes that offer it, without their leading slash."""
         names = ", ".join(node.lstrip("/") for node in self.resource.nodes)
         return names or ("no publisher" if self.resource.kind == TOPIC else "?")
 
     @property
     def types(self) -> str:
-        """In full."""
+        """Return its types with their packages."""
         return ", ".join(self.resource.types)
 
     @property
     def short_types(self) -> str:
-        """Without their packages."""
+        """Return its types without their packages."""
         return ", ".join(name.rpartition("/")[2] for name in self.resource.types)
 
     @property
-    def spoken(self) -> str:
-        """The row as one line, and a line for each mismatch below it."""
+    def as_line(self) -> str:
+        """Return the row as a line, followed by a line for each QoS or type mismatch."""
         line = f"{self.resource.kind} {self.resource.name} {self.types}, {self.who}"
-        line += f", {self.often}" if self.often else ""
-        return "\n".join([line, *(f"  {said}" for said in self.resource.mismatches)])
+        line += f", {self.rate}" if self.rate else ""
+        return "\n".join([line, *(f"  {mismatch}" for mismatch in self.resource.mismatches)])
 
     @property
     def details(self) -> str:
-        """Everything that is known of it, for reading."""
+        """Return everything that is known of it, in lines for a dialog."""
         is_topic = self.resource.kind == TOPIC
         does = "published by" if is_topic else "served by"
         lines = [
@@ -52,20 +57,20 @@ class ResourceRow(NamedTuple):
         if not self.resource.nodes:
             lines.append(f"{does:<14}nobody")
         if is_topic:
-            lines.append(f"{'rate':<14}{self.often or 'not measured by this console'}")
-            lines += [f"{'mismatch':<14}{said}" for said in self.resource.mismatches]
+            lines.append(f"{'rate':<14}{self.rate or 'not measured by this console'}")
+            lines += [f"{'mismatch':<14}{mismatch}" for mismatch in self.resource.mismatches]
         return "\n".join(lines)
 
 
 def resource_rows(view: View) -> tuple[ResourceRow, ...]:
-    """Topics, then services, then actions, each by name."""
+    """Return the topics, then the services, then the actions, each sorted by name."""
     return tuple(
-        ResourceRow(resource, _often(view, resource.name) if resource.kind == TOPIC else "")
+        ResourceRow(resource, _rate_text(view, resource.name) if resource.kind == TOPIC else "")
         for resource in view.snapshot.resources
     )
 
 
-def _often(view: View, topic: str) -> str:
+def _rate_text(view: View, topic: str) -> str:
     pace = view.snapshot.paces.get(topic)
     if pace is None:
         return ""

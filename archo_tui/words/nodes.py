@@ -1,4 +1,4 @@
-"""How a node is doing: on the graph, in this process, or both. Pure."""
+"""The texts of a node that is on the graph, runs in this process, or both. Pure functions."""
 
 from __future__ import annotations
 
@@ -7,31 +7,39 @@ from typing import NamedTuple
 from archo_tui.robot.state import Hosted, Life, NodeInfo, NodeState, Snapshot
 from archo_tui.station.alarms import CONTACT_LOST
 from archo_tui.station.station import View
-from archo_tui.words.state import OLD, PLAIN, STRONG, Spans, age
+from archo_tui.words.state import OLD, PLAIN, STRONG, Spans, age_text
 
 
 class NodeRow(NamedTuple):
-    """One line of the panel: a node that is on the graph, runs here, or both."""
+    """A node as a row of the Nodes panel.
+
+    Attributes:
+        state: What the graph and its topics tell of it.
+        hosted: What this process knows of it; None for a node of another process.
+        second: Monotonic time of the last tick, in s; 0 if the node was never heard, so that its
+            row does not change each second.
+        is_lost: True while no message of the robot arrives.
+    """
 
     state: NodeState
     hosted: Hosted | None
-    second: float  # monotonic s of the last tick, 0 without an age: ages need not be livelier
-    is_lost: bool = False  # nothing of the robot is heard
+    second: float
+    is_lost: bool = False
 
     @property
     def name(self) -> str:
-        """Fully qualified."""
+        """Return the node's name with its namespace."""
         return self.state.name
 
     @property
     def is_faulty(self) -> bool:
-        """True when there is a traceback of it."""
+        """Return True if the node left a traceback."""
         hosted = self.hosted
         crashed = hosted is not None and hosted.life == Life.CRASHED
         return crashed or (hosted is not None and hosted.life == Life.UP and bool(hosted.error))
 
     def word(self) -> tuple[str, str, str]:
-        """Glyph, what is wrong, and tone; nothing is said while nothing is wrong."""
+        """Return glyph, what is wrong ("" if nothing is), and tone."""
         life = Life.UP if self.hosted is None else self.hosted.life
         if life == Life.CRASHED and self.hosted is not None:
             return "✗", f"crashed: {self.hosted.error}", STRONG
@@ -44,13 +52,13 @@ class NodeRow(NamedTuple):
         if life == Life.STOPPED:
             return "○", life.value, OLD
         if self.state.is_silent(self.second) and self.state.heard is not None:
-            return "?", f"silent for {age(self.second - self.state.heard)}", OLD
-        if self.is_lost and self.hosted is None:  # that it is on the graph says nothing then
+            return "?", f"silent for {age_text(self.second - self.state.heard)}", OLD
+        if self.is_lost and self.hosted is None:  # The graph may still list it.
             return "?", "contact lost", OLD
         return "●", "", PLAIN
 
     def details(self, now: float, snapshot: Snapshot) -> str:
-        """Everything that is known of the node, for reading."""
+        """Return everything that is known of the node, in lines for a dialog."""
         glyph, word, _ = self.word()
         heard, rate = self.state.heard, self.state.rate
         often = "--" if rate is None else f"{rate:.1f} Hz"
@@ -61,7 +69,7 @@ class NodeRow(NamedTuple):
         lines = [
             f"{glyph} {word or 'up'}",
             f"where       in {'another' if self.hosted is None else own} process",
-            f"last heard  {'--' if heard is None else age(now - heard) + ' ago'}",
+            f"last heard  {'--' if heard is None else age_text(now - heard) + ' ago'}",
             f"publishes   {often}",
             f"parameters  {parameters}",
         ]
@@ -70,8 +78,8 @@ class NodeRow(NamedTuple):
         return "\n".join(lines)
 
 
-def on_graph(info: NodeInfo) -> Spans:
-    """What a node publishes, hears, serves and calls, each with its type."""
+def graph_lines(info: NodeInfo) -> Spans:
+    """Return what a node publishes, subscribes to, serves and calls, each with its type."""
     parts = {
         "topics published": info.publishes,
         "topics subscribed": info.subscribes,
@@ -90,7 +98,7 @@ def on_graph(info: NodeInfo) -> Spans:
 
 
 def node_rows(view: View) -> tuple[NodeRow, ...]:
-    """The nodes of the graph and of this process, by name."""
+    """Return a row for each node of the graph or of this process, sorted by name."""
     hosted = {node.name: node for node in view.hosted}
     states = {node.name: node for node in view.snapshot.nodes}
     lost = any(alarm.name == CONTACT_LOST and not alarm.is_over for alarm in view.alarms)

@@ -1,6 +1,7 @@
-"""Every state of battery and motor as glyph, word and tone, in that order of importance.
+"""The texts of battery, motion and gauges, as glyph, word and tone. Pure functions.
 
-Pure: state in, text out. A text is a row of spans; what a tone looks like is the screen's to say.
+A text is a row of spans; the screen decides how a tone looks. Glyph and word alone tell the state,
+for terminals without colours.
 """
 
 from __future__ import annotations
@@ -10,35 +11,35 @@ from itertools import groupby
 from archo_tui.robot.state import Latch, Reading, Snapshot
 from archo_tui.station.alarms import health, is_low, stop_texts
 
-PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # tones
-ACTIVE, EDGE = "active", "edge"  # of what is filled or driven, and of what is not yet
-Spans = tuple[tuple[str, str], ...]  # (text, tone)
+PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.
+ACTIVE, EDGE = "active", "edge"  # The filled and the empty part of a bar.
+Spans = tuple[tuple[str, str], ...]  # Pairs of text and tone.
 STOPPED: Spans = (("✗ STOPPED", BAD),)
 
 
-def on_bar(tone: str) -> str:
-    """The tone of a mark on a bar that has this one."""
+def marked_tone(tone: str) -> str:
+    """Return the tone of a mark that is drawn on a bar of the given tone."""
     return f"on {tone}"
 
 
-def plain(spans: Spans) -> str:
-    """The text alone."""
+def plain_text(spans: Spans) -> str:
+    """Return the text of spans without their tones."""
     return "".join(text for text, _ in spans)
 
 
-def number(value: float | None, form: str) -> str:
-    """A number in its fixed form, or `--` in the same width."""
+def fixed_width(value: float | None, form: str) -> str:
+    """Return a number in a format, or `--` in the same width if it is None."""
     text = format(0.0, form)
     return "--".rjust(len(text)) if value is None else format(value, form)
 
 
 def thousands(value: int | None) -> str:
-    """`15 420`."""
+    """Return a number with grouped digits, such as `15 420`, or `--` for None."""
     return "--" if value is None else f"{value:,}".replace(",", " ")
 
 
-def age(seconds: float) -> str:
-    """`0.4 s`, `12 s`, `3 min`, `0.2 h`: at most five characters up to 99 hours."""
+def age_text(seconds: float) -> str:
+    """Return a duration as `0.4 s`, `12 s`, `3 min`, `0.2 h`: five characters up to 99 hours."""
     if seconds < 9.95:
         return f"{max(seconds, 0.0):.1f} s"
     if seconds < 600:
@@ -47,12 +48,12 @@ def age(seconds: float) -> str:
 
 
 def seconds_text(seconds: float) -> str:
-    """`1.5 s`."""
+    """Return a duration in seconds with one decimal, such as `1.5 s`."""
     return f"{max(seconds, 0.0):.1f} s"
 
 
 def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
-    """Glyph, word and tone for the battery."""
+    """Return glyph, word and tone of the battery's most important state."""
     battery = snapshot.battery
     if battery.received is None:
         return "?", "NO DATA", OLD
@@ -72,13 +73,16 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
 
 
 def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
-    """`▲ LOW       18.0 % 21.3 V`: the word, then each number in a span of its own.
+    """Return the battery as `▲ LOW       18.0 % 21.3 V`, each number in a span of its own.
 
-    Old ones are dimmed, with their age when that fits into `width` cells.
+    Args:
+        snapshot: The state of the robot.
+        now: Monotonic time, in s; old values are dimmed.
+        width: The cells available; the age of old values is shown if it fits.
     """
     glyph, word, tone = battery_word(snapshot)
     battery = snapshot.battery
-    charge = f"{number(battery.percentage, '5.1f')} %"
+    charge = f"{fixed_width(battery.percentage, '5.1f')} %"
     if battery.received is not None and battery.is_old(now):
         text = f"{glyph} {word:<8}"
         old = f" (old, {now - battery.received:.0f} s)"
@@ -86,12 +90,19 @@ def battery_line(snapshot: Snapshot, now: float, width: int) -> Spans:
         return (text, OLD), (f" {charge}", OLD), (old, OLD)
     if battery.unreadable:
         return ((f"{glyph} {word}", tone),)
-    volts = f" {number(battery.voltage, '4.1f')} V"
+    volts = f" {fixed_width(battery.voltage, '4.1f')} V"
     return (f"{glyph} {word:<8}", tone), (f" {charge}", PLAIN), (volts, PLAIN)
 
 
-def gauge(percentage: float | None, threshold: float | None, width: int, tone: str) -> Spans:
-    """A bar of `width` cells with eighths in that tone, with the threshold's mark drawn on it."""
+def charge_bar(percentage: float | None, threshold: float | None, width: int, tone: str) -> Spans:
+    """Return the charge as a bar with eighths of a cell.
+
+    Args:
+        percentage: The charge; None draws an empty bar.
+        threshold: The charge that is marked on the bar as low, in %; None marks nothing.
+        width: The width of the bar, in cells.
+        tone: The tone of the filled part.
+    """
     filled = 0.0 if percentage is None else percentage / 100 * width
     whole, rest = int(filled), filled - int(filled)
     cells = ["█"] * whole
@@ -101,39 +112,45 @@ def gauge(percentage: float | None, threshold: float | None, width: int, tone: s
     tones = [tone if cell != "░" else EDGE for cell in cells]
     if threshold is not None:
         mark = min(int(threshold / 100 * width), width - 1)
-        tones[mark] = on_bar(tone if cells[mark] == "█" else EDGE)
+        tones[mark] = marked_tone(tone if cells[mark] == "█" else EDGE)
         cells[mark] = "╎"
     runs = groupby(zip(cells, tones, strict=True), lambda pair: pair[1])
     return tuple(("".join(cell for cell, _ in run), tone) for tone, run in runs)
 
 
 def motion_line(snapshot: Snapshot, now: float) -> Spans:
-    """`15 420 ticks 0.80 m/s`: what of it the robot file names, a span each."""
+    """Return those of count and speed that the robot file names: `15 420 ticks 0.80 m/s`."""
     motion, parts = snapshot.motion, []
     count, speed = motion_unit(snapshot, "count"), motion_unit(snapshot, "speed")
     if count is not None:
         parts.append(f"{thousands(motion.count):>9} {count}".rstrip())
     if speed is not None:
-        scaled = f"{number(motion.speed, '4.2f')} {speed}".rstrip()
-        parts.append(f"{scaled} {faster(snapshot)}".rstrip())
+        scaled = f"{fixed_width(motion.speed, '4.2f')} {speed}".rstrip()
+        parts.append(f"{scaled} {time_factor_text(snapshot)}".rstrip())
     tone = OLD if motion.received is None or motion.is_old(now) else PLAIN
     return tuple((f"{' ' if number else ''}{part}", tone) for number, part in enumerate(parts))
 
 
-def faster(snapshot: Snapshot) -> str:
-    """Return `x 7.5` where a simulated robot drives 7.5 times as fast as its own speed says."""
+def time_factor_text(snapshot: Snapshot) -> str:
+    """Return `x 7.5` if a simulated robot drives 7.5 times as fast as the speed it reports."""
     return "" if snapshot.time_factor is None else f"x {snapshot.time_factor:g}"
 
 
 def motion_unit(snapshot: Snapshot, name: str) -> str | None:
-    """The unit of one of the motion's readings; None: the robot file does not name it."""
+    """Return the unit of the motion's count or speed, or None if the robot file names none."""
     types = {} if snapshot.file.motion is None else snapshot.file.motion.types
     fields = [getattr(given, name) for given in types.values()]
     return next((field.unit for field in fields if field is not None), None)
 
 
 def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
-    """IDLE, MOVING, STOPPED, or a STOP that the robot has not confirmed."""
+    """Return the robot's state: IDLE, MOVING, STOPPED, or a STOP that is not confirmed.
+
+    Args:
+        snapshot: The state of the robot.
+        now: Monotonic time, in s.
+        width: The cells available; texts about a STOP are shortened to them.
+    """
     motion, described = snapshot.motion, snapshot.file.motion
     if snapshot.open_stop is not None:
         texts = stop_texts(snapshot, snapshot.open_stop, now)
@@ -151,7 +168,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
         offered = described.topic in snapshot.offered
         return (("? NO DATA" if offered else f"no node publishes {described.topic}", OLD),)
     if motion.is_old(now):
-        return ((f"? silent, {age(now - motion.received)}", OLD),)
+        return ((f"? silent, {age_text(now - motion.received)}", OLD),)
     if snapshot.says_stopped:
         return STOPPED
     word = ("▶ MOVING" if motion.moving else "● IDLE", PLAIN)
@@ -166,9 +183,9 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
 
 
 def gauge_line(reading: Reading, now: float) -> Spans:
-    """`Temperature 41.2 °C`: what it is, then the number in a span of its own.
+    """Return a gauge as `Temperature 41.2 °C`, the number in a span of its own.
 
-    Marked when it is beyond a limit, old or no number.
+    A value beyond a limit, an old one and one that is no number are marked.
     """
     name, unit = reading.gauge.title, reading.gauge.unit
     if reading.received is None:
@@ -177,14 +194,14 @@ def gauge_line(reading: Reading, now: float) -> Spans:
         return ((f"? {name} UNREADABLE {reading.unreadable}", WARN),)
     text = f" {reading.value:g} {unit}".rstrip()
     if reading.is_old(now):
-        return (name, OLD), (f"{text} (old, {age(now - reading.received)})", OLD)
+        return (name, OLD), (f"{text} (old, {age_text(now - reading.received)})", OLD)
     if reading.warns:
         return (f"▲ {name}", WARN), (f"{text}, {reading.warns}", WARN)
     return (name, PLAIN), (text, PLAIN)
 
 
-def battery_source(snapshot: Snapshot) -> str:
-    """Why there is no reading yet."""
+def no_reading_reason(snapshot: Snapshot) -> str:
+    """Return why the battery has no reading yet."""
     described = snapshot.file.battery
     if described is None:
         return "the robot file names no battery"

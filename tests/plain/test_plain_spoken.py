@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.state import Phase, Snapshot
-from archo_tui.words import spoken
+from archo_tui.words import line_by_line
 from archo_tui.words.state import motion_word
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG
@@ -101,7 +101,7 @@ async def test_the_state_is_read_out_without_a_table() -> None:
 @pytest.mark.parametrize("name", STATES)
 def test_every_state_has_words_of_its_own(name: str) -> None:
     snapshot: Snapshot = STATES[name]
-    for said in (spoken.battery(snapshot, NOW), spoken.motion(snapshot, NOW)):
+    for said in (line_by_line.battery_text(snapshot, NOW), line_by_line.motion_text(snapshot, NOW)):
         assert re.match(r"\w", said)
         assert "--" not in said
 
@@ -130,16 +130,18 @@ def test_every_state_has_words_of_its_own(name: str) -> None:
 def test_the_end_of_a_goal_says_once_which_one_it_was(
     phase: Phase, changes: Any, said: str
 ) -> None:
-    assert spoken.goal(goal(phase, **changes), NOW, "") == said
+    assert line_by_line.goal_text(goal(phase, **changes), NOW, "") == said
 
 
 def test_old_readings_are_not_read_out_as_if_they_were_of_now() -> None:
     later = NOW + 60.0
-    assert spoken.battery(NORMAL, later) == "GOOD, 87.5 %, old, 60 s"
-    assert spoken.motion(NORMAL, later) == spoken.in_words(motion_word(NORMAL, later, 80))
+    assert line_by_line.battery_text(NORMAL, later) == "GOOD, 87.5 %, old, 60 s"
+    assert line_by_line.motion_text(NORMAL, later) == line_by_line.spans_to_text(
+        motion_word(NORMAL, later, 80)
+    )
 
 
 def test_a_queue_says_what_waits_and_why_it_is_held() -> None:
-    assert spoken.queue(["7", "3"], "") == "7, 3"
-    assert spoken.queue(["7", "3"], "cancelled") == "held: 7, 3 (cancelled)"
-    assert spoken.queue([], "") == ""
+    assert line_by_line.queue_text(["7", "3"], "") == "7, 3"
+    assert line_by_line.queue_text(["7", "3"], "cancelled") == "held: 7, 3 (cancelled)"
+    assert line_by_line.queue_text([], "") == ""

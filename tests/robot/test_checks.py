@@ -21,7 +21,7 @@ from archo_tui.station.alarms import MIXED, TWICE, WORD, conditions
 from archo_tui.station.history import History
 from archo_tui.station.station import View
 from archo_tui.widgets.bars import header
-from archo_tui.words.state import age, battery_line, battery_word, motion_word, plain
+from archo_tui.words.state import age_text, battery_line, battery_word, motion_word, plain_text
 from tests.support import chosen, clock
 from tests.support.archo import go
 from tests.support.console import console
@@ -52,7 +52,7 @@ def battery(**fields: Any) -> Callable[..., Node]:
 
 
 def text(snapshot: Snapshot) -> str:
-    return plain(battery_line(snapshot, clock.seconds(), 80))
+    return plain_text(battery_line(snapshot, clock.seconds(), 80))
 
 
 @pytest.mark.parametrize("value", [3e38, float("nan")])
@@ -87,7 +87,7 @@ async def test_another_type_on_a_topic_is_said_and_not_guessed_at(topic: str, ki
         assert it.snapshot.faults[topic] == fault
         assert [e.text for e in it.snapshot.events] == [fault]
         assert battery_word(it.snapshot)[1] == "NO DATA"
-        assert "IDLE" not in plain(motion_word(it.snapshot, clock.seconds(), 80))
+        assert "IDLE" not in plain_text(motion_word(it.snapshot, clock.seconds(), 80))
 
 
 @pytest.mark.skipif(chosen.ENGINE != "embedded", reason="Fast DDS has one type a topic")
@@ -367,5 +367,5 @@ def test_an_age_is_in_seconds_up_to_two_minutes_and_never_wide() -> None:
         600.0: "0.2 h",
         36_000.0: "10 h",
     }
-    assert {seconds: age(seconds) for seconds in told} == told
-    assert all(len(age(tenth / 10)) <= 5 for tenth in range(10_000))
+    assert {seconds: age_text(seconds) for seconds in told} == told
+    assert all(len(age_text(tenth / 10)) <= 5 for tenth in range(10_000))

@@ -13,7 +13,7 @@ from rclpy.task import Future
 from archo_tui.robot.followed import Followed, said_by
 from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
 from archo_tui.words.goal import goal_line
-from archo_tui.words.state import plain
+from archo_tui.words.state import plain_text
 from tests.support.archo import SHELF
 from tests.support.stub import StandingClock
 
@@ -200,4 +200,4 @@ def test_the_way_of_a_goal_found_underway_is_not_guessed() -> None:
         followed.on_feedback(Feedback(left))
     assert followed.goal.length is None
     shown = goal_line(Snapshot(goal=followed.goal), clock.monotonic(), "")
-    assert plain(shown).endswith("   11.0 m left   4.0 s so far, about 22.0 s left")
+    assert plain_text(shown).endswith("   11.0 m left   4.0 s so far, about 22.0 s left")

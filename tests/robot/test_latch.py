@@ -22,7 +22,7 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Latch
 from archo_tui.robot.stops import UNCERTAIN
 from archo_tui.station.alarms import conditions
-from archo_tui.words.state import motion_word, plain
+from archo_tui.words.state import motion_word, plain_text
 from tests.support.archo import go
 from tests.support.clock import seconds
 from tests.support.console import FAST
@@ -131,7 +131,7 @@ async def test_of_one_that_was_started_anew_elsewhere_it_is_not_certain_until_sa
         await until(lambda: it.snapshot.motion.stopped is False)
         await until(lambda: latch(it) is Latch.UNCERTAIN)
         assert it.snapshot.is_stopped
-        assert plain(motion_word(it.snapshot, seconds(), 40)) == "✗ STOP NOT CERTAIN"
+        assert plain_text(motion_word(it.snapshot, seconds(), 40)) == "✗ STOP NOT CERTAIN"
         said = "/motor_controller was started since: stop again, or release it"
         await until(lambda: conditions(it.snapshot, seconds())["stop not certain"].endswith(said))
         assert await ended(go(it, 3)) == (Code.REFUSED, UNCERTAIN)

@@ -27,7 +27,7 @@ from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
 from archo_tui.words.goal import goal_line
-from archo_tui.words.state import plain
+from archo_tui.words.state import plain_text
 from tests.support import chosen, clock
 from tests.support.archo import SHELF, go, reset
 from tests.support.quiet import ended, until
@@ -697,7 +697,7 @@ async def test_feedback_that_is_no_distance_is_shown_as_received_and_moves_nothi
                     and it.snapshot.goal.unreadable == said
                 )
             )
-            text = plain(goal_line(it.snapshot, clock.seconds(), ""))
+            text = plain_text(goal_line(it.snapshot, clock.seconds(), ""))
             assert (f"? {said} m left" in text) == bool(said)
 
 

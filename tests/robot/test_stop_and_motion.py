@@ -11,7 +11,7 @@ from rclpy.node import Node
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
 from archo_tui.station.alarms import OUTLIVED, UNCONFIRMED
-from archo_tui.words.state import motion_word, plain
+from archo_tui.words.state import motion_word, plain_text
 from tests.robot.test_several_servers import Brake, Drive, alarms
 from tests.support import clock
 from tests.support.archo import go
@@ -125,4 +125,4 @@ async def test_a_confirmed_stop_that_the_robot_never_reports_is_not_called_idle(
 
 
 def word(it: Robot) -> str:
-    return plain(motion_word(it.snapshot, clock.seconds(), 80))
+    return plain_text(motion_word(it.snapshot, clock.seconds(), 80))

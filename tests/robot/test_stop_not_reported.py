@@ -22,7 +22,7 @@ from archo_tui.robot.stops import HOLDS, UNCERTAIN
 from archo_tui.station.alarms import UNCERTAIN as NOT_CERTAIN
 from archo_tui.station.alarms import conditions
 from archo_tui.verbs import verbs
-from archo_tui.words.state import motion_word, plain
+from archo_tui.words.state import motion_word, plain_text
 from tests.support.clock import seconds
 from tests.support.peer import Peer
 from tests.support.plain import operated
@@ -102,14 +102,14 @@ async def test_it_is_shown_and_no_goal_goes_out_until_it_is_released(file: Path)
     async with robot(Base, robot=file) as it:
         await stopped(it)
         assert it.snapshot.is_stopped
-        assert plain(motion_word(it.snapshot, seconds(), 80)) == "✗ STOPPED"
+        assert plain_text(motion_word(it.snapshot, seconds(), 80)) == "✗ STOPPED"
         assert "STOPPED: look for the cause" in conditions(it.snapshot, seconds()).values()
         await while_passes(3.0)
         refused = await ended(go(it))
         assert (refused.code, refused.text) == (Code.REFUSED, HOLDS)
         assert (await ended(it.release_emergency_stop())).ok
         await until(lambda: not it.snapshot.is_stopped)
-        assert plain(motion_word(it.snapshot, seconds(), 80)) == "● IDLE"
+        assert plain_text(motion_word(it.snapshot, seconds(), 80)) == "● IDLE"
         assert (await ended(go(it))).ok
 
 
@@ -125,7 +125,7 @@ async def test_when_the_robot_moves_it_is_no_longer_certain_until_r_or_another_s
         made[0].is_moving = False
         await until(lambda: it.snapshot.motion.moving is False)
         await while_passes(3.0)
-        assert plain(motion_word(it.snapshot, seconds(), 80)) == "✗ STOP NOT CERTAIN"
+        assert plain_text(motion_word(it.snapshot, seconds(), 80)) == "✗ STOP NOT CERTAIN"
         text = conditions(it.snapshot, seconds())[NOT_CERTAIN]
         assert text.startswith("STOP OF ")
         assert text.endswith(" IS NO LONGER CERTAIN: the robot moves: stop again, or release it")
@@ -168,11 +168,11 @@ async def test_another_consoles_stop_holds_here_until_one_of_the_two_releases_it
         await until(lambda: it.snapshot.motion.received is not None)
         made[0].tell("stop")
         await until(lambda: it.snapshot.latch is Latch.HELD)
-        assert plain(motion_word(it.snapshot, seconds(), 80)) == "✗ STOPPED"
+        assert plain_text(motion_word(it.snapshot, seconds(), 80)) == "✗ STOPPED"
         assert (await ended(go(it))).text == HOLDS
         made[0].tell("release")
         await until(lambda: it.snapshot.latch is Latch.NONE)
-        assert plain(motion_word(it.snapshot, seconds(), 80)) == "● IDLE"
+        assert plain_text(motion_word(it.snapshot, seconds(), 80)) == "● IDLE"
         made[0].tell("stop")
         await until(lambda: it.snapshot.latch is Latch.HELD)
         assert (await ended(it.release_emergency_stop())).ok

@@ -9,7 +9,7 @@ import pytest
 
 from archo_tui.robot.state import NodeState, Parameter, Snapshot
 from archo_tui.widgets.styled import aligned
-from archo_tui.words.state import PLAIN, gauge, on_bar, plain
+from archo_tui.words.state import PLAIN, charge_bar, marked_tone, plain_text
 from tests.support.clock import NOW, TIME
 from tests.support.night import corners
 from tests.support.quiet import Quiet
@@ -88,15 +88,17 @@ async def test_no_number_is_cut_without_saying_so_at_any_width(
 
 def test_numbers_end_at_the_right_with_the_word_at_the_left() -> None:
     line = (("▲ LOW", PLAIN), (" 18.0 %", PLAIN), (" 21.3 V", PLAIN))
-    assert plain(aligned(line, 30)) == "▲ LOW           18.0 %  21.3 V"
-    assert plain(aligned(line, 21)) == "▲ LOW  18.0 %  21.3 V"
-    assert plain(aligned(line, 20)) == "▲ LOW  18.0 % 21.3 V"  # where it is tight
-    assert plain(aligned(line, 5)) == "▲ LOW 18.0 % 21.3 V"  # what is too long is cut by its line
+    assert plain_text(aligned(line, 30)) == "▲ LOW           18.0 %  21.3 V"
+    assert plain_text(aligned(line, 21)) == "▲ LOW  18.0 %  21.3 V"
+    assert plain_text(aligned(line, 20)) == "▲ LOW  18.0 % 21.3 V"  # where it is tight
+    assert (
+        plain_text(aligned(line, 5)) == "▲ LOW 18.0 % 21.3 V"
+    )  # what is too long is cut by its line
 
 
 @pytest.mark.parametrize("percentage", [10.0, 20.0, 50.0, None])
 def test_the_low_mark_is_drawn_on_the_bar(percentage: float | None) -> None:
-    bar = gauge(percentage, 20.0, 40, "active")
-    assert len(plain(bar)) == 40
+    bar = charge_bar(percentage, 20.0, 40, "active")
+    assert len(plain_text(bar)) == 40
     ((_, tone),) = [(text, tone) for text, tone in bar if "╎" in text]
-    assert tone == on_bar("active" if (percentage or 0) > 20 else "edge")
+    assert tone == marked_tone("active" if (percentage or 0) > 20 else "edge")

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from archo_tui.robot.state import Parameter, Snapshot
-from archo_tui.words import spoken
+from archo_tui.words import line_by_line
 from archo_tui.words.goal import goal_line
-from archo_tui.words.state import motion_line, plain
+from archo_tui.words.state import motion_line, plain_text
 from tests.support.clock import NOW
 from tests.support.console import console
 from tests.support.states import MOTOR, MOVING, NORMAL
@@ -20,23 +20,23 @@ def simulated(value: object) -> Snapshot:
 
 def test_the_factor_stands_beside_the_speed_and_the_time_left() -> None:
     snapshot = simulated(7.5)
-    assert plain(motion_line(snapshot, NOW)).endswith("0.00 m/s x 7.5")
-    assert plain(goal_line(snapshot, NOW, "")).endswith("about 1.5 s left x 7.5")
-    assert spoken.motion(snapshot, NOW).endswith("0.00 m/s x 7.5")
-    assert spoken.goal(snapshot, NOW, "").endswith("about 1.5 s left x 7.5")
+    assert plain_text(motion_line(snapshot, NOW)).endswith("0.00 m/s x 7.5")
+    assert plain_text(goal_line(snapshot, NOW, "")).endswith("about 1.5 s left x 7.5")
+    assert line_by_line.motion_text(snapshot, NOW).endswith("0.00 m/s x 7.5")
+    assert line_by_line.goal_text(snapshot, NOW, "").endswith("about 1.5 s left x 7.5")
 
 
 @pytest.mark.parametrize("value", [1.0, 1, "fast", float("nan"), -2.0])
 def test_nothing_is_said_of_real_time_nor_of_what_is_no_factor(value: object) -> None:
     assert simulated(value).time_factor is None
-    assert plain(motion_line(simulated(value), NOW)).endswith("0.00 m/s")
-    assert plain(goal_line(simulated(value), NOW, "")).endswith("about 1.5 s left")
+    assert plain_text(motion_line(simulated(value), NOW)).endswith("0.00 m/s")
+    assert plain_text(goal_line(simulated(value), NOW, "")).endswith("about 1.5 s left")
 
 
 def test_the_factor_is_whole_or_not_beside_the_time_left() -> None:
-    whole = plain(goal_line(simulated(7.5), NOW, ""))
+    whole = plain_text(goal_line(simulated(7.5), NOW, ""))
     for width in range(40, 90):
-        said = plain(goal_line(simulated(7.5), NOW, "", width))
+        said = plain_text(goal_line(simulated(7.5), NOW, "", width))
         assert said.endswith((" x 7.5", " left"))
         assert len(said) <= max(width, len(whole.removesuffix(" x 7.5")))
 

@@ -12,7 +12,7 @@ from textual.geometry import Region
 from archo_tui.robot.state import Phase
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.words.board import Mark, grid, marks, numbers_of
+from archo_tui.words.board import Mark, fit_grid, marks, selectable_numbers
 from archo_tui.words.state import BAD, PLAIN, STRONG
 from tests.support.archo import SHELF
 from tests.support.clock import seconds
@@ -328,19 +328,19 @@ def test_a_shelf_that_waits_twice_shows_its_first_place() -> None:
 def test_columns_come_by_tens_or_five_and_pages_beyond_two_hundred(
     count: int, width: int, rows: int, expected: tuple[int, int, int]
 ) -> None:
-    found = grid(range(1, count + 1), width, rows)
+    found = fit_grid(range(1, count + 1), width, rows)
     assert (found.columns, found.rows, found.pages) == expected
     assert found.columns * found.cell <= width
 
 
 @pytest.mark.parametrize("shelves", [None, "many", True, float("nan"), 0, 1e15])
 def test_what_is_no_number_of_shelves_makes_no_board(shelves: Any) -> None:
-    assert numbers_of(with_shelves(shelves), SHELF) is None
+    assert selectable_numbers(with_shelves(shelves), SHELF) is None
 
 
 def test_shelves_are_counted_from_the_lowest_to_the_highest() -> None:
-    assert numbers_of(with_shelves(40), SHELF) == range(1, 41)
-    assert numbers_of(with_shelves(40)._replace(forms={}), SHELF) is None
+    assert selectable_numbers(with_shelves(40), SHELF) == range(1, 41)
+    assert selectable_numbers(with_shelves(40)._replace(forms={}), SHELF) is None
 
 
 async def test_marks_stand_right_beside_their_shelf_however_long_its_number() -> None:

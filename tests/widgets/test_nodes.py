@@ -13,7 +13,7 @@ from rclpy.task import Future
 from archo_tui.robot.state import Hosted, Life
 from archo_tui.session import _robots_nodes
 from archo_tui.words.nodes import NodeRow
-from archo_tui.words.state import motion_word, plain
+from archo_tui.words.state import motion_word, plain_text
 from tests.support.clock import NOW
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.states import NORMAL, STATES
@@ -75,8 +75,8 @@ def test_where_stop_cannot_be_sent_the_motor_says_so() -> None:
         ("battery of another type", "no STOP: /emergency_stop is std_srvs/srv/SetBool"),
         ("nothing offered", "no STOP: emergency_stop is not offered by any node"),
     ):
-        assert why in plain(motion_word(STATES[state], NOW, 200))
-    assert plain(motion_word(NORMAL, NOW, 200)) == "● IDLE"
+        assert why in plain_text(motion_word(STATES[state], NOW, 200))
+    assert plain_text(motion_word(NORMAL, NOW, 200)) == "● IDLE"
 
 
 async def test_ten_dashboards_and_nobody_notices() -> None:

@@ -1,0 +1,99 @@
+"""The texts for output line by line, which a screen reader may speak. Pure functions.
+
+They have no glyphs, no columns and no grouped digits.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from archo_tui.clock import time_of_day
+from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.words.goal import goal_line
+from archo_tui.words.state import (
+    Spans,
+    battery_word,
+    motion_unit,
+    motion_word,
+    no_reading_reason,
+    time_factor_text,
+)
+
+_GLYPHS = "●○✗✓▲▶↯? "  # Each stands before a word with the same meaning.
+_WIDTH = 80  # Enough cells for any text in full.
+
+
+def spans_to_text(spans: Spans) -> str:
+    """Return spans as a text with a comma wherever the screen leaves a gap.
+
+    An example is `MOVING to 12, 9.0 m left of 18.0 m`.
+    """
+    parts = (part for text, _ in spans for part in re.split(" {2,}", text.strip()))
+    return without_glyph(", ".join(filter(None, parts)))
+
+
+def without_glyph(text: str) -> str:
+    """Return a text without the glyphs that it begins with."""
+    return text.lstrip(_GLYPHS)
+
+
+def battery_text(snapshot: Snapshot, now: float) -> str:
+    """Return the battery as `GOOD, 87.5 %, 24.1 V`; unknown values are left out."""
+    found = snapshot.battery
+    _, word, _ = battery_word(snapshot)
+    if found.received is None:
+        return f"{word}, {no_reading_reason(snapshot)}"
+    if found.unreadable:
+        return word
+    parts = [word]
+    if found.percentage is not None:
+        parts.append(f"{found.percentage:.1f} %")
+    if found.is_old(now):
+        parts.append(f"old, {now - found.received:.0f} s")
+    elif found.voltage is not None:
+        parts.append(f"{found.voltage:.1f} V")
+    return ", ".join(parts)
+
+
+def motion_text(snapshot: Snapshot, now: float) -> str:
+    """Return the motion as `IDLE, 15420 ticks, 0.00 m/s`; unknown values are left out."""
+    found, parts = snapshot.motion, [spans_to_text(motion_word(snapshot, now, _WIDTH))]
+    if found.is_old(now):  # Old numbers would sound like current ones.
+        return parts[0]
+    if found.count is not None:
+        parts.append(f"{found.count} {motion_unit(snapshot, 'count') or ''}".rstrip())
+    if found.speed is not None:
+        speed = f"{found.speed:.2f} {motion_unit(snapshot, 'speed') or ''}".rstrip()
+        parts.append(f"{speed} {time_factor_text(snapshot)}".rstrip())
+    return ", ".join(parts)
+
+
+def goal_text(snapshot: Snapshot, now: float, ask: str) -> str:
+    """Return the goal's state, with the goal's name if the words of the screen lack it.
+
+    Examples are `MOVING to 12, 9.0 m left of 18.0 m` and `LOST, shelf 12, nothing heard for 3.0 s`.
+
+    Args:
+        snapshot: The state of the robot.
+        now: Monotonic time, in s.
+        ask: How a goal is given, said while there is none.
+    """
+    text, found = spans_to_text(goal_line(snapshot, now, ask)), snapshot.goal
+    if found is None or found.phase in (Phase.SENT, Phase.MOVING):
+        return text
+    if re.search(rf"(?<!\w){re.escape(found.name)}(?!\w)", text):
+        return text
+    word, _, rest = text.partition(", ")
+    return ", ".join(filter(None, (word, found.name, rest)))
+
+
+def ended_goal_text(found: Goal) -> str:
+    """Return a goal that ended as `shelf 12 arrived, 12:03:58`."""
+    return f"{found.name} {found.word.lower()}, {time_of_day(found.time)}"
+
+
+def queue_text(waiting: Sequence[str], held: str) -> str:
+    """Return the queue as `7, 3`, or `held: 7, 3 (cancelled)`; "" if it is empty."""
+    names = ", ".join(waiting)
+    return f"held: {names} ({held})" if held and names else names
