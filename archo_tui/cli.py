@@ -481,21 +481,21 @@ def _replay(options: Namespace) -> int:
         _complain(f"not read: {line}")
     engine.activate("embedded", own=own)
     from archo_tui.clock import Clock
-    from archo_tui.replay.found import bag_of, robot_of
+    from archo_tui.replay.resolve import load_robot_file, open_bag
 
-    bag = bag_of(options.recording)
-    robot = robot_of(bag, options.robot)
+    bag = open_bag(options.recording)
+    robot = load_robot_file(bag, options.robot)
     if options.text:
-        from archo_tui.replay.text import lines
+        from archo_tui.replay.report import report_lines
 
-        for line in lines(bag, robot):
+        for line in report_lines(bag, robot):
             print(_safe(line))
         return 0
     from archo_tui.commands import keymap, registry
     from archo_tui.imports import OF_THE_SCREEN, import_the_rest
     from archo_tui.paths import config_file
     from archo_tui.replay.player import Player
-    from archo_tui.replay.robot import RecordedStation
+    from archo_tui.replay.recorded_station import RecordedStation
     from archo_tui.replay_app import ReplayApp
     from archo_tui.shutdown import heed_signals
     from archo_tui.terminal import themes

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from archo_tui.app import ArchoApp
 from archo_tui.commands.base import Command
 from archo_tui.commands.replay import of_replay
-from archo_tui.replay.robot import RecordedStation
+from archo_tui.replay.recorded_station import RecordedStation
 from archo_tui.robot.state import Snapshot
 from archo_tui.screens.main import MainScreen
 from archo_tui.terminal.app import begin
@@ -39,7 +39,7 @@ class ReplayApp(ArchoApp):
     async def _play(self) -> None:
         showed_all = False
         while True:
-            whole = self._player.is_whole  # a jump may begin to read another hour
+            whole = self._player.is_complete  # a jump may begin to read another hour
             if self._player.is_playing or not (whole and showed_all):
                 self.look()
             showed_all = whole

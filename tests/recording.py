@@ -79,19 +79,19 @@ async def replayed() -> list[str]:
     """The same of the newest recording."""
     from archo_tui.clock import Clock
     from archo_tui.replay.bag_file import BagFile
-    from archo_tui.replay.found import path_of, robot_of
     from archo_tui.replay.player import Player
-    from archo_tui.replay.robot import RecordedStation
+    from archo_tui.replay.recorded_station import RecordedStation
+    from archo_tui.replay.resolve import find_recording, load_robot_file
     from archo_tui.replay_app import ReplayApp
     from tests.support.console import screen_text
     from tests.support.stub import sized
 
-    bag, clock, found = BagFile(path_of("")), Clock(), []
-    player = Player(bag, robot_of(bag, ""), clock)
+    bag, clock, found = BagFile(find_recording("")), Clock(), []
+    player = Player(bag, load_robot_file(bag, ""), clock)
     with sized((120, 36)):
         app = ReplayApp(RecordedStation(player, clock))
     async with app.run_test(size=(120, 36)) as pilot:
-        while not player.is_whole:
+        while not player.is_complete:
             await pilot.pause(0.1)
         for keys, seen, _ in REPLAYED:
             await pilot.press(*keys)

@@ -6,7 +6,7 @@ from archo_tui.commands.base import EVERYWHERE, IN_PANEL, TIME, Command, Console
 from archo_tui.commands.console import Panel
 from archo_tui.commands.console import Quit as QuitConsole
 from archo_tui.replay.player import Player
-from archo_tui.replay.robot import NOTHING_STOPPED
+from archo_tui.replay.recorded_station import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.text import ShowText
 from archo_tui.words.alarm import timeline
@@ -112,7 +112,7 @@ class Beside(_OfTime):
         self.help = f"To the {'next message' if step > 0 else 'message before'}"
 
     def act(self, console: Console) -> None:
-        self.player.by_message(self._step)
+        self.player.step_message(self._step)
 
 
 class Speed(_OfTime):
@@ -123,7 +123,7 @@ class Speed(_OfTime):
         self.help = f"Play {name}: 0.25 to 16 times as fast as it was"
 
     def act(self, console: Console) -> None:
-        self.player.faster(self._step)
+        self.player.change_speed(self._step)
 
 
 class ToMark(_OfTime):
@@ -134,7 +134,7 @@ class ToMark(_OfTime):
         self.help = f"To the {where}: an alarm, a command, the end of a goal"
 
     def act(self, console: Console) -> None:
-        if self.player.to_mark(self._step) is None:
+        if self.player.step_mark(self._step) is None:
             console.say(f"There is no mark {'after' if self._step > 0 else 'before'} this moment.")
 
 

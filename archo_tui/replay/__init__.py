@@ -1,1 +1,1 @@
-"""Recordings played back: the same panels on a recorded robot."""
+"""Replay of recordings: the console's panels, showing a recorded robot."""

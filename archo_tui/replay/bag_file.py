@@ -1,6 +1,6 @@
-"""A bag, as this console or any other tool has recorded it: its messages, in the order of time.
+"""A reader of ROS bags from any tool, yielding their messages in the order of time.
 
-Whatever its files say, memory and time are bounded: what cannot be read is left out and said.
+Memory and time are bounded whatever a file contains. What cannot be read is left out and reported.
 """
 
 from __future__ import annotations
@@ -13,115 +13,130 @@ from typing import Any, NamedTuple
 
 from archo_tui.errors import ArchoError
 from archo_tui.replay import bag_paths
-from archo_tui.replay.chunks import TooMuch, Unreadable, Work
+from archo_tui.replay.chunks import BudgetExceeded, ReadBudget, Unreadable
 from archo_tui.replay.faults import Faults
-from archo_tui.replay.held import Part, Topic, held
-from archo_tui.replay.mcap_index import MOST_CHANNELS, MOST_PIECES, Index
-from archo_tui.replay.received_types import ReceivedTypes
+from archo_tui.replay.installed_types import InstalledTypes
+from archo_tui.replay.linear_reader import LinearReader
+from archo_tui.replay.mcap_index import MAX_CHANNELS, MAX_RANGES, Index
+from archo_tui.replay.message_reader import FileRange, Topic, read_messages
 from archo_tui.replay.summary import read_summary
-from archo_tui.replay.walk import Walk
 
 
-class Said(NamedTuple):
-    """One message."""
+class BagMessage(NamedTuple):
+    """A message of a bag, decoded."""
 
-    time: float  # Unix time at which it was recorded, in s
+    time: float  # Unix time of its recording, in s.
     topic: str
-    message: Any  # an object of the installed class
+    message: Any  # An object of the installed class.
 
 
 class BagFile:
-    """One bag: a folder with .mcap files, or such a file."""
+    """A ROS bag: a folder with .mcap files, or one such file.
+
+    Attributes:
+        count: The number of messages, readable or not.
+        robot: The text of the robot file that is attached; "" if there is none.
+        types: The type of each readable topic, as `package/kind/Name`.
+        start: Unix time of the first message, in s; 0 if there is none.
+        end: Unix time of the last message.
+    """
 
     def __init__(self, path: Path) -> None:
-        """Look through it. Raises ArchoError when it is no bag, or none that can be read here."""
+        """Index the bag's files.
+
+        Raises:
+            ArchoError: The path is no bag, or none of its files can be read.
+        """
         self.path = path
-        self.counts = 0  # messages in all, readable or not
-        self.robot = ""  # the robot file that was recorded with them
+        self.count = 0
+        self.robot = ""
         self._types: dict[str, str] = {}
-        # "package/kind/Name" by topic, of those that can be read
         self.types: Mapping[str, str] = self._types
-        self._faults, self._received = Faults(), ReceivedTypes()
-        self._parts: list[Part] = []
-        work, files = Work(), bag_paths.files(path)
+        self._faults, self._installed = Faults(), InstalledTypes()
+        self._ranges: list[FileRange] = []
+        budget, files = ReadBudget(), bag_paths.mcap_files(path)
         first, last, refused = 2**64, 0, list[ArchoError]()
         for file in files:
             try:
-                index = self._index(file, work)
+                index = self._index_file(file, budget)
             except ArchoError as error:
                 refused.append(error)
                 continue
             first, last = min(first, index.start), max(last, index.end)
-            self.counts += index.count
+            self.count += index.count
             self.robot = self.robot or index.robot
         if len(refused) == len(files):
             raise refused[0]
-        for why in refused:
-            self._faults.add(str(why))
-        # Unix times of the first and the last message, in s
-        self.start, self.end = (first / 1e9, last / 1e9) if self.counts else (0.0, 0.0)
-        self._parts.sort(key=lambda part: part.piece.start)
+        for refusal in refused:
+            self._faults.add(str(refusal))
+        self.start, self.end = (first / 1e9, last / 1e9) if self.count else (0.0, 0.0)
+        self._ranges.sort(key=lambda file_range: file_range.messages.start)
 
     @property
     def faults(self) -> list[str]:
-        """What cannot be read, a line each; there may be more when more was read."""
+        """Return a line for each thing that could not be read so far."""
         return self._faults.lines()
 
-    def messages(self, begin: float, end: float, wanted: Container[str]) -> Iterator[Said]:
-        """Those of some topics within two Unix times, in the order of time.
+    def messages(self, begin: float, end: float, wanted: Container[str]) -> Iterator[BagMessage]:
+        """Yield messages in the order of time.
 
-        What cannot be read is left out, and a line of `faults`.
+        What cannot be read is left out and reported by `faults`.
+
+        Args:
+            begin: Unix time of the first message.
+            end: Unix time of the last message.
+            wanted: The topics, by full names.
         """
         from rclpy.serialization import deserialize_message
 
-        found = held(self._parts, begin, end, wanted, self._faults)
+        found = read_messages(self._ranges, begin, end, wanted, self._faults)
         found.reverse()
         while found:
-            one = found.pop()  # what is decoded is held no longer
+            encoded = found.pop()  # Frees its bytes once it is decoded.
             try:
-                message = deserialize_message(one.data, one.topic.kind)
-            except Exception as error:  # of many kinds: a class checks its values, too
-                self._faults.add_message(one.topic.name, one.place, str(error))
+                message = deserialize_message(encoded.data, encoded.topic.message_class)
+            except Exception as error:  # Of many kinds: message classes check their values, too.
+                self._faults.add_message(encoded.topic.name, encoded.order, str(error))
                 continue
-            yield Said(one.time / 1e9, one.topic.name, message)
+            yield BagMessage(encoded.time / 1e9, encoded.topic.name, message)
 
-    def _index(self, path: Path, work: Work) -> Index:
-        """Look through one file. Raises ArchoError."""
-        fault = partial(self._fault_in, path)
+    def _index_file(self, path: Path, budget: ReadBudget) -> Index:
+        """Index a file and collect its message ranges; raise ArchoError if it is no MCAP file."""
+        fault = partial(self._add_fault, path)
         index = Index(fault)
         with bag_paths.opened(path) as file:
             size = os.fstat(file.fileno()).st_size
             try:
-                if not read_summary(file, size, index, work):
+                if not read_summary(file, size, index, budget):
                     index = Index(fault)
-                    Walk(file, size, index, work).run()
-            except TooMuch as error:
+                    LinearReader(file, size, index, budget).run()
+            except BudgetExceeded as error:
                 fault(f"{error}: the rest is left out")
             except OSError as error:
                 fault(f"{error.strerror}: the rest is left out")
-        topics = self._topics(path, index)
-        room = MOST_PIECES - len(self._parts)
-        if len(index.pieces) > room:
-            fault(f"more than {MOST_PIECES:,} chunks in all: the rest is left out")
-        self._parts += [Part(piece, path, topics) for piece in index.pieces[:room]]
+        topics = self._readable_topics(path, index)
+        free = MAX_RANGES - len(self._ranges)
+        if len(index.ranges) > free:
+            fault(f"more than {MAX_RANGES:,} chunks in all: the rest is left out")
+        self._ranges += [FileRange(messages, path, topics) for messages in index.ranges[:free]]
         return index
 
-    def _topics(self, path: Path, index: Index) -> dict[int, Topic]:
-        """What can be read, by channel. Raises ArchoError for a file of another system."""
-        encodings = {one.encoding for one in index.channels.values()}
+    def _readable_topics(self, path: Path, index: Index) -> dict[int, Topic]:
+        """Return the topics that can be decoded, by channel; raise ArchoError for a ROS 1 file."""
+        encodings = {channel.encoding for channel in index.channels.values()}
         if encodings and index.profile != "ros2" and "cdr" not in encodings:
-            raise bag_paths.another_system(path, index.profile, min(encodings))
+            raise bag_paths.foreign_system_error(path, index.profile, min(encodings))
         found = {}
-        for number, (topic, encoding, wanted) in index.channels.items():
-            schema = index.schemas.get(wanted)
+        for channel, (topic, encoding, schema_id) in index.channels.items():
+            schema = index.schemas.get(schema_id)
             try:
                 if encoding != "cdr":
                     raise Unreadable(f"encoded as {encoding or 'nothing known'}, not cdr")
                 if schema is None:
                     raise Unreadable("its type is not named")
-                kind = self._received.find(schema.name, schema.encoding, schema.text)
-                if topic not in self._types and len(self._types) == MOST_CHANNELS:
-                    raise Unreadable(f"more than {MOST_CHANNELS:,} topics")
+                kind = self._installed.find_class(schema.name, schema.encoding, schema.text)
+                if topic not in self._types and len(self._types) == MAX_CHANNELS:
+                    raise Unreadable(f"more than {MAX_CHANNELS:,} topics")
                 if self._types.setdefault(topic, schema.name) != schema.name:
                     raise Unreadable(f"{schema.name}, where {self._types[topic]} came before")
                 if schema.encoding != "ros2msg":
@@ -129,10 +144,10 @@ class BagFile:
                     self._faults.add(
                         f"{topic}: its definition is not compared: read as {name} here"
                     )
-                found[number] = Topic(topic, kind)
+                found[channel] = Topic(topic, kind)
             except Unreadable as error:
                 self._faults.add(f"{topic}: left out: {error}")
         return found
 
-    def _fault_in(self, path: Path, said: str) -> None:
-        self._faults.add(f"{path.name}: {said}")
+    def _add_fault(self, path: Path, text: str) -> None:
+        self._faults.add(f"{path.name}: {text}")

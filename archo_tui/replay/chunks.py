@@ -1,4 +1,7 @@
-"""The records inside of a chunk, and what reading may cost, whatever a file says about itself."""
+"""The records inside an MCAP chunk, and the budget that bounds the reading of a file.
+
+The format is specified at https://mcap.dev/spec.
+"""
 
 from __future__ import annotations
 
@@ -7,63 +10,80 @@ from collections.abc import Iterator
 from io import BytesIO
 from struct import Struct
 
-LARGEST = 64_000_000  # bytes of a record that is held, and of a chunk that is unpacked
-_WINDOW = 2**26  # bytes that zstd may look back; its writers ask for 8 MB at most
-_MOST_RECORDS = 3_000_000  # of one pass: some seconds
-_MOST_BYTES = 4_000_000_000  # of one pass, in the file and unpacked: some seconds
+MAX_RECORD = 64_000_000  # Bytes of a record in memory, or of a decompressed chunk.
+_WINDOW = 2**26  # Bytes; zstd's own writers ask for 8 MB at most.
+_MAX_RECORDS = 3_000_000  # Of one pass, which takes some seconds.
+_MAX_BYTES = 4_000_000_000  # Read and decompressed in one pass, in some seconds.
 
-FRAME = Struct("<BQ")  # opcode and length, in front of each record
+FRAME = Struct("<BQ")  # Opcode and length, before each record.
 
 
 class Unreadable(Exception):
-    """A part of a file that cannot be read, and why."""
+    """An error in a part of a file; the rest may be readable."""
 
 
-class TooMuch(Exception):
-    """A pass over a recording costs more than anybody would wait for."""
+class BudgetExceeded(Exception):
+    """The error of a pass over a recording that would take too long."""
 
 
-class Work:
-    """What one pass over a recording may cost."""
+class ReadBudget:
+    """The records and bytes that one pass over a recording may still read."""
 
     def __init__(self) -> None:
-        self._records, self._bytes = _MOST_RECORDS, _MOST_BYTES
+        self._records, self._bytes = _MAX_RECORDS, _MAX_BYTES
 
-    def record(self) -> None:
-        """One more. Raises TooMuch."""
+    def count_record(self) -> None:
+        """Take a record off the budget.
+
+        Raises:
+            BudgetExceeded: There were too many.
+        """
         self._records -= 1
         if self._records < 0:
-            raise TooMuch(f"more than {_MOST_RECORDS:,} records")
+            raise BudgetExceeded(f"more than {_MAX_RECORDS:,} records")
 
-    def read(self, count: int) -> None:
-        """So many bytes more, of the file or unpacked. Raises TooMuch."""
+    def count_bytes(self, count: int) -> None:
+        """Take bytes off the budget, whether read from the file or decompressed.
+
+        Raises:
+            BudgetExceeded: There were too many.
+        """
         self._bytes -= count
         if self._bytes < 0:
-            raise TooMuch(f"more than {_MOST_BYTES // 10**9} GB")
+            raise BudgetExceeded(f"more than {_MAX_BYTES // 10**9} GB")
 
 
-def records(data: bytes, work: Work) -> Iterator[tuple[int, int, int]]:
-    """Opcode, begin and end of each record in it.
+def iter_records(data: bytes, budget: ReadBudget) -> Iterator[tuple[int, int, int]]:
+    """Yield opcode, begin and end of each record in the bytes.
 
-    Raises Unreadable behind the last one that is whole, where others should be; and TooMuch.
+    Raises:
+        Unreadable: After the last whole record, if more bytes follow.
+        BudgetExceeded: There are too many records.
     """
-    place = 0
-    while len(data) - place >= FRAME.size:
-        work.record()
-        opcode, length = FRAME.unpack_from(data, place)
-        place += FRAME.size
-        if opcode == 0 or length > len(data) - place:
+    offset = 0
+    while len(data) - offset >= FRAME.size:
+        budget.count_record()
+        opcode, length = FRAME.unpack_from(data, offset)
+        offset += FRAME.size
+        if opcode == 0 or length > len(data) - offset:
             raise Unreadable("damaged")
-        yield opcode, place, place + length
-        place += length
-    if place < len(data):
+        yield opcode, offset, offset + length
+        offset += length
+    if offset < len(data):
         raise Unreadable("damaged")
 
 
-def unpacked(content: bytes, work: Work, *, cut: bool) -> bytes:
-    """The records of a chunk, of one that is cut off as many as there are.
+def decompress_chunk(content: bytes, budget: ReadBudget, *, is_cut: bool) -> bytes:
+    """Return the records of a chunk.
 
-    Raises Unreadable for one that is damaged or too large; and TooMuch.
+    Args:
+        content: The chunk record without its frame.
+        budget: The budget that the decompressed bytes count against.
+        is_cut: True if the file ends within the chunk: as much as is there is returned.
+
+    Raises:
+        Unreadable: The chunk is damaged, too large, or compressed by an unknown method.
+        BudgetExceeded: The budget is used up.
     """
     from mcap.data_stream import ReadDataStream
     from mcap.records import Chunk
@@ -71,30 +91,30 @@ def unpacked(content: bytes, work: Work, *, cut: bool) -> bytes:
     try:
         chunk = Chunk.read(ReadDataStream(BytesIO(content)))
         del content
-    except Exception:  # of many kinds: struct's, mcap's, of text
+    except Exception:  # Of many kinds: struct's, mcap's, UnicodeDecodeError.
         raise Unreadable("damaged") from None
     size = chunk.uncompressed_size
-    if size > LARGEST:
-        raise Unreadable(f"larger than {LARGEST // 10**6} MB")
+    if size > MAX_RECORD:
+        raise Unreadable(f"larger than {MAX_RECORD // 10**6} MB")
     if chunk.compression == "zstd":
-        data = _zstd(chunk.data, size + 1)
+        data = _decompress_zstd(chunk.data, size + 1)
     elif chunk.compression == "lz4":
-        data = _lz4(chunk.data, size + 1)
+        data = _decompress_lz4(chunk.data, size + 1)
     elif chunk.compression == "":
         data = chunk.data
     else:
         raise Unreadable(f"compressed by {chunk.compression}, which is not known here")
-    work.read(len(data))
-    if cut:
+    budget.count_bytes(len(data))
+    if is_cut:
         return data[:size]
-    crc = chunk.uncompressed_crc  # 0: the writer has left it out
+    crc = chunk.uncompressed_crc  # 0: the writer left it out.
     if len(data) != size or (crc and zlib.crc32(data) != crc):
         raise Unreadable("damaged")
     return data
 
 
-def _zstd(data: bytes, most: int) -> bytes:
-    """At most so many bytes of it."""
+def _decompress_zstd(data: bytes, max_bytes: int) -> bytes:
+    """Return the first `max_bytes` decompressed bytes."""
     try:
         import zstandard
     except ImportError:
@@ -102,19 +122,19 @@ def _zstd(data: bytes, most: int) -> bytes:
     try:
         decompressor = zstandard.ZstdDecompressor(max_window_size=_WINDOW)
         with decompressor.stream_reader(data) as reader:
-            return reader.read(most)
+            return reader.read(max_bytes)
     except zstandard.ZstdError:
         raise Unreadable("damaged") from None
 
 
-def _lz4(data: bytes, most: int) -> bytes:
-    """At most so many bytes of it."""
+def _decompress_lz4(data: bytes, max_bytes: int) -> bytes:
+    """Return the first `max_bytes` decompressed bytes."""
     try:
         from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
     except ImportError:
         raise Unreadable("compressed: pip install lz4 reads it") from None
     try:
-        found: bytes = LZ4FrameDecompressor().decompress(data, max_length=most)
+        found: bytes = LZ4FrameDecompressor().decompress(data, max_length=max_bytes)
     except (RuntimeError, EOFError, ValueError):
         raise Unreadable("damaged") from None
     return found

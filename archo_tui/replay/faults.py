@@ -1,4 +1,4 @@
-"""What of a bag cannot be read, said once each and in a bounded number of lines."""
+"""The report of what could not be read in a bag, in a bounded number of lines."""
 
 from __future__ import annotations
 
@@ -6,36 +6,42 @@ from collections import Counter
 
 from archo_tui.robot.text import harmless
 
-_MOST_LINES = 100
-_MOST_MESSAGES = 100_000  # that are told apart; a higher count is of no use
-_LONGEST = 200  # characters of why
+_MAX_LINES = 100
+_MAX_MESSAGES = 100_000  # Counted apart; a higher count is of no use.
+_MAX_REASON = 200  # Characters.
 
 
 class Faults:
-    """Collects them."""
+    """A collector of faults; equal ones count once."""
 
     def __init__(self) -> None:
-        self._lines: dict[str, None] = {}  # in order, each once
-        self._unreadable: dict[tuple[int, int], str] = {}  # topics of such messages, by place
-        self._why: dict[str, str] = {}  # the first one of a topic cannot be read
+        self._lines: dict[str, None] = {}  # In order, each once.
+        self._unreadable: dict[tuple[int, int], str] = {}  # Topics by message.
+        self._reasons: dict[str, str] = {}  # By topic, for its first message.
 
-    def add(self, said: str) -> None:
-        """A line, which is made safe for a terminal."""
-        said = harmless(said)
-        if said not in self._lines:
-            self._lines[said if len(self._lines) < _MOST_LINES else "and more"] = None
+    def add(self, text: str) -> None:
+        """Add a line; it is made safe for a terminal."""
+        text = harmless(text)
+        if text not in self._lines:
+            self._lines[text if len(self._lines) < _MAX_LINES else "and more"] = None
 
-    def add_message(self, topic: str, place: tuple[int, int], why: str) -> None:
-        """One that cannot be read; it counts once, however often that is tried."""
-        if len(self._unreadable) < _MOST_MESSAGES:
-            self._unreadable[place] = topic
-            self._why.setdefault(topic, why[:_LONGEST])
+    def add_message(self, topic: str, order: tuple[int, int], reason: str) -> None:
+        """Count a message that cannot be read; it counts once, however often it is tried.
+
+        Args:
+            topic: Its topic.
+            order: The number of its file range and its offset there, which identify it.
+            reason: Why it cannot be read.
+        """
+        if len(self._unreadable) < _MAX_MESSAGES:
+            self._unreadable[order] = topic
+            self._reasons.setdefault(topic, reason[:_MAX_REASON])
 
     def lines(self) -> list[str]:
-        """All of them; of messages, a line for each topic."""
+        """Return all lines; unreadable messages make one line for each topic."""
         counts = Counter(self._unreadable.values())
         messages = [
-            harmless(f"{topic}: messages that cannot be read: {counts[topic]} ({why})")
-            for topic, why in self._why.items()
+            harmless(f"{topic}: messages that cannot be read: {counts[topic]} ({reason})")
+            for topic, reason in self._reasons.items()
         ]
-        return [*self._lines, *messages[:_MOST_LINES]]
+        return [*self._lines, *messages[:_MAX_LINES]]

@@ -1,4 +1,4 @@
-"""What an MCAP file holds and where: channels, schemas, chunks, the robot file."""
+"""The index of an MCAP file: its channels, schemas, message ranges and robot file."""
 
 from __future__ import annotations
 
@@ -9,28 +9,37 @@ from typing import Any, NamedTuple
 
 from archo_tui.replay.chunks import Unreadable
 
-ROBOT = "robot.yaml"
-MOST_ATTACHED = 1_000_000  # bytes of the robot file
-MOST_CHANNELS = 5000
-MOST_PIECES = 100_000
-_LONGEST = 1000  # characters of a topic
-_LARGEST_SCHEMA = 256_000  # bytes of a definition
-_ALL_SCHEMAS = 16_000_000  # bytes of all the definitions of a file
+ROBOT_ATTACHMENT = "robot.yaml"
+MAX_ROBOT_FILE = 1_000_000  # Bytes.
+MAX_CHANNELS = 5000
+MAX_RANGES = 100_000
+_MAX_NAME = 1000  # Characters of a topic or an encoding.
+_MAX_SCHEMA = 256_000  # Bytes of a definition.
+_MAX_ALL_SCHEMAS = 16_000_000  # Bytes of all definitions of a file.
 
 
-class Piece(NamedTuple):
-    """A part of a file that holds messages: a chunk, or messages that follow each other."""
+class MessageRange(NamedTuple):
+    """A part of a file that holds messages: a chunk, or messages outside of chunks.
 
-    start: int  # ns since the epoch, of its first message
+    Attributes:
+        start: Log time of its first message, in ns since the epoch.
+        end: Log time of its last message.
+        offset: Where it begins in the file, in bytes.
+        size: Its size, in bytes.
+        is_chunk: True for a chunk.
+        is_cut: True if the file ends within it.
+    """
+
+    start: int
     end: int
-    place: int  # bytes from the begin of the file
+    offset: int
     size: int
     is_chunk: bool
-    cut: bool = False  # the file ends within it
+    is_cut: bool = False
 
 
 class Channel(NamedTuple):
-    """A topic with a type."""
+    """A channel of an MCAP file: a topic with the id of its schema."""
 
     topic: str
     encoding: str
@@ -38,7 +47,7 @@ class Channel(NamedTuple):
 
 
 class Schema(NamedTuple):
-    """A type with its definition."""
+    """A schema of an MCAP file: a message type with its definition."""
 
     name: str
     encoding: str
@@ -46,83 +55,97 @@ class Schema(NamedTuple):
 
 
 class Index:
-    """Filled record by record; what is too large or damaged is left out and said by `fault`."""
+    """The index of a file, filled record by record from the content of records.
+
+    What is damaged or too large is left out and reported by `fault`.
+    """
 
     def __init__(self, fault: Callable[[str], None]) -> None:
         self.profile = ""
         self.channels: dict[int, Channel] = {}
         self.schemas: dict[int, Schema] = {}
-        self.pieces: list[Piece] = []
-        self.start, self.end, self.count = 2**64, 0, 0  # ns, of the messages
+        self.ranges: list[MessageRange] = []
+        self.start, self.end, self.count = 2**64, 0, 0  # Times in ns, of the messages.
         self.robot = ""
         self.fault = fault
-        self._text = 0  # bytes of all definitions
+        self._schema_bytes = 0
 
     def add_header(self, content: bytes) -> None:
-        self._try("its header", self._header, content)
+        """Read the profile from the header record."""
+        self._try("its header", self._read_header, content)
 
     def add_schema(self, content: bytes) -> None:
+        """Add a schema record; the first one with an id counts."""
         if int.from_bytes(content[:2], "little") not in self.schemas:
-            self._try("a definition", self._schema, content)
+            self._try("a definition", self._read_schema, content)
 
     def add_channel(self, content: bytes) -> None:
+        """Add a channel record; the first one with an id counts."""
         if int.from_bytes(content[:2], "little") not in self.channels:
-            self._try("a channel", self._channel, content)
+            self._try("a channel", self._read_channel, content)
 
     def add_robot(self, content: bytes) -> None:
-        """Of an attachment of that name; the first counts."""
+        """Read the robot file from an attachment record; the first one counts."""
         if not self.robot:
-            self._try(ROBOT, self._attachment, content)
+            self._try(ROBOT_ATTACHMENT, self._read_robot, content)
 
-    def add_piece(self, piece: Piece) -> None:
-        if len(self.pieces) < MOST_PIECES:
-            self.pieces.append(piece)
+    def add_range(self, messages: MessageRange) -> None:
+        """Add a range of messages, unless there are too many."""
+        if len(self.ranges) < MAX_RANGES:
+            self.ranges.append(messages)
         else:
-            self.fault(f"more than {MOST_PIECES:,} chunks: the rest is left out")
+            self.fault(f"more than {MAX_RANGES:,} chunks: the rest is left out")
 
     def add_times(self, start: int, end: int, count: int) -> None:
-        """Of so many messages."""
+        """Count messages, and widen the time of the whole file.
+
+        Args:
+            start: Log time of the first of them, in ns.
+            end: Log time of the last of them.
+            count: Their number.
+        """
         self.start, self.end = min(self.start, start), max(self.end, end)
         self.count += count
 
     def _try(self, what: str, add: Callable[[bytes, Any], None], content: bytes) -> None:
+        """Call `add` with a record's content, and report what it cannot read as `what`."""
         from mcap.data_stream import ReadDataStream
 
         try:
             add(content, ReadDataStream(BytesIO(content)))
         except Unreadable as error:
             self.fault(f"{what} is left out: {error}")
-        except Exception:  # of many kinds: struct's, mcap's, of text
+        except Exception:  # Of many kinds: struct's, mcap's, UnicodeDecodeError.
             self.fault(f"{what} is left out: damaged")
 
-    def _header(self, _: bytes, stream: Any) -> None:
+    def _read_header(self, _: bytes, stream: Any) -> None:
         self.profile = stream.read_prefixed_string()
 
-    def _schema(self, content: bytes, stream: Any) -> None:
-        if len(content) > _LARGEST_SCHEMA:
-            raise Unreadable(f"larger than {_LARGEST_SCHEMA // 1000} kB")
-        if self._text + len(content) > _ALL_SCHEMAS:
-            raise Unreadable(f"all of them are larger than {_ALL_SCHEMAS // 10**6} MB")
+    def _read_schema(self, content: bytes, stream: Any) -> None:
+        if len(content) > _MAX_SCHEMA:
+            raise Unreadable(f"larger than {_MAX_SCHEMA // 1000} kB")
+        if self._schema_bytes + len(content) > _MAX_ALL_SCHEMAS:
+            raise Unreadable(f"all of them are larger than {_MAX_ALL_SCHEMAS // 10**6} MB")
         number, name = stream.read2(), stream.read_prefixed_string()
         encoding, text = stream.read_prefixed_string(), stream.read_prefixed_string()
-        self._text += len(content)
+        self._schema_bytes += len(content)
         self.schemas[number] = Schema(name, encoding, text)
 
-    def _channel(self, _: bytes, stream: Any) -> None:
-        """Without its metadata, of which there may be millions."""
-        if len(self.channels) >= MOST_CHANNELS:
-            raise Unreadable(f"more than {MOST_CHANNELS:,}")
+    def _read_channel(self, _: bytes, stream: Any) -> None:
+        """Read a channel without its metadata, which may have millions of entries."""
+        if len(self.channels) >= MAX_CHANNELS:
+            raise Unreadable(f"more than {MAX_CHANNELS:,}")
         number, schema = stream.read2(), stream.read2()
         topic, encoding = stream.read_prefixed_string(), stream.read_prefixed_string()
-        if len(topic) > _LONGEST or len(encoding) > _LONGEST:
+        if len(topic) > _MAX_NAME or len(encoding) > _MAX_NAME:
             raise Unreadable("its name is too long")
         self.channels[number] = Channel(topic, encoding, schema)
 
-    def _attachment(self, content: bytes, _: Any) -> None:
+    def _read_robot(self, content: bytes, _: Any) -> None:
         from mcap.data_stream import ReadDataStream
         from mcap.records import Attachment
 
-        crc = int.from_bytes(content[-4:], "little")  # 0: the writer has left it out
+        crc = int.from_bytes(content[-4:], "little")  # 0: the writer left it out.
         if crc and crc != zlib.crc32(content[:-4]):
             raise Unreadable("damaged")
         found = Attachment.read(ReadDataStream(BytesIO(content)))

@@ -1,4 +1,4 @@
-"""Where a replay is, and how fast it goes; what is shown there."""
+"""The player of a recording: its position, its speed, and the view of the console there."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from archo_tui.clock import Clock
 from archo_tui.recording.console_recorder import STATE
 from archo_tui.recording.state import RecordedGoal
 from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.story import Story
-from archo_tui.replay.topics import namespace
-from archo_tui.replay.window import SPAN, Mark, Window
+from archo_tui.replay.replay_state import ReplayState
+from archo_tui.replay.topics import guess_namespace
+from archo_tui.replay.window import SPAN, TimelineMark, Window
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.queue import QueuedGoal
@@ -22,133 +22,140 @@ SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 
 
 class Player:
-    """Plays one bag. Used on the loop; a thread of its own reads."""
+    """The player of one bag. Event loop only; the bag is read on a thread of its own."""
 
     def __init__(self, bag: BagFile, file: RobotFile, clock: Clock) -> None:
-        """`clock` is the machine's."""
+        """Begin to read the first hour; the player is paused at the start.
+
+        Args:
+            bag: The bag.
+            file: The robot.
+            clock: The machine's clock, by which the recording plays.
+        """
         self.bag, self.file, self._clock = bag, file, clock
         self.start, self.end = bag.start, bag.end
         self.speed, self.is_playing = 1.0, False
-        self._at, self._since = self.start, clock.monotonic()  # the position then
-        self._seen = self._at  # the position at the last look
-        self._namespace = named(bag, file)
-        self._story = self._new_story()
+        self._base, self._base_time = (
+            self.start,
+            clock.monotonic(),
+        )  # The position at that monotonic time.
+        self._last_position = self._base  # The position at the last refresh.
+        self._namespace = namespace_of(bag, file)
+        self._state = self._new_state()
         self._window = Window(self.start, self.start + SPAN)
-        self._read(self._window)
+        self._start_reading(self._window)
 
-    def _new_story(self) -> Story:
-        return Story(self.file, self.bag.types, self._namespace)
+    def _new_state(self) -> ReplayState:
+        return ReplayState(self.file, self.bag.types, self._namespace)
 
-    def _read(self, window: Window) -> None:
+    def _start_reading(self, window: Window) -> None:
+        """Fill a window on a thread of its own, which ends early if another window replaces it."""
+
         def read() -> None:
-            story = self._new_story()
-            messages = self.bag.messages(window.begin, window.end, story.wanted)
+            state = self._new_state()
+            messages = self.bag.messages(window.begin, window.end, state.topics)
             try:
-                for _ in window.fill(story, messages):
-                    if window is not self._window:  # nobody wants it any more
+                for _ in window.fill(state, messages):
+                    if window is not self._window:  # Another window has replaced this one.
                         return
-            except Exception:  # whatever a file says: what was read is shown
-                window.give_up()
+            except Exception:  # A hostile file may raise anything; what was read is shown.
+                window.abort()
 
         threading.Thread(target=read, name="replay", daemon=True).start()
 
-    # where it is
-
     @property
     def position(self) -> float:
-        """Unix time of what is shown."""
+        """Return the Unix time of what is shown."""
         if not self.is_playing:
-            return self._at
-        passed = self._clock.monotonic() - self._since
-        return min(self._at + passed * self.speed, self.end)
+            return self._base
+        passed = self._clock.monotonic() - self._base_time
+        return min(self._base + passed * self.speed, self.end)
 
     def go_to(self, time: float) -> None:
-        """Show that moment, and go on from there."""
-        self._at = self._seen = min(max(time, self.start), self.end)
-        self._since = self._clock.monotonic()
-        if not self._window.begin <= self._at <= self._window.end:
-            begin = max(self._at - SPAN / 2, self.start)
-            self._story = self._new_story()
+        """Move the position to a Unix time, bounded by the recording."""
+        self._base = self._last_position = min(max(time, self.start), self.end)
+        self._base_time = self._clock.monotonic()
+        if not self._window.begin <= self._base <= self._window.end:
+            begin = max(self._base - SPAN / 2, self.start)
+            self._state = self._new_state()
             self._window = Window(begin, begin + SPAN)
-            self._read(self._window)
+            self._start_reading(self._window)
 
     def play(self, *, on: bool) -> None:
-        """Begin, at the start when all was played; or pause."""
+        """Play or pause; at the end, playing begins again from the start."""
         self.go_to(self.start if on and self.position >= self.end else self.position)
         self.is_playing = on
 
-    def look(self) -> None:
-        """Pause at the end; behind the part that is held read the next one, and wait for it."""
+    def refresh(self) -> None:
+        """Pause at the end, or wait at the last position for messages that are still being read."""
         position = self.position
         if position > self._window.end:
             self.go_to(position)
-        elif self.is_playing and self.is_reading:  # nothing is passed unseen
-            self.go_to(self._seen)
+        elif self.is_playing and self.is_reading:  # Wait, so that no message is skipped.
+            self.go_to(self._last_position)
         elif self.is_playing and position >= self.end:
             self.play(on=False)
-        self._seen = self.position
+        self._last_position = self.position
 
-    def faster(self, step: int) -> None:
-        """One step in SPEEDS, up or down."""
+    def change_speed(self, step: int) -> None:
+        """Change the speed by that many entries of SPEEDS, up or down."""
         self.go_to(self.position)
-        place = SPEEDS.index(self.speed) + step
-        self.speed = SPEEDS[min(max(place, 0), len(SPEEDS) - 1)]
+        index = SPEEDS.index(self.speed) + step
+        self.speed = SPEEDS[min(max(index, 0), len(SPEEDS) - 1)]
 
-    def by_message(self, step: int) -> None:
-        """To the next message, or the one before."""
+    def step_message(self, step: int) -> None:
+        """Pause, and move to the next message (1) or the one before (-1)."""
         self.play(on=False)
-        beside = self._window.beside(self.position, step)
-        self.go_to(self.position if beside is None else beside)
+        neighbour = self._window.neighbour(self.position, step)
+        self.go_to(self.position if neighbour is None else neighbour)
 
     @property
-    def marks(self) -> list[Mark]:
-        """What happened, in the order in which it did."""
+    def marks(self) -> list[TimelineMark]:
+        """Return the events and alarms of the window in the order of time."""
         return sorted(self._window.marks, key=lambda mark: mark.time)
 
-    def to_mark(self, step: int) -> Mark | None:
-        """To the next one, or the one before; None: there is none."""
+    def step_mark(self, step: int) -> TimelineMark | None:
+        """Pause and move to the next mark (1) or the one before (-1); None if there is none."""
         here, marks = self.position, self.marks
-        beside = [m for m in marks if (m.time > here if step > 0 else m.time < here)]
-        if not beside:
+        neighbour = [m for m in marks if (m.time > here if step > 0 else m.time < here)]
+        if not neighbour:
             return None
-        mark = beside[0] if step > 0 else beside[-1]
+        mark = neighbour[0] if step > 0 else neighbour[-1]
         self.play(on=False)
         self.go_to(mark.time)
         return mark
 
-    # what is shown
-
     @property
     def is_reading(self) -> bool:
-        """True while what is to be shown is not read yet."""
-        return not self._window.has(self.position)
+        """Return True while the messages up to the position are still being read."""
+        return not self._window.covers(self.position)
 
     @property
-    def is_whole(self) -> bool:
-        """True when the part that is held is read."""
-        return self._window.is_whole
+    def is_complete(self) -> bool:
+        """Return True when the window around the position is read in full."""
+        return self._window.is_complete
 
     @property
     def unreadable(self) -> int:
-        """Messages that say nonsense, so far."""
+        """Return how many messages of the window could not be applied so far."""
         return self._window.unreadable
 
     def snapshot(self) -> Snapshot:
-        """What was known at the position."""
-        return self._tell(self.position).snapshot
+        """Return the state of the robot at the position."""
+        return self._state_at(self.position).snapshot
 
-    def _tell(self, now: float) -> Story:
-        """The story up to then; while that is not read yet, one in which nothing was heard."""
-        if not self._window.has(now):
-            return self._new_story()
-        self._window.tell(self._story, now)
-        return self._story
+    def _state_at(self, now: float) -> ReplayState:
+        """Return the state at a time, or an empty one while that time is still being read."""
+        if not self._window.covers(now):
+            return self._new_state()
+        self._window.advance(self._state, now)
+        return self._state
 
     def view(self) -> View:
-        """All that was shown at the position."""
+        """Return everything that the console showed at the position."""
         now = self.position
-        story = self._tell(now)
-        snapshot, state = story.snapshot, story.state
+        replay_state = self._state_at(now)
+        snapshot, state = replay_state.snapshot, replay_state.console
         return View(
             snapshot,
             now,
@@ -157,7 +164,7 @@ class Player:
             state.engine,
             state.namespace,
             self._window.history.until(now),
-            story.alarms(snapshot, now),
+            replay_state.alarms(snapshot, now),
             state.hosted,
             watching=True,
             queue=tuple(map(self._queued, state.queue)),
@@ -166,17 +173,17 @@ class Player:
             replay=f"REPLAY {datetime.fromtimestamp(now):%Y-%m-%d %H:%M:%S}",
         )
 
-    def _queued(self, wanted: RecordedGoal) -> QueuedGoal:
-        return QueuedGoal(self._story.kind(wanted.kind), wanted.values)
+    def _queued(self, goal: RecordedGoal) -> QueuedGoal:
+        return QueuedGoal(self._state.goal_kind(goal.kind), goal.values)
 
 
-def named(bag: BagFile, file: RobotFile) -> str:
-    """The robot's namespace, as the recording says, or as its topics are called."""
-    story = Story(file, bag.types, "/")
-    for said in bag.messages(bag.start, bag.start + 1.0, (STATE,)):
+def namespace_of(bag: BagFile, file: RobotFile) -> str:
+    """Return the robot's namespace, as the recorded console state says or as the topics suggest."""
+    state = ReplayState(file, bag.types, "/")
+    for message in bag.messages(bag.start, bag.start + 1.0, (STATE,)):
         try:
-            story.apply(*said)
-        except Exception:  # it says nonsense
+            state.apply(*message)
+        except Exception:  # A hostile file may raise anything.
             break
-        return story.state.namespace
-    return namespace(bag.types, file)
+        return state.console.namespace
+    return guess_namespace(bag.types, file)

@@ -1,4 +1,4 @@
-"""Reads what stands at the end of an MCAP file about all of it: quick for a large file, too."""
+"""A reader of the summary section at the end of an MCAP file, which is quick for large files."""
 
 from __future__ import annotations
 
@@ -6,42 +6,55 @@ import zlib
 from struct import Struct
 from typing import BinaryIO
 
-from archo_tui.replay.chunks import LARGEST, Unreadable, Work, records
-from archo_tui.replay.mcap_index import Index, Piece
-from archo_tui.replay.walk import ATTACHMENT, CHANNEL, FOOTER, HEADER, MAGIC, SCHEMA, Walk
+from archo_tui.replay.chunks import MAX_RECORD, ReadBudget, Unreadable, iter_records
+from archo_tui.replay.linear_reader import (
+    ATTACHMENT,
+    CHANNEL,
+    FOOTER,
+    HEADER,
+    MAGIC,
+    SCHEMA,
+    LinearReader,
+)
+from archo_tui.replay.mcap_index import Index, MessageRange
 
-_FOOTER = Struct("<BQQQI8s")  # frame; where the summary and its offsets begin; CRC; magic
-_CHECKED = 1 + 3 * 8  # bytes of it that its CRC covers, behind the summary
+_FOOTER = Struct("<BQQQI8s")  # Frame, start of summary and of offsets, CRC, magic.
+_CRC_BYTES = 1 + 3 * 8  # Bytes of the footer that its CRC covers besides the summary.
 _CHUNK_INDEX, _ATTACHMENT_INDEX, _STATISTICS = 8, 10, 11
-_CHUNK_HEAD = Struct("<QQQQ")  # first and last time, place, size
-_ATTACHED = Struct("<QQ")  # place, size
-_COUNTS = Struct("<QHIIIIQQ")
+_CHUNK_HEAD = Struct("<QQQQ")  # First and last time, offset, size.
+_ATTACHMENT_HEAD = Struct("<QQ")  # Offset, size.
+_STATISTICS_RECORD = Struct("<QHIIIIQQ")
 
 
-def read_summary(file: BinaryIO, size: int, index: Index, work: Work) -> bool:
-    """Fill the index from it; False where it is missing, damaged or does not say enough.
+def read_summary(file: BinaryIO, size: int, index: Index, budget: ReadBudget) -> bool:
+    """Fill the index from the summary, the header and the attached robot file.
 
-    The index is then of no use. Raises OSError and TooMuch.
+    Returns:
+        False if the summary is missing, damaged or incomplete; the index is of no use then.
+
+    Raises:
+        OSError: The file cannot be read.
+        BudgetExceeded: The summary is too large.
     """
-    data = _summary(file, size)
+    data = _summary_section(file, size)
     if data is None:
         return False
-    chunks: dict[int, Piece] = {}
+    chunks: dict[int, MessageRange] = {}
     attached: list[tuple[int, int]] = []
     counts = None
     try:
-        for opcode, begin, end in records(data, work):
+        for opcode, begin, end in iter_records(data, budget):
             if opcode == SCHEMA:
                 index.add_schema(data[begin:end])
             elif opcode == CHANNEL:
                 index.add_channel(data[begin:end])
-            elif opcode == _STATISTICS and end - begin >= _COUNTS.size:
-                counts = _COUNTS.unpack_from(data, begin)
+            elif opcode == _STATISTICS and end - begin >= _STATISTICS_RECORD.size:
+                counts = _STATISTICS_RECORD.unpack_from(data, begin)
             elif opcode == _CHUNK_INDEX and end - begin >= _CHUNK_HEAD.size:
-                start, last, place, length = _CHUNK_HEAD.unpack_from(data, begin)
-                chunks[place] = Piece(start, last, place, length, True)
-            elif opcode == _ATTACHMENT_INDEX and end - begin >= _ATTACHED.size:
-                attached.append(_ATTACHED.unpack_from(data, begin))
+                start, last, offset, length = _CHUNK_HEAD.unpack_from(data, begin)
+                chunks[offset] = MessageRange(start, last, offset, length, True)
+            elif opcode == _ATTACHMENT_INDEX and end - begin >= _ATTACHMENT_HEAD.size:
+                attached.append(_ATTACHMENT_HEAD.unpack_from(data, begin))
     except Unreadable:
         return False
     if counts is None:
@@ -52,18 +65,18 @@ def read_summary(file: BinaryIO, size: int, index: Index, work: Work) -> bool:
         messages and not (chunks and start <= last)
     ):
         return False
-    if any(piece.place + piece.size > size for piece in chunks.values()):
+    if any(chunk.offset + chunk.size > size for chunk in chunks.values()):
         return False
     if messages:
         index.add_times(start, last, messages)
-    for piece in chunks.values():
-        index.add_piece(piece)
-    _read_beside(file, size, index, attached, work)
+    for chunk in chunks.values():
+        index.add_range(chunk)
+    _read_header_and_robot(file, size, index, attached, budget)
     return True
 
 
-def _summary(file: BinaryIO, size: int) -> bytes | None:
-    """The records of it, when they are whole."""
+def _summary_section(file: BinaryIO, size: int) -> bytes | None:
+    """Return the records of the summary, or None if it is missing or damaged."""
     end = size - _FOOTER.size
     if end < len(MAGIC):
         return None
@@ -72,19 +85,19 @@ def _summary(file: BinaryIO, size: int) -> bytes | None:
     if len(foot) < _FOOTER.size:
         return None
     opcode, length, start, _, crc, magic = _FOOTER.unpack(foot)
-    if (opcode, length, magic) != (FOOTER, 20, MAGIC) or not 0 < end - start <= LARGEST:
+    if (opcode, length, magic) != (FOOTER, 20, MAGIC) or not 0 < end - start <= MAX_RECORD:
         return None
     file.seek(start)
     data = file.read(end - start)
-    if crc and zlib.crc32(foot[:_CHECKED], zlib.crc32(data)) != crc:  # 0: left out
+    if crc and zlib.crc32(foot[:_CRC_BYTES], zlib.crc32(data)) != crc:  # 0: the writer left it out.
         return None
     return data
 
 
-def _read_beside(
-    file: BinaryIO, size: int, index: Index, attached: list[tuple[int, int]], work: Work
+def _read_header_and_robot(
+    file: BinaryIO, size: int, index: Index, attached: list[tuple[int, int]], budget: ReadBudget
 ) -> None:
-    """The header and the robot file, which are not in the summary."""
-    walk = Walk(file, size, index, work)
-    for opcode, place in [(HEADER, len(MAGIC)), *((ATTACHMENT, place) for place, _ in attached)]:
-        walk.one(opcode, place)
+    """Read the header and the robot file, which the summary only points to."""
+    reader = LinearReader(file, size, index, budget)
+    for opcode, offset in [(HEADER, len(MAGIC)), *((ATTACHMENT, offset) for offset, _ in attached)]:
+        reader.read_record_at(opcode, offset)

@@ -1,4 +1,4 @@
-"""A recording's topics, as what hears the robot's topics asks for them."""
+"""The topics of a recording, as the telemetry subscribes to them."""
 
 from __future__ import annotations
 
@@ -13,40 +13,47 @@ from archo_tui.robot_file.model import RobotFile
 _QOS = SimpleNamespace(reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
 
 
-class Topics:
-    """Stands for the console's node: whatever a recording holds is published."""
+class RecordedTopics:
+    """A stand-in for the console's node, on which every recorded topic has a publisher."""
 
     def __init__(self, types: Mapping[str, str], namespace: str) -> None:
-        """`types` by full names."""
-        self._types, self._below = types, f"{namespace.rstrip('/')}/"
-        self.callbacks: dict[str, Callable[[Any], None]] = {}  # by full names
+        """Create the stand-in.
+
+        Args:
+            types: The type of each topic, by full names.
+            namespace: The robot's namespace.
+        """
+        self._types, self._prefix = types, f"{namespace.rstrip('/')}/"
+        self.callbacks: dict[str, Callable[[Any], None]] = {}  # By full topic names.
 
     def resolve_topic_name(self, name: str) -> str:
-        """The topic's full name."""
-        return name if name.startswith("/") else f"{self._below}{name}"
+        """Return the full name of a topic."""
+        return name if name.startswith("/") else f"{self._prefix}{name}"
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
-        """One publisher of what is in the recording."""
+        """Return one publisher of a recorded topic, none of another one."""
         kind = self._types.get(self.resolve_topic_name(topic))
         if kind is None:
             return []
-        nobody = {"node_name": "", "node_namespace": "/"}  # a bag does not name its publishers
+        nobody = {"node_name": "", "node_namespace": "/"}  # A bag does not name its publishers.
         return [SimpleNamespace(topic_type=kind, qos_profile=_QOS, **nobody)]
 
     def listen_quietly(
         self, _kind: Any, topic: str, callback: Callable[[Any], None], _qos: Any
     ) -> Callable[[Any], None]:
-        """From now on it is called with each message of the topic."""
+        """Call `callback` with each later message until `destroy_subscription`."""
         self.callbacks[self.resolve_topic_name(topic)] = callback
         return callback
 
     def destroy_subscription(self, callback: Callable[[Any], None]) -> None:
-        """It is called no more."""
-        self.callbacks = {name: one for name, one in self.callbacks.items() if one != callback}
+        """Stop calling the callback."""
+        self.callbacks = {
+            name: known for name, known in self.callbacks.items() if known != callback
+        }
 
 
-def namespace(types: Mapping[str, str], robot: RobotFile) -> str:
-    """Where the robot's topics are in a recording that does not say so."""
+def guess_namespace(types: Mapping[str, str], robot: RobotFile) -> str:
+    """Return the namespace in which the robot's topics are recorded; `/` if none is."""
     for topic in robot.topics:
         for name in types:
             if name.endswith(f"/{topic.lstrip('/')}"):

@@ -1,4 +1,4 @@
-"""A part of a recording, held in memory: any moment of it within milliseconds."""
+"""An hour of a recording in memory, any moment of which can be shown within milliseconds."""
 
 from __future__ import annotations
 
@@ -7,113 +7,123 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from archo_tui.recording.console_recorder import JOURNAL
-from archo_tui.replay.bag_file import Said
-from archo_tui.replay.held import MOST_MESSAGES
-from archo_tui.replay.story import Kept, Story
+from archo_tui.replay.bag_file import BagMessage
+from archo_tui.replay.message_reader import MAX_MESSAGES
+from archo_tui.replay.replay_state import Checkpoint, ReplayState
 from archo_tui.robot.state import OWN_LEVELS, Snapshot
 from archo_tui.station.alarms import Alarm
 from archo_tui.station.alarms import State as AlarmState
 from archo_tui.station.history import History
 
-SPAN = 3600.0  # s that are held at a time
-_EACH = 250  # messages between two moments from which the story can be told on
+SPAN = 3600.0  # Seconds.
+_CHECKPOINT_EVERY = 250  # Messages.
 
 
-class Mark(NamedTuple):
-    """Something happened."""
+class TimelineMark(NamedTuple):
+    """An event or alarm on the time line."""
 
-    time: float  # Unix time
+    time: float  # Unix time, in s.
     text: str
 
 
 class Window:
-    """The messages from `begin` on; one thread adds, another one looks."""
+    """The messages of a time span, with a checkpoint of the state at every few hundred.
+
+    One thread fills it while another one reads.
+    """
 
     def __init__(self, begin: float, end: float) -> None:
-        """Unix times."""
+        """Create an empty window from one Unix time to another."""
         self.begin, self.end = begin, end
-        self.is_whole = False  # all of it is here
-        self.unreadable = 0  # messages that say nonsense
-        self.marks: list[Mark] = []
+        self.is_complete = False  # True when all messages are read.
+        self.unreadable = 0  # Messages that could not be applied.
+        self.marks: list[TimelineMark] = []
         self.history = History()
-        self._kept: list[Kept] = []  # before each _EACH messages
-        self._said: list[Said] = []
+        self._checkpoints: list[Checkpoint] = []
+        self._messages: list[BagMessage] = []
         self._times: list[float] = []
-        self._applied = -1  # how many messages the story of who looks has been told; -1: none yet
-        self._told = begin  # up to which time
+        self._applied = -1  # Messages applied to the reader's state; -1: it has no checkpoint yet.
+        self._last_time = begin  # The Unix time of the last `advance`.
 
-    def fill(self, story: Story, messages: Iterable[Said]) -> Iterator[None]:
-        """Take what is in it, with a story of its own; gives others a turn after each _EACH."""
+    def fill(self, state: ReplayState, messages: Iterable[BagMessage]) -> Iterator[None]:
+        """Take all messages, yielding after each few hundred so that the caller can give up.
+
+        Args:
+            state: A state of its own, not used by anything else.
+            messages: The messages of the window, in the order of time.
+        """
         second, alarms = self.begin, frozenset[str]()
-        for number, said in enumerate(messages):
-            if number % _EACH == 0:
-                self._kept.append(story.kept())
+        for number, message in enumerate(messages):
+            if number % _CHECKPOINT_EVERY == 0:
+                self._checkpoints.append(state.checkpoint())
                 yield
-            while second <= said.time:  # as the console did, each second
-                snapshot = story.snapshot
+            while second <= message.time:  # As the console did, each second.
+                snapshot = state.snapshot
                 self.history.add(snapshot, second)
-                alarms = self._mark_alarms(story.alarms(snapshot, second), alarms, second)
+                alarms = self._mark_alarms(state.alarms(snapshot, second), alarms, second)
                 second += 1.0
             try:
-                story.apply(*said)
-                self.history.take(story.readings, said.time)
-            except Exception:  # whatever a file says: the others are told
+                state.apply(*message)
+                self.history.take(state.curve_snapshot, message.time)
+            except Exception:  # A hostile message may raise anything; the others are applied.
                 self.unreadable += 1
-            if said.topic == JOURNAL:
-                self._mark_event(story.snapshot, said.time)
-            self._said.append(said)
-            self._times.append(said.time)
-        self.history.take(story.snapshot, self.end)  # what ended in the last, broken second
-        if len(self._said) >= MOST_MESSAGES:  # the rest is read when it is asked for
+            if message.topic == JOURNAL:
+                self._mark_event(state.snapshot, message.time)
+            self._messages.append(message)
+            self._times.append(message.time)
+        self.history.take(
+            state.snapshot, self.end
+        )  # A goal may have ended in the last part of a second.
+        if len(self._messages) >= MAX_MESSAGES:  # The next window reads the rest.
             self.end = self._times[-1]
-        self._kept = self._kept or [story.kept()]
-        self.is_whole = True
+        self._checkpoints = self._checkpoints or [state.checkpoint()]
+        self.is_complete = True
 
-    def give_up(self) -> None:
-        """It cannot be read on."""
+    def abort(self) -> None:
+        """Count an error that ended the reading; what was read so far is shown."""
         self.unreadable += 1
-        self.is_whole = bool(self._kept)
+        self.is_complete = bool(self._checkpoints)
 
     def _mark_event(self, snapshot: Snapshot, time: float) -> None:
-        """What somebody commanded, and how a goal ended."""
+        """Mark what somebody commanded, and how a goal ended."""
         event = snapshot.events[-1] if snapshot.events else None
         if event is not None and event.level in OWN_LEVELS:
-            self.marks.append(Mark(time, f"{event.level}: {event.text}"))
+            self.marks.append(TimelineMark(time, f"{event.level}: {event.text}"))
 
     def _mark_alarms(
         self, alarms: tuple[Alarm, ...], before: frozenset[str], time: float
     ) -> frozenset[str]:
-        """Those that came since."""
+        """Mark the alarms that have come, and return the names of all that are active."""
         new = [alarm for alarm in alarms if alarm.state == AlarmState.UNACKNOWLEDGED]
         for alarm in new:
             if alarm.name not in before:
-                self.marks.append(Mark(max(alarm.since, self.begin), alarm.text))
+                self.marks.append(TimelineMark(max(alarm.since, self.begin), alarm.text))
         return frozenset(alarm.name for alarm in new)
 
-    def has(self, time: float) -> bool:
-        """True when that moment is here, or never comes."""
+    def covers(self, time: float) -> bool:
+        """Return True if all messages up to a Unix time are read."""
         return self.begin <= time <= self.end and (
-            self.is_whole or bool(self._times and time < self._times[-1])
+            self.is_complete or bool(self._times and time < self._times[-1])
         )
 
-    def tell(self, story: Story, time: float) -> None:
-        """Bring the story to that time, from the nearest moment that is kept."""
+    def advance(self, state: ReplayState, time: float) -> None:
+        """Bring a state to a Unix time, from where it is or from the nearest checkpoint."""
         count = bisect_right(self._times, time)
-        # back: it may have looked for alarms in a silence that was not so long then
-        is_back, self._told = time < self._told, time
-        if is_back or not 0 <= count - self._applied <= _EACH or self._applied < 0:
-            nearest = min(count // _EACH, len(self._kept) - 1)
-            story.put_back(self._kept[nearest])
-            self._applied = nearest * _EACH
-        for said in self._said[self._applied : count]:
+        # Backwards, alarms evaluated during a later silence must be undone.
+        is_back, self._last_time = time < self._last_time, time
+        if is_back or not 0 <= count - self._applied <= _CHECKPOINT_EVERY or self._applied < 0:
+            nearest = min(count // _CHECKPOINT_EVERY, len(self._checkpoints) - 1)
+            state.restore(self._checkpoints[nearest])
+            self._applied = nearest * _CHECKPOINT_EVERY
+        for message in self._messages[self._applied : count]:
             try:
-                story.apply(*said)
-            except Exception:  # counted as it was taken
+                state.apply(*message)
+            except Exception:  # `fill` has counted it.
                 continue
         self._applied = count
 
-    def beside(self, time: float, step: int) -> float | None:
-        """The time of the message before (-1) or after (1) that one."""
+    def neighbour(self, time: float, step: int) -> float | None:
+        """Return the time of the next message (1) or the one before (-1); None if there is none."""
         after, before = bisect_right(self._times, time), bisect_left(self._times, time) - 1
         place = after if step > 0 else before
         return self._times[place] if 0 <= place < len(self._times) else None

@@ -8,7 +8,7 @@ from textual.content import Content
 
 from archo_tui.clock import time_of_day
 from archo_tui.replay.player import Player
-from archo_tui.replay.window import Mark
+from archo_tui.replay.window import TimelineMark
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import crop
@@ -65,13 +65,13 @@ class TimeLine(Panel, can_focus=True):
             self.post_message(self.Resized(self))
 
 
-def _last(marks: list[Mark], here: float) -> str:
+def _last(marks: list[TimelineMark], here: float) -> str:
     """What happened last, all at once."""
     past = [mark for mark in marks if mark.time <= here + _AT_ONCE]
     return ", ".join(mark.text for mark in past if past[-1].time - mark.time < _AT_ONCE)
 
 
-def line_of(player: Player, here: float, marks: list[Mark], cells: int) -> Content:
+def line_of(player: Player, here: float, marks: list[TimelineMark], cells: int) -> Content:
     """`━━┼━━━●──┼────`: what is past, where it is, marks."""
     whole = max(player.end - player.start, 1e-9)
 

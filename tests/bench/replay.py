@@ -55,7 +55,7 @@ def main() -> None:
             time.sleep(0.001)
         player.view()
         first = time.perf_counter() - begun
-        while not player.is_whole:
+        while not player.is_complete:
             time.sleep(0.01)
         whole, took = time.perf_counter() - begun, []
         for _ in range(JUMPS):

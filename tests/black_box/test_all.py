@@ -129,7 +129,7 @@ def test_what_came_is_on_the_disk_within_a_second_in_each_part(
     assert BagFile(path).robot == "name: ARCHO"
     box.end()
     assert box.close(DEADLINE) == ""
-    assert BagFile(path).counts == 5
+    assert BagFile(path).count == 5
 
 
 @pytest.mark.posix
@@ -163,7 +163,7 @@ def test_a_console_that_is_killed_leaves_what_was_heard_until_then(tmp_path: Pat
 def _count(path: Path) -> int:
     """How many messages are there by now; a file that was only just begun has none."""
     try:
-        return BagFile(path).counts
+        return BagFile(path).count
     except ArchoError:
         return 0
 

@@ -15,7 +15,7 @@ from rclpy.serialization import serialize_message
 
 from archo_tui.recording.bag import type_name
 from archo_tui.recording.definitions import definition
-from archo_tui.replay.bag_file import BagFile, Said
+from archo_tui.replay.bag_file import BagFile, BagMessage
 
 START = 1_763_780_000  # Unix time of the first message, in s
 ALWAYS = (float("-inf"), float("inf"))
@@ -67,7 +67,7 @@ def written(
     return path
 
 
-def read(bag: BagFile, *topics: str) -> list[Said]:
+def read(bag: BagFile, *topics: str) -> list[BagMessage]:
     """All of its messages, or those of some topics."""
     return list(bag.messages(*ALWAYS, topics or bag.types))
 

@@ -12,9 +12,9 @@ from archo_tui.app import ArchoApp
 from archo_tui.paths import state_file
 from archo_tui.recording import store
 from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.found import robot_of
 from archo_tui.replay.player import Player
-from archo_tui.replay.robot import RecordedStation
+from archo_tui.replay.recorded_station import RecordedStation
+from archo_tui.replay.resolve import load_robot_file
 from archo_tui.replay_app import ReplayApp
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
@@ -95,8 +95,8 @@ async def replay(path: Path, size: tuple[int, int] = (120, 36)) -> AsyncIterator
     """The replay of a bag, read to its end."""
     time = StandingClock()
     bag = BagFile(path)
-    player = Player(bag, robot_of(bag, ""), time)
-    wait_until(lambda: player.is_whole)
+    player = Player(bag, load_robot_file(bag, ""), time)
+    wait_until(lambda: player.is_complete)
     with sized(size):
         app = ReplayApp(RecordedStation(player, time))
     app.animation_level = "none"

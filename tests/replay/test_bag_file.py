@@ -24,10 +24,10 @@ from archo_tui.recording import bag
 from archo_tui.recording.bag import type_name
 from archo_tui.recording.definitions import definition
 from archo_tui.recording.ring import ReceivedMessage
-from archo_tui.replay import chunks, held
+from archo_tui.replay import chunks, message_reader
 from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.mcap_index import Piece
-from archo_tui.replay.walk import read as read_piece
+from archo_tui.replay.linear_reader import read_range
+from archo_tui.replay.mcap_index import MessageRange
 from archo_tui.robot import message_classes
 from tests.replay.bags import (
     MAGIC,
@@ -61,7 +61,7 @@ def test_what_this_console_recorded_is_read_back(tmp_path: Path) -> None:
     sent = drive(60)
     found = BagFile(recorded(tmp_path / "a", sent, **{"robot.yaml": "name: X\n"}))
     assert [(one.topic, one.message) for one in read(found)] == sent
-    assert (found.start, found.end, found.counts) == (START, START + 5.9, 60)
+    assert (found.start, found.end, found.count) == (START, START + 5.9, 60)
     assert (found.robot, found.faults) == ("name: X\n", [])
     assert found.types == {
         "/battery_level": "archo_interfaces/msg/BatteryStatus",
@@ -98,7 +98,7 @@ def test_every_way_to_pack_messages_is_read(
 ) -> None:
     found = BagFile(written(tmp_path / "a.mcap", drive(), compression, **options))
     assert [(one.topic, one.message) for one in read(found)] == drive()
-    assert (found.start, found.end, found.counts) == (START, START + 5.9, 60)
+    assert (found.start, found.end, found.count) == (START, START + 5.9, 60)
     assert (found.robot, found.faults) == ("name: X\n", [])
 
 
@@ -245,7 +245,7 @@ def test_a_topic_that_cannot_be_read_is_said_once_and_left_out(
     found = BagFile(logs(tmp_path / "a.mcap", parts, *sent))
     assert words(found) == ["0", "2", "4", "6", "8"]
     assert found.faults == [fault]
-    assert found.counts == 10
+    assert found.count == 10
 
 
 def test_a_definition_in_another_language_is_not_compared_and_that_is_said(tmp_path: Path) -> None:
@@ -300,7 +300,7 @@ def test_a_bag_of_several_files_is_one(tmp_path: Path) -> None:
     (tmp_path / "a" / ".hidden.mcap").write_bytes(b"no bag")
     (tmp_path / "a" / "broken.mcap").write_bytes(b"no bag")
     found = BagFile(tmp_path / "a")
-    assert (found.counts, len(read(found)), found.robot) == (12, 12, "name: X\n")
+    assert (found.count, len(read(found)), found.robot) == (12, 12, "name: X\n")
     times = [one.time for one in read(found)]
     assert times == sorted(times)
     (fault,) = found.faults
@@ -316,7 +316,7 @@ def test_without_its_metadata_and_by_its_file_a_bag_is_the_same(tmp_path: Path) 
 
 def test_a_bag_without_messages_is_one(tmp_path: Path) -> None:
     found = BagFile(recorded(tmp_path / "a", []))
-    assert (found.start, found.end, found.counts, found.types) == (0.0, 0.0, 0, {})
+    assert (found.start, found.end, found.count, found.types) == (0.0, 0.0, 0, {})
     assert read(found) == []
     assert found.faults == []
 
@@ -333,7 +333,7 @@ def test_a_file_that_is_cut_off_gives_what_stands_before(
         found = BagFile(tmp_path / "b.mcap")
         some = [(one.topic, one.message) for one in read(found)]
         assert some == sent[: len(some)]
-        if found.counts < 60:
+        if found.count < 60:
             (fault,) = found.faults
             assert "cut off or damaged after" in fault
         counts.append(len(some))
@@ -357,15 +357,15 @@ def test_no_chunk_is_opened_to_know_what_a_bag_holds(
     path = written(tmp_path / "a.mcap", drive(200), chunk_size=2000)
     if cut:
         without_summary(path)
-    opened, unpacked = list[int](), chunks.unpacked
+    opened, unpacked = list[int](), chunks.decompress_chunk
 
     def counted(content: bytes, *given: Any, **more: Any) -> bytes:
         opened.append(len(content))
         return unpacked(content, *given, **more)
 
-    monkeypatch.setattr("archo_tui.replay.walk.unpacked", counted)
+    monkeypatch.setattr("archo_tui.replay.linear_reader.decompress_chunk", counted)
     found = BagFile(path)
-    assert (found.start, found.end, found.counts) == (START, START + 19.9, 200)
+    assert (found.start, found.end, found.count) == (START, START + 19.9, 200)
     assert len(found.types) == 4
     assert len(opened) == (2 if cut else 0)  # where the channels are described
     before = len(opened)
@@ -424,20 +424,20 @@ def test_more_messages_than_are_held_at_a_time_are_left_out(
 ) -> None:
     path = written(tmp_path / "a.mcap", drive(), chunk_size=500)
     with monkeypatch.context() as patch:
-        patch.setattr(held, "MOST_MESSAGES", 10)
+        patch.setattr(message_reader, "MAX_MESSAGES", 10)
         found = BagFile(path)
         assert [(one.topic, one.message) for one in read(found)] == drive()[:10]
         said = "more than 10 messages or 100 MB at a time: the rest is left out"
         assert found.faults == [said]
-    monkeypatch.setattr(held, "MOST_BYTES", 500)
+    monkeypatch.setattr(message_reader, "MAX_BYTES", 500)
     assert 0 < len(read(BagFile(path))) < 20
 
 
 def test_messages_without_chunks_are_read_in_parts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("archo_tui.replay.walk._STRETCH", 500)
-    monkeypatch.setattr("archo_tui.replay.walk.LARGEST", 2000)
+    monkeypatch.setattr("archo_tui.replay.linear_reader._MAX_RUN", 500)
+    monkeypatch.setattr("archo_tui.replay.linear_reader.MAX_RECORD", 2000)
     path = written(tmp_path / "a.mcap", drive(), "none", use_chunking=False)
     assert contents(path) == drive()
 
@@ -541,7 +541,7 @@ def test_a_disk_that_fails_is_said_in_one_line(
 
     found = BagFile(path)
     with monkeypatch.context() as patch:
-        patch.setattr("archo_tui.replay.held.read", fail)
+        patch.setattr("archo_tui.replay.message_reader.read_range", fail)
         assert read(found) == []
     assert found.faults == ["a.mcap: Input/output error"]
     with monkeypatch.context() as patch:
@@ -565,6 +565,8 @@ def test_a_profile_of_nobody_with_messages_of_ros_2_is_read(tmp_path: Path) -> N
 
 def test_a_chunk_that_was_begun_while_the_bag_was_read_is_left_out() -> None:
     file = BytesIO(chunks.FRAME.pack(6, 100) + b"x" * 100)
-    begun = Piece(0, 0, place=0, size=0, is_chunk=True, cut=True)  # the file ended there then
+    begun = MessageRange(
+        0, 0, offset=0, size=0, is_chunk=True, is_cut=True
+    )  # the file ended there then
     with pytest.raises(chunks.Unreadable):
-        read_piece(file, begun, chunks.Work())
+        read_range(file, begun, chunks.ReadBudget())

@@ -144,12 +144,12 @@ WINDOW = b"\x28\xb5\x2f\xfd\x00" + bytes([(31 - 10) << 3]) + _BLOCK + GOOD
 BOMB = 300_000_000  # bytes, five times as many as are ever unpacked
 CHUNKS: dict[str, Callable[[], bytes]] = {
     "zstd": lambda: chunk(zstd_bomb(BOMB), "zstd", size=1000),
-    "zstd, large": lambda: chunk(zstd_bomb(BOMB), "zstd", size=chunks.LARGEST),
+    "zstd, large": lambda: chunk(zstd_bomb(BOMB), "zstd", size=chunks.MAX_RECORD),
     "zstd, honest": lambda: chunk(zstd_bomb(BOMB), "zstd", size=BOMB),
     "zstd, huge": lambda: chunk(zstd_bomb(BOMB), "zstd", size=2**64 - 1),
     "zstd, window": lambda: chunk(WINDOW, "zstd", size=len(GOOD)),
     "lz4": lambda: chunk(lz4_bomb(BOMB), "lz4", size=1000),
-    "lz4, large": lambda: chunk(lz4_bomb(BOMB), "lz4", size=chunks.LARGEST),
+    "lz4, large": lambda: chunk(lz4_bomb(BOMB), "lz4", size=chunks.MAX_RECORD),
     "lz4, honest": lambda: chunk(lz4_bomb(BOMB), "lz4", size=BOMB),
     "unknown": lambda: chunk(b"x" * 100, "bz2\x1b[2J"),
     "small": lambda: chunk(GOOD, "", size=3),
@@ -392,19 +392,19 @@ def test_what_a_summary_points_at_is_looked_at(tmp_path: Path) -> None:
     assert set(found.types) == {"/rosout"}
     path = summed_up(tmp_path / "b.mcap", data, right, message_there, chunks=1, attached=1)
     found = BagFile(path)
-    assert (words(found), found.counts, found.faults) == (["good"], 1, [])
+    assert (words(found), found.count, found.faults) == (["good"], 1, [])
 
 
 def test_of_many_chunks_as_many_are_known_as_fit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("archo_tui.replay.mcap_index.MOST_PIECES", 5)
+    monkeypatch.setattr("archo_tui.replay.mcap_index.MAX_RANGES", 5)
     for name in "ab":
         logs(tmp_path / f"{name}.mcap", *[chunk(GOOD)] * 7)
     found = BagFile(tmp_path)
     assert len(words(found)) == 10
     assert len(found.faults) == 2
-    monkeypatch.setattr("archo_tui.replay.bag_file.MOST_PIECES", 6)
+    monkeypatch.setattr("archo_tui.replay.bag_file.MAX_RANGES", 6)
     assert len(words(BagFile(tmp_path))) == 6
 
 
@@ -421,9 +421,9 @@ def test_of_many_types_and_topics_as_many_are_known_as_anybody_needs(
     file("b.mcap")
     assert len(BagFile(tmp_path).types) == 41
     for limit, most in (
-        ("received_types._MOST_TYPES", 30),
-        ("received_types._MOST_TEXT", 30 * (len(definition(Log)) + 50)),
-        ("bag_file.MOST_CHANNELS", 30),
+        ("installed_types._MAX_TYPES", 30),
+        ("installed_types._MAX_TEXT", 30 * (len(definition(Log)) + 50)),
+        ("bag_file.MAX_CHANNELS", 30),
     ):
         with monkeypatch.context() as patch:
             patch.setattr(f"archo_tui.replay.{limit}", most)
@@ -451,12 +451,12 @@ def test_a_pass_that_takes_too_long_ends_with_what_it_has(
 ) -> None:
     packed = chunk(GOOD * 100)
     path = logs(tmp_path / "a.mcap", *[packed] * 20)
-    monkeypatch.setattr(chunks, "_MOST_RECORDS", 1000)
+    monkeypatch.setattr(chunks, "_MAX_RECORDS", 1000)
     found = BagFile(path)
     assert 500 < len(words(found)) <= 1000
     assert found.faults == ["a.mcap: more than 1,000 records: the rest is left out"]
-    monkeypatch.setattr(chunks, "_MOST_RECORDS", 10**6)
-    monkeypatch.setattr(chunks, "_MOST_BYTES", 7 * len(packed))  # read, and unpacked
+    monkeypatch.setattr(chunks, "_MAX_RECORDS", 10**6)
+    monkeypatch.setattr(chunks, "_MAX_BYTES", 7 * len(packed))  # read, and unpacked
     found = BagFile(path)
     assert len(words(found)) == 300
     assert found.faults == ["a.mcap: more than 0 GB: the rest is left out"]

@@ -17,8 +17,8 @@ from archo_tui.recording import bag, store
 from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.ring import ReceivedMessage
 from archo_tui.replay.bag_file import BagFile
-from archo_tui.replay.found import path_of, robot_of
-from archo_tui.replay.text import lines
+from archo_tui.replay.report import report_lines
+from archo_tui.replay.resolve import find_recording, load_robot_file
 from tests.replay.recorded import written
 from tests.replay.test_others_bags import BEGIN, drain
 from tests.support import chosen
@@ -37,7 +37,7 @@ async def test_the_story_is_told_line_by_line() -> None:
         await op.until("STOPPED: look for the cause")
         path = await written(op)
     bag_file = BagFile(path)
-    head, *told = lines(bag_file, robot_of(bag_file, ""))
+    head, *told = report_lines(bag_file, load_robot_file(bag_file, ""))
     assert head.startswith(f"{path.name}: ARCHO, 2023-11-14 22:13:20, ")
     said = [line.partition("  ")[2] for line in told]
     for wanted in (
@@ -58,7 +58,7 @@ def test_contact_that_was_lost_between_two_messages_is_told(silence: int, tmp_pa
     heard += [one._replace(time=one.time + (20 + silence) * 10**9) for one in heard]
     bag.write(tmp_path, heard, {})
     found = BagFile(tmp_path)
-    _, *told = lines(found, robot_of(found, ""))
+    _, *told = report_lines(found, load_robot_file(found, ""))
     lost, over = time_of_day(BEGIN + 23), time_of_day(BEGIN + 20 + silence + 1)
     assert told == [
         f"{lost}  ✗ HIGH: CONTACT LOST for 4 s: the robot may still be moving",
@@ -78,9 +78,9 @@ async def test_without_a_name_the_newest_is_meant() -> None:
     shutil.copytree(path, older)
     said = (older / "metadata.yaml").read_text(encoding="utf-8")
     (older / "metadata.yaml").write_text(said.replace("17000000", "16000000"), encoding="utf-8")
-    assert path_of("") == path
-    assert path_of("an_older_one") == older
-    assert path_of(str(older)) == older
+    assert find_recording("") == path
+    assert find_recording("an_older_one") == older
+    assert find_recording(str(older)) == older
 
 
 def test_an_event_behind_one_with_a_high_number_is_told(tmp_path: Path) -> None:
@@ -98,7 +98,7 @@ def test_an_event_behind_one_with_a_high_number_is_told(tmp_path: Path) -> None:
     heard = [ReceivedMessage((begin + at) * 10**9, topic, one) for at, topic, one in messages]
     bag.write(tmp_path, heard, {})
     bag_file = BagFile(tmp_path)
-    told = list(lines(bag_file, robot_of(bag_file, "")))
+    told = list(report_lines(bag_file, load_robot_file(bag_file, "")))
     assert told[-1].endswith("YOU console: STOP: confirmed")
 
 
@@ -107,10 +107,10 @@ def test_the_robot_is_as_the_recording_says_unless_another_file_is_given(tmp_pat
     folder.mkdir()
     text = "name: RECORDED\nbattery: {topic: x, types: {std_msgs/msg/Float32: {percentage: data}}}"
     bag.write(folder, drain(seconds=2), {}, **{"robot.yaml": text})
-    assert robot_of(BagFile(folder), "").name == "RECORDED"
+    assert load_robot_file(BagFile(folder), "").name == "RECORDED"
     other = tmp_path / "other.yaml"
     other.write_text(text.replace("RECORDED", "OTHER"), encoding="utf-8")
-    assert robot_of(BagFile(folder), str(other)).name == "OTHER"
+    assert load_robot_file(BagFile(folder), str(other)).name == "OTHER"
 
 
 @pytest.mark.parametrize(

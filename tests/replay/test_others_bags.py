@@ -17,7 +17,7 @@ from std_msgs.msg import String
 from archo_tui.recording import bag
 from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.ring import ReceivedMessage
-from archo_tui.replay.bag_file import BagFile, Said
+from archo_tui.replay.bag_file import BagFile, BagMessage
 from archo_tui.replay.player import Player
 from archo_tui.robot_file import load
 from tests.replay.recorded import replay
@@ -113,7 +113,7 @@ class SlowBag(BagFile):
 
     go_on = threading.Event()
 
-    def messages(self, *given: Any) -> Iterator[Said]:
+    def messages(self, *given: Any) -> Iterator[BagMessage]:
         for number, said in enumerate(super().messages(*given)):
             if number == HELD:
                 self.go_on.wait(DEADLINE)
@@ -211,7 +211,7 @@ def test_an_hour_is_held_and_the_rest_is_read_when_it_is_asked_for(tmp_path: Pat
     hours += [one._replace(time=one.time + 7200 * 10**9) for one in drain(seconds=3)]
     bag.write(tmp_path, hours, {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
-    wait_until(lambda: player.is_whole)
+    wait_until(lambda: player.is_complete)
     assert player.snapshot().battery.percentage == 30.0
     player.go_to(player.end)
     wait_until(lambda: not player.is_reading)
@@ -237,7 +237,7 @@ def test_states_that_differ_all_are_put_back_as_they_were(tmp_path: Path) -> Non
         heard.append(ReceivedMessage((BEGIN + second) * 10**9 + 5, STATE, String(data=said)))
     bag.write(tmp_path, sorted(heard, key=lambda one: one.time), {})
     player = Player(BagFile(tmp_path), load.load(load.default_path()), StandingClock())
-    wait_until(lambda: player.is_whole)
+    wait_until(lambda: player.is_complete)
     for second in (599, 3, 250, 251, 0, 400):
         player.go_to(BEGIN + second + 0.5)
         assert player.snapshot().consoles == (f"anna_{second}",)
@@ -252,16 +252,16 @@ def test_it_plays_on_behind_the_hour_that_is_held_and_jumps_while_it_plays(tmp_p
     bag.write(tmp_path, hours, {})
     clock = StandingClock()
     player = Player(BagFile(tmp_path), load.load(load.default_path()), clock)
-    wait_until(lambda: player.is_whole)
+    wait_until(lambda: player.is_complete)
     player.go_to(player.start + 3595.0)
     player.play(on=True)
     for _ in range(10):
         clock.passed += 1.0
-        player.look()
+        player.refresh()
         wait_until(lambda: not player.is_reading)
     assert player.position > player.start + 3600.0
     player.go_to(player.start + 7190.0)  # into what is not read yet
-    player.look()
+    player.refresh()
     assert player.position == player.start + 7190.0
     wait_until(lambda: not player.is_reading)
     assert player.snapshot().battery.percentage is not None

@@ -9,7 +9,7 @@ import pytest
 from rclpy.node import Node
 from std_msgs.msg import Float32
 
-from archo_tui.replay.topics import Topics
+from archo_tui.replay.topics import RecordedTopics
 from archo_tui.robot.telemetry import Telemetry
 from archo_tui.robot_file.load import load
 from tests.support.quiet import until, while_passes
@@ -55,7 +55,7 @@ async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Pa
 
 
 def test_in_a_replay_both_are_read(file: Path) -> None:
-    topics = Topics({"/level": "std_msgs/msg/Float32"}, "/")
+    topics = RecordedTopics({"/level": "std_msgs/msg/Float32"}, "/")
     heard: list[str] = []
     telemetry = Telemetry(
         topics,  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""What stands for the robot and its station in a replay: it shows, and does nothing."""
+"""The stand-ins for robot, host, recorder and station in a replay: they show, and do nothing."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station, View
 
 NOTHING_STOPPED = "REPLAY: nothing was stopped"
-_NOT_THERE = "not in the recording"
+_NOT_RECORDED = "not in the recording"
 
 
 class RecordedRobot:
-    """The robot as it was."""
+    """The recorded robot; any verb but `emergency_stop` raises AttributeError."""
 
     watching = True
 
@@ -27,41 +27,41 @@ class RecordedRobot:
 
     @property
     def snapshot(self) -> Snapshot:
-        """What was known at the position."""
+        """Return the state of the robot at the position."""
         return self._player.snapshot()
 
     def subscribe(self, receiver: Callable[[Snapshot], None]) -> None:
-        """It is told once: the time line says when there is something else."""
+        """Call `receiver` once; the time line tells of later changes."""
         receiver(self.snapshot)
 
     def note(self, *_: Any, **__: Any) -> None:
-        """Nothing is added to what was recorded."""
+        """Ignore an event: nothing is added to a recording."""
 
     async def send_no_more(self) -> None:
-        """Nothing is sent."""
+        """Return at once: nothing was sent."""
 
     async def emergency_stop(self) -> Outcome:
-        """Says that there is nothing to stop."""
+        """Refuse, since a recording cannot be stopped."""
         return Outcome(Code.REFUSED, NOTHING_STOPPED)
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """What a node published and served, as far as it was recorded."""
+        """Return what a node published and served, as far as it was recorded."""
         found = self.snapshot.resources
 
-        def having(kind: str) -> Names:
+        def of_kind(kind: str) -> Names:
             return tuple(
-                (one.name, ", ".join(one.types))
-                for one in found
-                if one.kind == kind and node in one.nodes
+                (resource.name, ", ".join(resource.types))
+                for resource in found
+                if resource.kind == kind and node in resource.nodes
             )
 
-        if not any(node in one.nodes for one in found):
-            return Outcome(Code.REFUSED, _NOT_THERE)
+        if not any(node in resource.nodes for resource in found):
+            return Outcome(Code.REFUSED, _NOT_RECORDED)
         return NodeInfo(
-            publishes=having(TOPIC),
-            serves=having(SERVICE),
-            actions=having(ACTION),
-            no_level=_NOT_THERE,
+            publishes=of_kind(TOPIC),
+            serves=of_kind(SERVICE),
+            actions=of_kind(ACTION),
+            no_level=_NOT_RECORDED,
         )
 
     def __getattr__(self, verb: str) -> NoReturn:
@@ -69,39 +69,44 @@ class RecordedRobot:
 
 
 class RecordedHost:
-    """The nodes that the console hosted."""
+    """The recorded nodes of the console's process."""
 
     def __init__(self, player: Player) -> None:
         self._player = player
 
     def states(self) -> tuple[Hosted, ...]:
-        """As they were."""
+        """Return their states at the position."""
         return self._player.view().hosted
 
 
-class Unwritten:
-    """Stands for the journal and the black box."""
+class NullRecorder:
+    """A journal and black box that record nothing."""
 
     failure = trouble = kept = ""
 
     def write(self, *_: Any, **__: Any) -> None:
-        """Nothing happens in a replay."""
+        """Ignore a line of the journal."""
 
     def look(self, *_: Any) -> None:
-        """Nothing happens in a replay."""
+        """Ignore a view."""
 
     def keep(self, *_: Any) -> Outcome:
-        """Refuse: it is kept already."""
+        """Refuse, since this is a recording already."""
         return Outcome(Code.REFUSED, "this is a recording")
 
 
 class RecordedStation(Station):
-    """Shows where the player is."""
+    """A station whose view is that of the player's position."""
 
     def __init__(self, player: Player, clock: Clock) -> None:
-        """`clock` is the machine's: keys are held by it."""
+        """Create the station.
+
+        Args:
+            player: The player to show.
+            clock: The machine's clock, for what depends on how long a key is held.
+        """
         self.player = player
-        nothing: Any = Unwritten()
+        nothing: Any = NullRecorder()
         super().__init__(
             cast("Any", RecordedRobot(player)),
             cast("Any", RecordedHost(player)),
@@ -116,16 +121,16 @@ class RecordedStation(Station):
         )
 
     def take(self, snapshot: Snapshot) -> list[Alarm]:
-        """It is so at the position."""
+        """Show the player's position; the snapshot is not needed."""
         return self.look()
 
     def tick(self) -> list[Alarm]:
-        """A second has passed."""
+        """Show the player's position, once a second."""
         return self.look()
 
     def look(self) -> list[Alarm]:
-        """Show where the player is now; nothing changes by that."""
-        self.player.look()
+        """Show the player's position; no alarm changes by that."""
+        self.player.refresh()
         self.view = self._view()
         return []
 

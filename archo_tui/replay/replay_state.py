@@ -1,4 +1,4 @@
-"""What a console showed, told from a recording's messages: the same telemetry, goals and alarms."""
+"""The state of a recorded robot and console, rebuilt from messages one after the other."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from archo_tui.clock import Clock
 from archo_tui.recording.console_recorder import JOURNAL, STATE
 from archo_tui.recording.data import from_data
 from archo_tui.recording.state import ConsoleState, RecordedAction, all_times
-from archo_tui.replay.topics import Topics
+from archo_tui.replay.topics import RecordedTopics
 from archo_tui.robot import message_classes, messages
 from archo_tui.robot.consoles import author
 from archo_tui.robot.events import EventLog
@@ -36,12 +36,12 @@ from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.alarms import Alarm, AlarmBoard, conditions
 
 ROSOUT = "/rosout"
-_LATEST = 1e11  # Unix time that has a date
-LONGEST = 3600  # s without a message in which is looked for alarms
+_MAX_TIME = 1e11  # Unix time; a date much later cannot be shown.
+MAX_SILENCE = 3600  # Seconds without a message in which alarms are evaluated.
 
 
-class At(Clock):
-    """The time of a recording: Unix time, for ages as well."""
+class RecordingClock(Clock):
+    """A clock that shows the time of the last message, as Unix time also for durations."""
 
     time = 0.0
 
@@ -52,26 +52,37 @@ class At(Clock):
         return self.time
 
 
-class Kept(NamedTuple):
-    """All of a story at one moment."""
+class Checkpoint(NamedTuple):
+    """Everything that a ReplayState needs to continue from a moment.
+
+    Attributes:
+        state_json: The console state as JSON, which takes far less memory than the parsed one.
+        evaluated_until: Unix time of the last evaluation of alarms.
+    """
 
     readings: Readings
-    said: str  # the JSON of the state: read, it takes many times as much memory
+    state_json: str
     goal: Goal | None
     log: EventLog
     paces: Mapping[str, Pace]
     nodes: Mapping[str, tuple[float | None, Pace | None]]
     board: AlarmBoard
-    looked: float
+    evaluated_until: float
 
 
-class Story:
-    """`apply` takes each message in turn; `snapshot` and `alarms` are what was shown then."""
+class ReplayState:
+    """The state after the messages applied so far; `snapshot` and `alarms` show it."""
 
     def __init__(self, file: RobotFile, types: Mapping[str, str], namespace: str) -> None:
-        """`types` of the recording's topics, by their full names."""
-        self._file, self._clock = file, At()
-        self._topics = Topics(types, namespace)
+        """Create the state before the first message.
+
+        Args:
+            file: The robot.
+            types: The type of each topic of the recording, by full names.
+            namespace: The robot's namespace.
+        """
+        self._file, self._clock = file, RecordingClock()
+        self._topics = RecordedTopics(types, namespace)
         node = cast("Any", self._topics)
         self._telemetry = Telemetry(node, file, self._clock, self._on_reading, lambda _: None)
         self._telemetry.look()
@@ -80,63 +91,74 @@ class Story:
             for kind in file.goals
         }
         self._kinds = {(kind.id, kind.action): kind for kind in file.goals}
-        self._forms = {kind.id: _form(kind) for kind in file.goals}
+        self._forms = {kind.id: _form_fields(kind) for kind in file.goals}
         heard = {name for name in file.topics if self._topics.resolve_topic_name(name) in types}
         actions = {kind.action: "not recorded" for kind in file.goals}
         offered = frozenset(heard | {*actions, *file.services})
-        self._unsaid = ConsoleState(namespace=namespace, offered=offered, faults=actions)
-        self.state, self._said = self._unsaid, ""  # and the JSON that it was read from
+        self._initial = ConsoleState(namespace=namespace, offered=offered, faults=actions)
+        self.console, self._state_json = (
+            self._initial,
+            "",
+        )  # The state, and the JSON it was parsed from.
         self.goal: Goal | None = None
         self._log = EventLog()
-        self._paces: dict[str, Pace] = {}  # of topics, by their full names
-        # of nodes: when they were last heard, and how often what they publish
+        self._paces: dict[str, Pace] = {}  # Of each topic, by its full name.
+        # Of each node: when it was last heard, and the period of its messages.
         self._nodes: dict[str, tuple[float | None, Pace | None]] = {}
-        self._board, self._looked = AlarmBoard(), 0.0  # and up to which second
+        self._board, self._evaluated_until = AlarmBoard(), 0.0
 
     @property
-    def is_ours(self) -> bool:
-        """True once what no topic says is known."""
-        return bool(self._said)
+    def has_console_state(self) -> bool:
+        """Return True once a console's own state was applied; a bag of another tool has none."""
+        return bool(self._state_json)
 
     @property
-    def wanted(self) -> frozenset[str]:
-        """The topics that are told from."""
+    def topics(self) -> frozenset[str]:
+        """Return the full names of the topics whose messages matter here."""
         own = (ROSOUT, JOURNAL, STATE)
         return frozenset((*own, *self._topics.callbacks, *self._feedback))
 
-    def kept(self) -> Kept:
-        """The story so far, to be put back."""
-        return Kept(
+    def checkpoint(self) -> Checkpoint:
+        """Return a checkpoint of this state."""
+        return Checkpoint(
             self._telemetry.kept(),
-            self._said,
+            self._state_json,
             self.goal,
             self._log.copy(),
             dict(self._paces),
             dict(self._nodes),
             self._board.copy(),
-            self._looked,
+            self._evaluated_until,
         )
 
-    def put_back(self, kept: Kept) -> None:
-        """As it was when that was kept, by this story or another one of the same recording."""
-        self._telemetry.put_back(kept.readings)
-        if kept.said != self._said:
-            self._said = kept.said
-            self.state = _read(kept.said) if kept.said else self._unsaid
-        self.goal = kept.goal
-        self._log, self._board = kept.log.copy(), kept.board.copy()
-        self._paces, self._nodes = dict(kept.paces), dict(kept.nodes)
-        self._looked = kept.looked
+    def restore(self, checkpoint: Checkpoint) -> None:
+        """Continue from a checkpoint, which may be of another ReplayState of the same recording."""
+        self._telemetry.put_back(checkpoint.readings)
+        if checkpoint.state_json != self._state_json:
+            self._state_json = checkpoint.state_json
+            self.console = (
+                _parse_state(checkpoint.state_json) if checkpoint.state_json else self._initial
+            )
+        self.goal = checkpoint.goal
+        self._log, self._board = checkpoint.log.copy(), checkpoint.board.copy()
+        self._paces, self._nodes = dict(checkpoint.paces), dict(checkpoint.nodes)
+        self._evaluated_until = checkpoint.evaluated_until
 
     def apply(self, time: float, topic: str, message: Any) -> None:
-        """One more message came, at that Unix time. Raises anything for one that says nonsense."""
-        self._pass_to(time)
+        """Apply the next message.
+
+        Args:
+            time: Its Unix time, in s.
+            topic: Its full topic name.
+            message: The message; a hostile one may raise any exception.
+        """
+        self._evaluate_alarms_until(time)
         self._clock.time = time
         if topic == STATE:
-            self._stand(_read(message.data))
-            self._said = message.data
+            self._apply_state(_parse_state(message.data))
+            self._state_json = message.data
         elif topic == JOURNAL:
-            self._note(message)
+            self._on_journal(message)
         elif topic == ROSOUT:
             self._on_log(message)
         elif topic in self._feedback:
@@ -144,67 +166,71 @@ class Story:
         elif topic in self._topics.callbacks:
             self._topics.callbacks[topic](message)
 
-    def _pass_to(self, time: float) -> None:
-        """Where nobody says which alarms there were, look for them each second."""
-        if self.is_ours:
+    def _evaluate_alarms_until(self, time: float) -> None:
+        """Evaluate the alarms of each second up to a time, if no console recorded its alarms."""
+        if self.has_console_state:
             return
-        first = floor(self._looked) + 1 if self._looked else floor(time)
+        first = floor(self._evaluated_until) + 1 if self._evaluated_until else floor(time)
         seconds = range(first, floor(time) + 1)
-        # a silence is seen in its first seconds, however long it is
-        for second in (*seconds[:LONGEST], *seconds[LONGEST:][-1:]):
-            self._looked = float(second)
-            self._board.update(conditions(self.snapshot, self._looked), self._looked, self._looked)
+        # A silence raises its alarms in the first seconds, however long it is.
+        for second in (*seconds[:MAX_SILENCE], *seconds[MAX_SILENCE:][-1:]):
+            self._evaluated_until = float(second)
+            self._board.update(
+                conditions(self.snapshot, self._evaluated_until),
+                self._evaluated_until,
+                self._evaluated_until,
+            )
 
-    def _stand(self, state: ConsoleState) -> None:
-        """So it is from now on, whatever was told before."""
+    def _apply_state(self, state: ConsoleState) -> None:
+        """Replace the console's state, keeping what messages have told since it was made."""
         before = self.goal
         for alarm in state.alarms:
-            assert alarm.priority  # KeyError: of no kind that there is
-        if not all(time is None or 0 <= time < _LATEST for time in all_times(state)):
+            assert alarm.priority  # Raises KeyError for an unknown kind of alarm.
+        if not all(time is None or 0 <= time < _MAX_TIME for time in all_times(state)):
             raise ValueError("a time that has no date")
-        self.state = state._replace(events=())
-        self.goal = None if state.goal is None else self._known(state.goal)
+        self.console = state._replace(events=())
+        self.goal = None if state.goal is None else self._with_file_kind(state.goal)
         if before and self.goal and before.number == self.goal.number:
             newer = (before.heard or 0.0) > (self.goal.heard or 0.0)
-            if newer and self.goal.is_running:  # a feedback that the state did not know of
+            if newer and self.goal.is_running:  # A feedback came after the state was made.
                 told = {name: getattr(before, name) for name in ("heard", "remaining", "feedback")}
                 self.goal = self.goal._replace(**told)
         if state.events:
             self._log = EventLog.of(state.events)
         if not self._telemetry.charge:
             self._telemetry.charge = state.charge
-        # of what was heard meanwhile a state may not know yet
+        # The state may be older than the messages received meanwhile.
         self._paces = {**state.paces, **self._paces}
         for node in state.nodes:
             if node.heard is not None and node.name not in self._nodes:
                 pace = Pace(node.heard, 1 / node.rate) if node.rate else None
                 self._nodes[node.name] = node.heard, pace
 
-    def _known(self, goal: Goal) -> Goal:
-        """With what the robot file says of its kind."""
-        return goal._replace(kind=self.kind(goal.kind))
+    def _with_file_kind(self, goal: Goal) -> Goal:
+        """Return a goal whose kind is the robot file's."""
+        return goal._replace(kind=self.goal_kind(goal.kind))
 
-    def kind(self, called: RecordedAction | GoalKind) -> GoalKind:
-        """The goal of the robot file that is called so, or one that is not in it."""
-        known = self._kinds.get((called.id, called.action))
+    def goal_kind(self, recorded: RecordedAction | GoalKind) -> GoalKind:
+        """Return the robot file's goal of that id and action, or one made of the recorded words."""
+        known = self._kinds.get((recorded.id, recorded.action))
         return known or GoalKind(
-            called.id, called.title, called.action, called.type, noun=called.noun
+            recorded.id, recorded.title, recorded.action, recorded.type, noun=recorded.noun
         )
 
-    def _note(self, message: Any) -> None:
-        """What a console did, or had to say."""
+    def _on_journal(self, message: Any) -> None:
+        """Add an event of a console: what it did, or had to say."""
         level, source, text = level_word(message.level), message.name, message.msg
         own, _, rest = text.partition(": ")
         if own in OWN_LEVELS:
             level, text = own, rest
-        # a command is copied, and pasted into a shell: no line end may stand in it
+        # A person may paste the command into a shell: it must not hold a line end.
         self._log.add(Event(self._clock.time, level, source, text, safe(message.function)))
 
     def _on_log(self, message: Any) -> None:
         node = logger_node(message.name)
-        below = f"{self.state.namespace.rstrip('/')}/"
+        below = f"{self.console.namespace.rstrip('/')}/"
         if author(node) or not node.startswith(below) or is_hidden(node):
-            return  # of a console, which the journal has, or of another robot
+            return  # The journal has what consoles log; other robots do not matter here.
         _, pace = self._nodes.get(node, (None, None))
         self._nodes[node] = self._clock.time, pace
         level = level_word(message.level)
@@ -214,7 +240,7 @@ class Story:
         full, now = self._topics.resolve_topic_name(topic), self._clock.time
         pace = self._paces.get(full)
         self._paces[full] = Pace(now) if pace is None else pace.again(now)
-        for resource in self.state.resources:
+        for resource in self.console.resources:
             if (resource.kind, resource.name) == (TOPIC, full) and resource.nodes:
                 _, pace = self._nodes.get(resource.nodes[0], (None, None))
                 beat = Pace(now) if pace is None else pace.again(now)
@@ -222,8 +248,8 @@ class Story:
 
     def _on_feedback(self, kind: GoalKind, feedback: Any) -> None:
         goal = self.goal
-        if goal is None or not goal.is_running or goal.kind != kind or self.state.running > 1:
-            return  # of several it is not known whose it is
+        if goal is None or not goal.is_running or goal.kind != kind or self.console.running > 1:
+            return  # With several goals running, a feedback cannot be attributed.
         self.goal = goal._replace(
             heard=self._clock.time,
             started=goal.sent if goal.started is None else goal.started,
@@ -231,16 +257,16 @@ class Story:
         )
 
     @property
-    def readings(self) -> Snapshot:
-        """The part of the snapshot that curves are drawn from, cheap enough for each message."""
+    def curve_snapshot(self) -> Snapshot:
+        """Return the part of the snapshot that trends need, cheap enough for each message."""
         return Snapshot(
             battery=self._telemetry.battery, motion=self._telemetry.motion, goal=self.goal
         )
 
     @property
     def snapshot(self) -> Snapshot:
-        """What was known then."""
-        state, telemetry = self.state, self._telemetry
+        """Return the state of the robot as the console knew it."""
+        state, telemetry = self.console, self._telemetry
         return Snapshot(
             file=self._file,
             battery=telemetry.battery,
@@ -248,7 +274,7 @@ class Story:
             gauges=telemetry.gauges,
             goal=self.goal,
             running=state.running,
-            history=tuple(map(self._known, state.history)),
+            history=tuple(map(self._with_file_kind, state.history)),
             parameters=state.parameters,
             nodes=tuple(map(self._node, state.nodes)),
             offered=state.offered,
@@ -276,21 +302,21 @@ class Story:
         return node._replace(heard=heard, rate=None if pace is None else pace.rate)
 
     def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
-        """Those that were shown, with what they said at that Unix time."""
-        found = conditions(snapshot, now, self.state.hosted)
-        self._pass_to(now)
-        alarms = self.state.alarms if self.is_ours else self._board.all()
+        """Return the alarms with their texts at a Unix time."""
+        found = conditions(snapshot, now, self.console.hosted)
+        self._evaluate_alarms_until(now)
+        alarms = self.console.alarms if self.has_console_state else self._board.all()
         return tuple(
             alarm if alarm.is_over else alarm._replace(text=found.get(alarm.name, alarm.text))
             for alarm in alarms
         )
 
 
-def _read(said: str) -> ConsoleState:
-    """Raises TypeError, ValueError or KeyError for nonsense."""
-    return from_data(ConsoleState, json.loads(said))  # type: ignore[no-any-return]
+def _parse_state(text: str) -> ConsoleState:
+    """Return a console state; raise TypeError, ValueError or KeyError if the JSON is none."""
+    return from_data(ConsoleState, json.loads(text))  # type: ignore[no-any-return]
 
 
-def _form(kind: GoalKind) -> tuple[Leaf, ...]:
+def _form_fields(kind: GoalKind) -> tuple[Leaf, ...]:
     found = message_classes.load(kind.type)
     return () if found is None else tuple(messages.leaves(found.Goal()))

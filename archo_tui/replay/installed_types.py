@@ -1,0 +1,133 @@
+"""The installed message class for each type of a bag, if its fields are those of the file.
+
+mcap-ros2-support decodes without a class. It does not serve here: it refuses names such as
+`MoveToShelf_FeedbackMessage`, so the feedback of every goal; it has no `wstring`, and reads a
+`char` above 127 as negative.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from typing import Any
+
+from archo_tui.recording.definitions import definition
+from archo_tui.replay.chunks import Unreadable
+from archo_tui.robot import message_classes
+
+_MAX_TYPES = 2000  # Of a bag; each takes 0.1 ms to look for.
+_MAX_TEXT = 16_000_000  # Bytes of all definitions of a bag.
+_TYPE = re.compile(r"([a-z][a-z0-9_]{0,99})/(msg|srv|action)/([A-Za-z][A-Za-z0-9_]{0,99})")
+_FEEDBACK = "_FeedbackMessage"
+_SEPARATOR = re.compile(r"^=+[ \t]*$", re.MULTILINE)  # Between the messages of a definition.
+_FIELD = re.compile(r"([\w/]+)(?:<=\d+)?(?:(\[)(<=)?(\d*)\])?[ \t]+(\w+)\b(?![ \t]*=)")
+_ALIASES = {"char": "uint8", "Header": "std_msgs/Header"}
+_PRIMITIVES = {"bool", "byte", "string", "wstring", "float32", "float64"} | {
+    f"{sign}int{bits}" for sign in ("", "u") for bits in (8, 16, 32, 64)
+}
+
+_Field = tuple[str, str, str]  # Element type, array form, name.
+_Layout = dict[str, list[_Field]]  # The fields of each message by `package/Name`.
+
+
+class InstalledTypes:
+    """A cache of classes by type and definition, which the files of a bag repeat."""
+
+    def __init__(self) -> None:
+        self._found: dict[bytes, Any] = {}  # By a digest, since definitions may be large.
+        self._text_left = _MAX_TEXT
+
+    def find_class(self, type_name: str, encoding: str, text: str) -> Any:
+        """Return the class of a type.
+
+        Args:
+            type_name: The type, as `package/kind/Name`.
+            encoding: The schema's encoding; definitions other than `ros2msg` are not compared.
+            text: The definition in the file.
+
+        Raises:
+            Unreadable: The type is not installed, has other fields, or there are too many types.
+        """
+        given = "\0".join((type_name, encoding, text)).encode()
+        key = hashlib.sha256(given).digest()
+        if key not in self._found:
+            self._text_left -= len(given)
+            if self._text_left < 0 or len(self._found) == _MAX_TYPES:
+                raise Unreadable("too many types")
+            try:
+                self._found[key] = _find_class(type_name, encoding, text)
+            except Unreadable as error:
+                self._found[key] = str(error)
+        found = self._found[key]
+        if isinstance(found, str):
+            raise Unreadable(found)
+        return found
+
+
+def _find_class(type_name: str, encoding: str, text: str) -> Any:
+    """Return the class for `package/kind/Name`; raise Unreadable if it is missing or differs."""
+    found = _TYPE.fullmatch(type_name)
+    made = _load_class(*found.groups()) if found else None
+    if made is None:
+        raise Unreadable(f"{type_name} is not installed here")
+    if encoding != "ros2msg":  # Other encodings cannot be compared.
+        return made
+    package, name = type_name.split("/")[::2]
+    root = f"{package}/{name}"
+    if not _have_same_bytes(_parse_layout(definition(made), root), _parse_layout(text, root), root):
+        raise Unreadable(f"{type_name} has other fields here than in the file")
+    return made
+
+
+def _load_class(package: str, kind: str, name: str) -> Any:
+    """Return the class of a message, an action's feedback included, or None."""
+    made = message_classes.load(f"{package}/{kind}/{name}")
+    if made is None and kind == "action" and name.endswith(_FEEDBACK):
+        action = message_classes.load(f"{package}/{kind}/{name.removesuffix(_FEEDBACK)}")
+        made = getattr(getattr(action, "Impl", None), "FeedbackMessage", None)
+    return made if hasattr(made, "get_fields_and_field_types") else None
+
+
+def _have_same_bytes(ours: _Layout, theirs: _Layout, root: str) -> bool:
+    """Return True if both layouts encode alike; the walk follows ours, which has no circle."""
+    wanted, seen = [root], set[str]()
+    while wanted:
+        name = wanted.pop()
+        if name in seen:
+            continue
+        seen.add(name)
+        if name not in theirs or ours[name] != theirs[name]:
+            return False
+        wanted += [kind for kind, _, _ in ours[name] if "/" in kind]
+    return True
+
+
+def _parse_layout(text: str, root: str) -> _Layout:
+    """Return each message's fields without what takes no bytes: constants, defaults, bounds."""
+    found: _Layout = {}
+    for number, part in enumerate(_SEPARATOR.split(text)):
+        name, body = root, part
+        if number:
+            head, _, body = part.lstrip().partition("\n")
+            name = _full_name(head.removeprefix("MSG:").strip(), root)
+        found.setdefault(name, _parse_fields(body, name))
+    return found
+
+
+def _parse_fields(text: str, owner: str) -> list[_Field]:
+    found = []
+    for line in text.splitlines():
+        field = _FIELD.match(line.strip())
+        if field and field[5] != message_classes.EMPTY:
+            kind = _ALIASES.get(field[1], field[1])
+            if kind not in _PRIMITIVES:
+                kind = _full_name(kind, owner)
+            size = "" if field[3] else field[4] or ""
+            found.append((kind, f"[{size}]" if field[2] else "", field[5]))
+    return found
+
+
+def _full_name(name: str, owner: str) -> str:
+    """Return `package/Name` of a message type, which may be written as `pkg/msg/Name` or `Name`."""
+    first, *_, last = (name if "/" in name else f"{owner.split('/')[0]}/{name}").split("/")
+    return f"{first}/{last}"

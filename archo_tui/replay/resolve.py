@@ -1,0 +1,72 @@
+"""The recording that a command line means, and the robot file for it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from archo_tui.errors import ArchoError
+from archo_tui.paths import state_file
+from archo_tui.recording import store
+from archo_tui.replay.bag_file import BagFile
+from archo_tui.robot_file import load
+from archo_tui.robot_file.model import RobotFile
+
+_MAX_FAULTS = 3  # In the error for a bag without a message.
+
+
+def find_recording(given: str) -> Path:
+    """Return the path of a recording.
+
+    Args:
+        given: A recording's name or a bag's path; "" means the newest recording.
+
+    Raises:
+        ArchoError: There is no such recording.
+    """
+    folder = state_file("recordings")
+    # Unlike Path.exists, os.path.exists returns False for names that are too long.
+    if given and (os.path.exists(given) or "/" in given):
+        return Path(given)
+    try:
+        known = store.list_recordings(folder)
+    except OSError as error:
+        raise ArchoError(f"{error.filename}: {error.strerror}") from None
+    if not known:
+        raise ArchoError(f"no recordings in {folder}: name a bag by its path")
+    if not given:
+        return known[-1].folder
+    for recording in known:
+        if recording.name == given:
+            return recording.folder
+    raise ArchoError(f"no recording is called {given} (see archo-tui recordings)")
+
+
+def open_bag(given: str) -> BagFile:
+    """Open the bag that `find_recording` finds.
+
+    Raises:
+        ArchoError: It is no bag, or has no message.
+    """
+    bag = BagFile(find_recording(given))
+    if not bag.count:
+        faults = "".join(f"; {fault}" for fault in bag.faults[:_MAX_FAULTS])
+        raise ArchoError(f"{bag.path}: no message is in it{faults}")
+    return bag
+
+
+def load_robot_file(bag: BagFile, given: str) -> RobotFile:
+    """Return the robot of a bag.
+
+    Args:
+        bag: The bag, whose attached robot file is taken if none is given.
+        given: The path of a robot file; "" means none. ARCHO is the last resort.
+
+    Raises:
+        ArchoError: The robot file is not valid.
+    """
+    if given:
+        return load.load(Path(given))
+    if bag.robot:
+        return load.parse(bag.robot, bag.path / "robot.yaml")
+    return load.load(load.default_path())
