@@ -1,1 +1,1 @@
-"""`archo-tui check`: the textbook's chapter, asked of nodes."""
+"""`archo-tui check`: tests whether nodes do what the textbook's chapter asks for."""

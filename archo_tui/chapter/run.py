@@ -1,6 +1,6 @@
-"""`archo-tui check`: hosts files of the user's own, and asks their nodes what the chapter asks.
+"""`archo-tui check`: hosts the user's node files and runs the chapter's checks on them.
 
-It comes before the engine is chosen, and so imports no rclpy.
+This module is imported before the engine is chosen, and so must not import rclpy.
 """
 
 from __future__ import annotations
@@ -18,23 +18,37 @@ from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.session import Options, Session
 
-_RADIUS = 0.07  # m, of the parameter file: not what the chapter's listing declares
+_RADIUS = 0.07  # In m; the chapter's listing declares another value.
 
 
 def run(
     files: Sequence[str],
     engine_name: str,
     interfaces: Sequence[Path],
-    say: Callable[[str], None],
+    print_line: Callable[[str], None],
 ) -> int:
-    """Say every line of the outcome; returns the exit code.
+    """Host files and print the outcome of every check.
 
-    Raises ArchoError when a file cannot be hosted.
+    Args:
+        files: The node files.
+        engine_name: The engine, of `archo_tui.engine`.
+        interfaces: Folders of further interface packages.
+        print_line: Prints a line.
+
+    Returns:
+        The exit code: 0 if a check passed and none failed.
+
+    Raises:
+        ArchoError: A file cannot be hosted.
     """
-    if engine_name == engine.ROS2:  # else real ROS 2 takes any value, and sends what it makes of it
+    if engine_name == engine.ROS2:  # By default rclpy does not check the values of message fields.
         os.environ.setdefault("ROS_PYTHON_CHECK_FIELDS", "1")
-    with tempfile.TemporaryDirectory(prefix="archo-check-") as folder, _taken() as printed:
-        values = Path(folder, "params.yaml")  # tell whether the nodes load a file at all
+    with (
+        tempfile.TemporaryDirectory(prefix="archo-check-") as folder,
+        _captured_output() as printed,
+    ):
+        # The file shows if the nodes load parameters at all.
+        values = Path(folder, "params.yaml")
         values.write_text(f"/**:\n  ros__parameters:\n    wheel_radius: {_RADIUS}\n")
         given = Options(
             engine=engine_name,
@@ -45,19 +59,19 @@ def run(
             domain_id=None,
         )
         with Session(given) as session:
-            # not before the engine is chosen
-            from archo_tui.chapter.check import check
+            # These import rclpy, so the engine must have been chosen.
+            from archo_tui.chapter.checks import run_checks
             from archo_tui.hosting import host
 
             late = session.host.wait_longer(host.CONSTRUCTION_TIME)
             if late:
                 raise ArchoError(late[0])
-            return check(session, _RADIUS, printed, say)
+            return run_checks(session, _RADIUS, printed, print_line)
 
 
 @contextlib.contextmanager
-def _taken() -> Iterator[list[str]]:
-    """What nodes print is taken down, and not mixed with the outcome; they get no input."""
+def _captured_output() -> Iterator[list[str]]:
+    """Capture the lines that nodes print, and give them no input."""
     printed: list[str] = []
 
     def note(_level: str, _source: str, line: str) -> None:

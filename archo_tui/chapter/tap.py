@@ -1,4 +1,4 @@
-"""How a check ended, and the lines for it."""
+"""The outcome of a check, and its lines in TAP."""
 
 from __future__ import annotations
 
@@ -9,14 +9,20 @@ from archo_tui.robot.text import safe
 
 
 class Result(NamedTuple):
-    """How one check ended; without `hint` it passed."""
+    """The outcome of a check.
+
+    Attributes:
+        name: The check.
+        hint: What is wrong, where, and what to do, in lines; "" if the check passed.
+        skipped: Why there was nothing to check; "" if there was.
+    """
 
     name: str
-    hint: str = ""  # what is wrong, where, what to do; a line each
-    skipped: str = ""  # why there was nothing to check
+    hint: str = ""
+    skipped: str = ""
 
     def lines(self, number: int) -> Iterator[str]:
-        """As TAP has it."""
+        """Yield the outcome as TAP lines."""
         if self.skipped:
             yield f"ok {number} - {self.name} # SKIP {safe(self.skipped)}"
         else:

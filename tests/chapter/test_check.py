@@ -230,7 +230,7 @@ def test_an_interrupt_is_said(
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("archo_tui.chapter.asker.Asker.wait_for_crashes", interrupt)
+    monkeypatch.setattr("archo_tui.chapter.check_runner.CheckRunner.wait_for_crashes", interrupt)
     code = main(["check", "--engine", chosen.ENGINE, str(LISTINGS / "motor_parameters.py")])
     said = capsys.readouterr()
     assert code == 1

@@ -1,4 +1,4 @@
-"""The checker's own node, and what it sees of the nodes that are checked."""
+"""The checker's own ROS node, and its view of the nodes that it checks."""
 
 from __future__ import annotations
 
@@ -22,23 +22,29 @@ from archo_tui.session import Session
 
 T = TypeVar("T")
 
-ANSWER = 3.0  # s until an answer or a log line must be there
-_WATCHED = 1.5  # s that every node runs at least, for a timer of one second
-_SLICE = 0.05  # s of one turn of the checker's executor
-_LOOKS = 5  # at nodes that crash again and again
-_THREAD = "Exception in thread "  # as Python begins to say what ended one
+ANSWER = 3.0  # Seconds in which an answer or a log line must arrive.
+_MIN_RUN = 1.5  # Seconds, so that a timer of 1 s fires once.
+_SPIN_TIME = 0.05  # Seconds of one spin of the checker's executor.
+_MAX_TRIES = 5  # For nodes that crash again and again.
+_THREAD_CRASH = "Exception in thread "  # The first words of threading.excepthook.
 _FRAME = re.compile(r'  File "(.+)", line (\d+), in ')
 
 
 class CrashedError(Exception):
-    """A node that is asked has crashed; the text is the learner's mistake, with its line."""
+    """A node crashed during a check; the text is the mistake with its line."""
 
 
-class Asker:
-    """Asks the nodes that a session hosts. Those that crash are restarted."""
+class CheckRunner:
+    """The means of every check: queries the nodes of a session, and restarts those that crash."""
 
     def __init__(self, session: Session, radius: float, printed: Sequence[str]) -> None:
-        """See `check`."""
+        """Create the checker's node beside the nodes of a session.
+
+        Args:
+            session: The session that hosts the nodes.
+            radius: The wheel_radius in m of the parameter file that all nodes were given.
+            printed: The lines that the nodes print, which grow while they run.
+        """
         self.radius, self.printed = radius, printed
         self._host, self._clock = session.host, session.station.clock
         context = self._host.nodes[0].node.context
@@ -46,60 +52,58 @@ class Asker:
         self._executor = SingleThreadedExecutor(context=context)
         self._executor.add_node(self.node)
         self._began = self.now()
-        self._crashes: dict[str, None] = {}  # in the order in which they came
+        self._crashes: dict[str, None] = {}  # A dict keeps the order and drops repetitions.
         self.logs: list[Log] = []
         self.node.create_subscription(Log, "/rosout", self.logs.append, 100)
 
     def close(self) -> None:
-        """Leave the graph."""
+        """Destroy the checker's node."""
         self._executor.shutdown(0)
         self.node.destroy_node()
 
     def now(self) -> float:
-        """Monotonic s."""
+        """Return monotonic time, in s."""
         return self._clock.monotonic()
 
-    # the nodes
-
-    def nodes(self) -> list[HostedNode]:
-        """Those that run; what has crashed is started again first."""
+    def restart_crashed(self) -> list[HostedNode]:
+        """Start crashed nodes again, and return all that run."""
         for hosted in [h for h in self._host.nodes if h.state.life == Life.CRASHED]:
             self._crashes[hosted.crash] = None
             self._host.start_node(hosted.name)
         return self.running()
 
-    def look(self, ask: Callable[[Node], T]) -> dict[HostedNode, T]:
-        """What each node says of itself; one that crashes in this moment is asked again."""
-        for _ in range(_LOOKS):
+    def query(self, ask: Callable[[Node], T]) -> dict[HostedNode, T]:
+        """Return what `ask` returns for each node, trying again if a node crashes meanwhile."""
+        for _ in range(_MAX_TRIES):
             with contextlib.suppress(InvalidHandle, NodeNameNonExistentError):
-                return {hosted: ask(hosted.node) for hosted in self.nodes()}
+                return {hosted: ask(hosted.node) for hosted in self.restart_crashed()}
         return {}
 
     def running(self) -> list[HostedNode]:
-        """Those that run, or have crashed since `nodes()`."""
+        """Return the nodes that run or have crashed since `restart_crashed`."""
         return [h for h in self._host.nodes if h.state.life in (Life.UP, Life.CRASHED)]
 
-    def not_run(self) -> list[str]:
+    def unrun_lines(self) -> list[str]:
         """Return a line for each file whose `main()` does more than make nodes."""
         files = dict.fromkeys(hosted.file for hosted in self._host.nodes)
         return [file.not_run for file in files if file is not None and file.not_run]
 
     def wait_for_crashes(self) -> None:
-        """Until what runs once a second has run: until now it may not have."""
-        nodes = self.nodes()
+        """Spin until every node has run for 1.5 s, so that a timer of 1 s has fired."""
+        nodes = self.restart_crashed()
         with contextlib.suppress(CrashedError):
-            self.until(lambda: False, self._began + _WATCHED - self.now(), nodes)
+            self.spin_until(lambda: False, self._began + _MIN_RUN - self.now(), nodes)
 
     def all_crashes(self) -> list[str]:
-        """What every crash was, once; of threads that nodes have started, too."""
-        self.nodes()
+        """Return each crash once, those of threads that nodes have started included."""
+        self.restart_crashed()
         for number, line in enumerate(self.printed):
-            if line.startswith(_THREAD):
+            if line.startswith(_THREAD_CRASH):
                 self._crashes |= dict.fromkeys([*self._tracebacks(number)][:1])
         return list(self._crashes)
 
-    def busy(self, nodes: Sequence[HostedNode]) -> str:
-        """Where a callback of theirs is now: `FILE:LINE`, and its line. "" when all wait."""
+    def busy_line(self, nodes: Sequence[HostedNode]) -> str:
+        """Return `FILE:LINE`, and the line, that a callback executes now; "" if all nodes wait."""
         for hosted in nodes:
             for thread in hosted.threads():
                 if hosted.file is not None:
@@ -108,35 +112,38 @@ class Asker:
                         return f"{where}{line}"
         return ""
 
-    def place(self, nodes: Sequence[HostedNode], ask: Callable[[Source], int | None]) -> str:
-        """`FILE:LINE: ` of a line in their files; "" where there is none."""
+    def find_line(self, nodes: Sequence[HostedNode], ask: Callable[[Source], int | None]) -> str:
+        """Return `FILE:LINE: ` for the first file in which `ask` finds a line, or ""."""
         for hosted in nodes:
             line = ask(hosted.file.source) if hosted.file is not None else None
             if line is not None:
                 return f"{hosted.file}:{line}: "
         return ""
 
-    def place_of_text(self, text: str) -> str:
-        """`FILE:LINE: ` of a name, or of words."""
-        return self.place(self._host.nodes, lambda source: source.line_of_text(text))
+    def find_text(self, text: str) -> str:
+        """Return `FILE:LINE: ` of a name or text in the nodes' files, or ""."""
+        return self.find_line(self._host.nodes, lambda source: source.line_of_text(text))
 
-    def place_of(self, callback: Any) -> str:
-        """`FILE:LINE: ` of a callback."""
+    def find_callback(self, callback: Any) -> str:
+        """Return `FILE:LINE: ` of a callback in the nodes' files, or ""."""
         code = code_of(callback)
         for hosted in self._host.nodes:
             if code and hosted.file is not None and hosted.file.is_own(code.co_filename):
                 return f"{hosted.file.named(code.co_filename)}:{code.co_firstlineno}: "
         return ""
 
-    def raised(self, since: int) -> str:
-        """What an execute callback raised last since that line was printed, and where.
+    def last_exception(self, since: int) -> str:
+        """Return the last exception of an execute callback, with its line, or "".
 
-        rclpy prints the traceback and goes on.
+        rclpy prints the traceback of such an exception and goes on.
+
+        Args:
+            since: The number of the printed line with which the search begins.
         """
         return ([*self._tracebacks(since)] or [""])[-1]
 
     def _tracebacks(self, since: int) -> Iterator[str]:
-        """Those that were printed since that line and name a line of the files."""
+        """Yield each printed traceback that names a line of the nodes' files, in one line."""
         where = text = ""
         for line in self.printed[since:]:
             frame = _FRAME.match(line)
@@ -149,17 +156,32 @@ class Asker:
                 yield f"{where}: {WORDLESS.get(line, line)}, in: {text}"
                 where = ""
 
-    def logged(self, nodes: Sequence[HostedNode], since: int) -> Iterator[Log]:
-        """What these nodes have logged since that line of the logs."""
+    def logs_of(self, nodes: Sequence[HostedNode], since: int) -> Iterator[Log]:
+        """Yield what some nodes have logged.
+
+        Args:
+            nodes: The nodes.
+            since: The number of the log line with which the search begins.
+        """
         names = {hosted.name for hosted in nodes}
         return (log for log in self.logs[since:] if logger_node(log.name) in names)
 
-    # waiting
-
-    def until(
+    def spin_until(
         self, holds: Callable[[], object], seconds: float, nodes: Sequence[HostedNode] = ()
     ) -> bool:
-        """Spin until it holds; False when the time is over. Raises CrashedError when one does."""
+        """Spin the checker's node until `holds()` is true.
+
+        Args:
+            holds: The condition.
+            seconds: The longest wait.
+            nodes: Nodes that must not crash meanwhile.
+
+        Returns:
+            False if the time was over before.
+
+        Raises:
+            CrashedError: One of the nodes crashed.
+        """
         end = self.now() + seconds
         while not holds():
             for hosted in nodes:
@@ -167,9 +189,9 @@ class Asker:
                     raise CrashedError(hosted.crash)
             if self.now() > end:
                 return False
-            self._executor.spin_once(timeout_sec=_SLICE)
+            self._executor.spin_once(timeout_sec=_SPIN_TIME)
         return True
 
-    def answer(self, future: Any, nodes: Sequence[HostedNode]) -> Any:
-        """The result of a future, None when it does not come in time."""
-        return future.result() if self.until(future.done, ANSWER, nodes) else None
+    def wait_for_result(self, future: Any, nodes: Sequence[HostedNode]) -> Any:
+        """Return the result of a future, or None if it does not come within ANSWER seconds."""
+        return future.result() if self.spin_until(future.done, ANSWER, nodes) else None

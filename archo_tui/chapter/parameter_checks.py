@@ -1,4 +1,4 @@
-"""The parameters of motor_controller."""
+"""The checks of motor_controller's parameters."""
 
 from __future__ import annotations
 
@@ -7,35 +7,36 @@ from typing import Any
 
 from rclpy.node import Node
 
-from archo_tui.chapter import names
-from archo_tui.chapter.asker import Asker
+from archo_tui.chapter import near_names
+from archo_tui.chapter.check_runner import CheckRunner
 from archo_tui.chapter.tap import Result
 
 _DECLARED = "the parameters max_speed and wheel_radius are declared"
 _LOADED = "parameters are loaded from a YAML file"
 _WANTED = ("max_speed", "wheel_radius")
-_OWN = ("use_sim_time", "start_type_description_service")  # every node's
+_EVERY_NODES = ("use_sim_time", "start_type_description_service")
 
 
-def _declared(node: Node) -> dict[str, Any]:
-    """The values of a node's parameters, but for those of every node."""
+def _declared_values(node: Node) -> dict[str, Any]:
+    """Return the values of a node's parameters, without those of every node."""
     return {
         name: node.get_parameter_or(name).value
         for name in node.list_parameters([], 0).names
-        if name not in _OWN and not name.startswith("qos_overrides.")
+        if name not in _EVERY_NODES and not name.startswith("qos_overrides.")
     }
 
 
-def parameters(asker: Asker) -> Iterator[Result]:
-    """The two checks."""
+def parameter_checks(runner: CheckRunner) -> Iterator[Result]:
+    """Yield the outcome of the two checks of parameters."""
     known: dict[str, Any] = {}
-    for found in asker.look(_declared).values():
+    for found in runner.query(_declared_values).values():
         known |= found
     missing = [name for name in _WANTED if name not in known]
     if len(missing) == len(_WANTED):
         title = " and ".join(_WANTED)
         results = [
-            names.missing(asker, _DECLARED, name, "declare", "name", known) for name in _WANTED
+            near_names.missing_result(runner, _DECLARED, name, "declare", "name", known)
+            for name in _WANTED
         ]
         first = next((r for r in results if r.hint), results[0])
         yield first
@@ -43,12 +44,14 @@ def parameters(asker: Asker) -> Iterator[Result]:
         return
     hints = []
     for name in missing:
-        near = names.missing(asker, _DECLARED, name, "declare", "name", known).hint
+        near = near_names.missing_result(runner, _DECLARED, name, "declare", "name", known).hint
         hints.append(near or f"not declared: {name}: self.declare_parameter({name!r}, value)")
     yield Result(_DECLARED, "\n".join(hints))
     if "wheel_radius" in missing:
         yield Result(_LOADED, skipped="no node declares wheel_radius")
         return
     radius = known["wheel_radius"]
-    hint = f"wheel_radius is {radius}, and the file says {asker.radius:g}: nothing may set it again"
-    yield Result(_LOADED, "" if radius == asker.radius else hint)
+    hint = (
+        f"wheel_radius is {radius}, and the file says {runner.radius:g}: nothing may set it again"
+    )
+    yield Result(_LOADED, "" if radius == runner.radius else hint)

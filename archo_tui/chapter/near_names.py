@@ -1,0 +1,62 @@
+"""The recognition of names that were meant to be the chapter's."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection
+from difflib import SequenceMatcher
+
+from archo_tui.chapter.check_runner import CheckRunner
+from archo_tui.chapter.tap import Result
+
+_MIN_SIMILARITY = 0.8  # Ratio of difflib from which a name counts as a misspelling.
+# The robot's own names; none of them is a misspelling of another.
+_ROBOT_NAMES = {
+    *("battery_level", "battery_drain", "motor_status", "set_charging", "reset_encoder"),
+    *("emergency_stop", "release_emergency_stop", "move_to_shelf"),
+    *("max_speed", "wheel_radius", "low_battery_threshold", "publish_period", "shelf_count"),
+}
+
+
+def missing_result(
+    runner: CheckRunner, title: str, wanted: str, verb: str, kind: str, others: Collection[str]
+) -> Result:
+    """Return the outcome of a check for something that no node offers.
+
+    The check fails if another name was meant to be the wanted one, and is skipped otherwise.
+
+    Args:
+        runner: Finds the name's line.
+        title: The check.
+        wanted: The chapter's name.
+        verb: What a node does with it, such as `publish`.
+        kind: What it is, such as `topic`.
+        others: The names that the nodes offer.
+    """
+    others = sorted(name for name in others if name.strip("/") not in _ROBOT_NAMES)
+    meant = [name for name in others if _is_meant_as(name, wanted)]
+    if meant or others:
+        where = runner.find_text((meant or others)[0])
+        hint = f"{where}you {verb} {', '.join(meant or others)}; the chapter's {kind} is {wanted}"
+        return Result(title, hint=hint) if meant else Result(title, skipped=hint)
+    return Result(title, skipped=f"no node {_third_person(verb)} {wanted}")
+
+
+def _is_meant_as(name: str, wanted: str) -> bool:
+    """Return True for a misspelling, the name in a namespace, or some of its words."""
+    last = name.rpartition("/")[2]
+    if SequenceMatcher(None, last.lower(), wanted).ratio() >= _MIN_SIMILARITY:
+        return True
+    own, words = _words(last), _words(wanted)
+    return bool(own) and (own <= words or words <= own)
+
+
+def _words(name: str) -> set[str]:
+    """Return the words of a name in snake_case or camelCase."""
+    return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)}
+
+
+def _third_person(verb: str) -> str:
+    """Return `publishes` for `publish`, `subscribes to` for `subscribe to`."""
+    first, *rest = verb.split(" ")
+    return " ".join([first + ("es" if first.endswith("sh") else "s"), *rest])

@@ -1,0 +1,124 @@
+"""The checks of motor_controller's services."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from rclpy.node import Node
+
+from archo_tui.chapter import near_names
+from archo_tui.chapter.check_runner import ANSWER, CheckRunner, CrashedError
+from archo_tui.chapter.tap import Result
+from archo_tui.hosting.host import HostedNode
+from archo_tui.robot import message_classes
+from archo_tui.robot.outcome import Code
+
+_RESET = "reset_encoder sets the encoder to zero, and answers True, 'Encoder reset to zero'"
+_RESET_ANSWERS = "reset_encoder answers True, 'Encoder reset to zero'"
+_STOP = "emergency_stop answers True"
+_STOP_ANSWERS = "emergency_stop answers"
+_RESET_MESSAGE = "Encoder reset to zero"
+# Names of attributes that hold a count of ticks; ticks_per_revolution does not.
+_ENCODER_NAME = re.compile("^(?!.*_per_).*(tick|encoder)", re.IGNORECASE)
+_TICKS = 15420  # The chapter's value before a reset.
+_EVERY_NODES = ("rcl_interfaces", "type_description_interfaces")
+
+
+def service_checks(runner: CheckRunner) -> Iterator[Result]:
+    """Yield the outcome of the two checks of services."""
+    yield _check_service(runner, _RESET, "reset_encoder", _check_reset)
+    yield _check_service(runner, _STOP, "emergency_stop", _check_stop)
+
+
+def _services_of(node: Node) -> dict[str, Any]:
+    """Return the services of a node by name, without those of every node."""
+    return {
+        service.service_name.lstrip("/"): service
+        for service in node.services
+        if not service.srv_type.__module__.startswith(_EVERY_NODES)
+        and "/_action/" not in service.service_name
+    }
+
+
+_ServiceCheck = Callable[[CheckRunner, list[HostedNode], Any, str], Result]
+
+
+def _check_service(runner: CheckRunner, title: str, name: str, ask: _ServiceCheck) -> Result:
+    found = runner.query(_services_of)
+    nodes = [hosted for hosted, services in found.items() if name in services]
+    if not nodes:
+        others = {f"/{name}" for services in found.values() for name in services}
+        return near_names.missing_result(runner, title, name, "serve", "service", others)
+    service_class = found[nodes[0]][name].srv_type
+    client = runner.node.create_client(service_class, name)
+    try:
+        runner.spin_until(client.service_is_ready, ANSWER, nodes)
+        where = runner.find_callback(found[nodes[0]][name].callback)
+        return ask(runner, nodes, client, where)
+    except CrashedError as error:
+        return Result(title, str(error))
+    finally:
+        runner.node.destroy_client(client)
+
+
+def _call(runner: CheckRunner, nodes: Sequence[HostedNode], client: Any) -> tuple[Any, str]:
+    """Call a service, and return its response or None, and why there is none."""
+    answer = runner.wait_for_result(client.call_async(client.srv_type.Request()), nodes)
+    if answer is not None:
+        return answer, ""
+    busy = runner.busy_line(nodes)
+    why = f": a callback does not return, {busy}" if busy else ""
+    return None, f"no answer in {ANSWER:g} s{why}"
+
+
+def _check_reset(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
+    type_name = message_classes.name_of(client.srv_type)
+    if type_name.rpartition("/")[2] != "ResetEncoder":
+        called = runner.find_text("reset_encoder")
+        wrong = f"it is a {type_name}; the chapter's is an archo_interfaces/srv/ResetEncoder"
+        return Result(_RESET, called + wrong)
+    before = _number_attributes(nodes[0].node)
+    counters = {name: before[name] for name in before if _ENCODER_NAME.search(name)}
+    for name, value in counters.items():
+        if abs(value) < _TICKS:  # A count of zero would not show a reset.
+            setattr(nodes[0].node, name, type(value)(_TICKS))
+    answer, why = _call(runner, nodes, client)
+    after = _number_attributes(nodes[0].node)
+    left = {name: value for name, value in after.items() if name in counters}
+    for name, value in left.items():
+        if value == _TICKS:
+            setattr(nodes[0].node, name, counters[name])
+    if answer is None:
+        return Result(_RESET, why)
+    if not answer.success or answer.message != _RESET_MESSAGE:
+        lacks = "" if answer.success else ": set response.success = True"
+        return Result(_RESET, f"{where}answered {answer.success}, {answer.message!r}{lacks}")
+    if any(before.get(name) and not value for name, value in after.items()):
+        return Result(_RESET)  # The attribute set to zero is the encoder's, whatever its name.
+    if left and all(abs(value) >= _TICKS for value in left.values()):
+        kept = next(iter(left))
+        wrong = f"{where}self.{kept} is what it was before: set it to 0 in the callback"
+        return Result(_RESET, wrong)
+    # If no attribute is a counter, the title claims the answer only.
+    return Result(_RESET if any(not value for value in left.values()) else _RESET_ANSWERS)
+
+
+def _number_attributes(node: Any) -> dict[str, Any]:
+    """Return the attributes of a node that are numbers."""
+    return {
+        name: value
+        for name, value in vars(node).items()
+        if isinstance(value, (int, float)) and not isinstance(value, bool)
+    }
+
+
+def _check_stop(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
+    answer, why = _call(runner, nodes, client)
+    if answer is None:
+        return Result(_STOP, why)
+    code = message_classes.outcome_of(answer).code
+    if code is Code.REFUSED and not message_classes.fields(client.srv_type.Request):
+        return Result(_STOP, f"{where}answered False: set response.success = True")
+    return Result(_STOP if code is Code.DONE else _STOP_ANSWERS)

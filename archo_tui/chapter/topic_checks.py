@@ -1,0 +1,235 @@
+"""The checks of the topic battery_level: its publisher, and the node that warns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
+from statistics import median
+from typing import Any
+
+from rclpy.qos import QoSReliabilityPolicy
+
+from archo_tui.chapter import near_names
+from archo_tui.chapter.check_runner import ANSWER, CheckRunner, CrashedError
+from archo_tui.chapter.tap import Result
+from archo_tui.hosting.host import HostedNode
+from archo_tui.robot import message_classes
+
+LEVEL = "battery_level"
+_MOTOR = "motor_controller"
+_KIND = "battery_level is a std_msgs/msg/Float32"
+_KIND_OF_ARCHO = "battery_level is an archo_interfaces/msg/BatteryStatus, as ARCHO's own"
+_RATE = "battery_level is published about once a second"
+_FALLS = "the battery level never rises, and is within 0 .. 100"
+_WARNS = "a level below 20 % is logged as a warning, any other is not"
+_WARNS_BELOW = "a level below 20 % is logged as a warning"
+_FLOAT = "std_msgs/msg/Float32"
+_KINDS = {_FLOAT: _KIND, "archo_interfaces/msg/BatteryStatus": _KIND_OF_ARCHO}
+_EVERY_NODES = ("rosout", "parameter_events")
+_PERIOD = 0.5, 1.5  # Seconds between two levels; the chapter asks for one.
+_MIN_LEVELS = 5  # Battery levels that are examined.
+_WARN_LEVEL = 30  # rcl_interfaces/msg/Log.WARN.
+_REPEAT = 0.1  # Seconds between two levels that the checker publishes.
+_NO_WARNING_TIME = 0.5  # Seconds in which a needless warning would come.
+_GOOD_LEVELS = 87.5, 55.0, 21.0  # No node may warn of these.
+_LOW_LEVELS = 19.0, 5.0  # A node must warn of each of these.
+
+
+def topic_checks(runner: CheckRunner) -> Iterator[Result]:
+    """Yield the outcome of the four checks of the topic."""
+    levels: list[float] = []
+    yield from _publisher_checks(runner, levels)
+    yield _warning_check(runner, levels)
+
+
+def _by_topic(ends: Iterable[Any]) -> dict[str, Any]:
+    """Return publishers or subscriptions by topic, without those of every node and of actions."""
+    return {
+        end.topic_name.lstrip("/"): end
+        for end in ends
+        if end.topic_name.lstrip("/") not in _EVERY_NODES and "/_action/" not in end.topic_name
+    }
+
+
+def _publisher_checks(runner: CheckRunner, levels: list[float]) -> Iterator[Result]:
+    ends = runner.query(lambda node: _by_topic(node.publishers))
+    nodes = [hosted for hosted, topics in ends.items() if LEVEL in topics]
+    if not nodes:
+        others = {f"/{name}" for topics in ends.values() for name in topics}
+        for title in (_KIND, _RATE, _FALLS):
+            yield near_names.missing_result(runner, title, LEVEL, "publish", "topic", others)
+        return
+    publisher = ends[nodes[0]][LEVEL]
+    wrong = _type_hint(publisher.msg_type)
+    title = _KINDS.get(message_classes.name_of(publisher.msg_type), _KIND)
+    yield Result(title, f"{runner.find_text(LEVEL)}it is {wrong}" if wrong else "")
+    times: list[float] = []
+
+    def take(message: Any) -> None:
+        times.append(runner.now())
+        levels.append(level_of(message))
+
+    subscription = runner.node.create_subscription(publisher.msg_type, LEVEL, take, 10)
+    longest = _MIN_LEVELS * _PERIOD[1]
+    try:
+        runner.spin_until(lambda: len(times) >= _MIN_LEVELS, longest, nodes)
+        hint = _silence_hint(runner, nodes, publisher, len(times), longest)
+    except CrashedError as error:
+        hint = str(error)
+    finally:
+        runner.node.destroy_subscription(subscription)
+    if len(times) < 2:
+        yield Result(_RATE, hint)
+        yield Result(_FALLS, "too few messages to tell")
+        return
+    period = median(b - a for a, b in pairwise(times))
+    where = runner.find_line(nodes, lambda source: source.line_of_call("create_timer"))
+    slow = f"{where}one every {period:.2f} s: the first argument of create_timer is in seconds"
+    well = _PERIOD[0] <= period <= _PERIOD[1]
+    yield Result(_RATE, hint if len(times) < _MIN_LEVELS else "" if well else slow)
+    wrong = _levels_hint(levels)
+    yield Result(_FALLS if wrong else _levels_title(levels), wrong)
+
+
+def _silence_hint(
+    runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, count: int, seconds: float
+) -> str:
+    """Return why there are too few messages."""
+    hint = f"{count} messages in {seconds:g} s"
+    busy = runner.busy_line(nodes)
+    if busy:
+        return f"{hint}: a callback does not return, {busy}: use create_timer(1.0, ...)"
+    if publisher.qos_profile.reliability == QoSReliabilityPolicy.BEST_EFFORT:
+        reliable = "so a subscription that asks for reliable hears nothing: pass 10"
+        return f"{hint}: its QoS is best effort, {reliable}"
+    where = runner.find_line(nodes, lambda source: source.line_of_call("create_timer"))
+    return f"{where}{hint}: create_timer(1.0, ...), in seconds, and publish() in its callback"
+
+
+def _levels_hint(levels: Sequence[float]) -> str:
+    hint = f"heard {', '.join(f'{level:g}' for level in levels)}"
+    if all(level == 0.0 for level in levels):
+        return f"{hint}: the message's data is never set: message.data = self.level"
+    if all(0.0 <= level <= 1.0 for level in levels):
+        return f"{hint}: a level is in percent, 0 .. 100, not a fraction of 1"
+    if not all(0.0 <= level <= 100.0 for level in levels):
+        return f"{hint}: a level is in percent, 0 .. 100"
+    falls = all(b <= a for a, b in pairwise(levels))
+    return "" if falls else f"{hint}: a battery that drains only falls"
+
+
+def _levels_title(levels: Sequence[float]) -> str:
+    first, last = levels[0], levels[-1]
+    if first == last:
+        return f"the battery level stays at {last:g}, within 0 .. 100"
+    return f"the battery level falls from {first:g} to {last:g}, within 0 .. 100"
+
+
+def level_of(message: Any) -> float:
+    """Return the charge in a message, or nan if it has none."""
+    value = getattr(message, "percentage", getattr(message, "data", None))
+    return float(value) if isinstance(value, (int, float)) else float("nan")
+
+
+def _type_hint(message_class: Any) -> str:
+    """Return what is wrong with a type for battery levels, or ""."""
+    name = message_classes.name_of(message_class)
+    return "" if name in _KINDS else f"a {name}; the chapter's is a {_FLOAT}"
+
+
+def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
+    ends = runner.query(lambda node: _by_topic(node.subscriptions))
+    # The motor may subscribe as well, to stop when the battery is empty.
+    ends = {h: topics for h, topics in ends.items() if h.name.rpartition("/")[2] != _MOTOR}
+    nodes = [hosted for hosted, topics in ends.items() if LEVEL in topics]
+    if not nodes:
+        others = {f"/{name}" for topics in ends.values() for name in topics}
+        return near_names.missing_result(runner, _WARNS, LEVEL, "subscribe to", "topic", others)
+    subscription = ends[nodes[0]][LEVEL]
+    message_class, where = subscription.msg_type, runner.find_callback(subscription.callback)
+    wrong = _type_hint(message_class)
+    if wrong:
+        return Result(_WARNS, f"{runner.find_text(LEVEL)}the type that is subscribed to is {wrong}")
+    publisher = runner.node.create_publisher(message_class, LEVEL, 10)
+    subscribed = runner.node.create_subscription(
+        message_class, LEVEL, lambda message: levels.append(level_of(message)), 10
+    )
+
+    def is_low() -> bool:
+        """Return True if a low level was received; the learner's battery may publish one."""
+        return any(level < 20.0 for level in levels)
+
+    try:
+        hint, title = "", _WARNS
+        for level in _GOOD_LEVELS:
+            hint = hint or _needless_warning_hint(runner, nodes, publisher, level)
+        # The level may arrive here after the warning about it.
+        if hint and runner.spin_until(is_low, _REPEAT):
+            hint, title = "", _WARNS_BELOW  # Needless warnings cannot be told from these.
+        for level in _LOW_LEVELS:
+            hint = hint or _missing_warning_hint(runner, nodes, publisher, level)
+            if not hint:  # A node may warn once until the battery is charged.
+                _first_warning(runner, nodes, publisher, _GOOD_LEVELS[0], _NO_WARNING_TIME)
+        return Result(title, where + hint if hint else "")
+    except CrashedError as error:
+        return Result(_WARNS, str(error))
+    finally:
+        runner.node.destroy_subscription(subscribed)
+        runner.node.destroy_publisher(publisher)
+
+
+def _first_warning(
+    runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float, seconds: float
+) -> str:
+    """Publish a level repeatedly until a node warns, and return the warning, or "" if none comes.
+
+    A single message could get lost, since the publisher may not be matched yet.
+    """
+    message = publisher.msg_type()
+    setattr(message, "percentage" if hasattr(message, "percentage") else "data", level)
+    if hasattr(message, "battery_health"):
+        message.battery_health = "good" if level >= 20.0 else "warning"
+    since = len(runner.logs)
+
+    def warnings() -> list[str]:
+        return [log.msg for log in runner.logs_of(nodes, since) if log.level >= _WARN_LEVEL]
+
+    publisher.publish(message)
+    timer = runner.node.create_timer(_REPEAT, lambda: publisher.publish(message))
+    try:
+        runner.spin_until(warnings, seconds, nodes)
+    finally:
+        runner.node.destroy_timer(timer)
+    return next(iter(warnings()), "")
+
+
+def _needless_warning_hint(
+    runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float
+) -> str:
+    hint = _first_warning(runner, nodes, publisher, level, _NO_WARNING_TIME)
+    if not hint:
+        return ""
+    return f"{level} was published, and it warned: {hint!r}: only below 20.0"
+
+
+def _missing_warning_hint(
+    runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float
+) -> str:
+    logs, lines = len(runner.logs), len(runner.printed)
+    if _first_warning(runner, nodes, publisher, level, ANSWER):
+        return ""
+    warn = "self.get_logger().warning(...)"
+    for log in runner.logs_of(nodes, logs):
+        if _sounds_like_warning(log.msg):
+            return f"{level} was published, and {log.msg!r} only logged as information: {warn}"
+    for line in runner.printed[lines:]:
+        if _sounds_like_warning(line):
+            return f"{level} was published, and {line!r} only printed: {warn}"
+    busy = runner.busy_line(nodes)
+    if busy:
+        return f"{level} was published, and nothing logged: a callback does not return, {busy}"
+    return f"{level} was published, and nothing logged as a warning: {warn} below 20.0"
+
+
+def _sounds_like_warning(text: str) -> bool:
+    return any(word in text.lower() for word in ("low", "warn", "critical"))
