@@ -24,7 +24,7 @@ from archo_tui.screens.main import MainScreen
 from archo_tui.station import recall
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
-from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.verbs.goals import GOALS
 from archo_tui.widgets.bars import FooterKey
@@ -77,8 +77,8 @@ class ArchoApp(KeyedApp):
         sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
         self.station.run_on(self)
         self.station.robot.subscribe(self._take)
-        begin(self, self._recall, "recall")
-        begin(self, self._tick_for_ever, "tick")
+        start_worker(self, self._recall, "recall")
+        start_worker(self, self._tick_for_ever, "tick")
         if self._failed_before:
             from archo_tui.screens.text import ShowText
 
@@ -119,7 +119,7 @@ class ArchoApp(KeyedApp):
         goal = self.station.view.snapshot.goal
         if not self.has_sent and goal is not None and goal.mine:
             self.has_sent = True
-            begin(self, partial(in_daemon, recall.keep_sent), COMMANDS)
+            start_worker(self, partial(in_daemon, recall.keep_sent), COMMANDS)
         self.view = self._view()
         if not (self.is_running and self.main.is_mounted):  # before or after the screen's life
             return
@@ -305,13 +305,13 @@ class ArchoApp(KeyedApp):
         """End, when every command that was given has its answer."""
         if not self._leaves:
             self._leaves = True
-            begin(self, self._leave, "leave")
+            start_worker(self, self._leave, "leave")
 
     async def _leave(self) -> None:
         if self.unanswered:
             self.say("Ending, as soon as the robot has answered.")
         try:
-            await self.station.clock.wait_for(self.answers(), LONGEST)
+            await self.station.clock.wait_for(self.wait_for_answers(), LONGEST)
         except TimeoutError:  # a disk that hangs: each request to a robot ends by itself
             self.station.robot.note("ERROR", "console", f"ended: not all answered in {LONGEST:g} s")
         self.exit()
@@ -324,7 +324,7 @@ class ArchoApp(KeyedApp):
     def _send_goals(self, goals: Sequence[Mapping[str, Any]], typed: list[str]) -> None:
         self._keep(typed)
         answer = self.verbs["go"].run(self.station, {GOALS: goals})
-        begin(self, partial(self._told, answer), COMMANDS)
+        start_worker(self, partial(self._told, answer), COMMANDS)
         self._show()
 
     async def _told(self, answer: Awaitable[Outcome]) -> None:
@@ -336,7 +336,7 @@ class ArchoApp(KeyedApp):
         """For the arrows, also after a restart."""
         kind, panel = self.view.snapshot.file.goals[0], self.main.goal
         panel.recalls([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
-        begin(self, partial(in_daemon, recall.add, kind.id, typed), COMMANDS)
+        start_worker(self, partial(in_daemon, recall.add, kind.id, typed), COMMANDS)
 
     async def _recall(self) -> None:
         goals = self.view.snapshot.file.goals
@@ -356,11 +356,11 @@ class ArchoApp(KeyedApp):
 
     def carry_out(self, work: Callable[[], Work]) -> None:
         """As a command: the end waits for its answer."""
-        begin(self, work, COMMANDS)
+        start_worker(self, work, COMMANDS)
 
     def beside(self, work: Callable[[], Work]) -> None:
         """What another program asked for: the end does not wait for its answer."""
-        begin(self, work, "beside")
+        start_worker(self, work, "beside")
 
     def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Say why the robot does not go there, where goals are typed."""

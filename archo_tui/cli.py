@@ -506,7 +506,7 @@ def _replay(options: Namespace) -> int:
     import_the_rest(OF_THE_SCREEN)
     clock = Clock()
     station = RecordedStation(Player(bag, robot, clock), clock)
-    app = ReplayApp(station, keys, themes.remembered())
+    app = ReplayApp(station, keys, themes.remembered_theme())
     with guarded_stderr(log_file()):
         app.run()
     if app.failure:
@@ -751,7 +751,7 @@ def _console(session: Session, stdin: TextIO | None) -> int:
         station.robot.note("WARN", "console", others)
     failed, failures = "", 0
     while True:
-        app = ArchoApp(station, keys=keys, theme=themes.remembered(), failed=failed)
+        app = ArchoApp(station, keys=keys, theme=themes.remembered_theme(), failed=failed)
         with guarded_stderr(log_file()):
             app.run()
         if not app.failure:

@@ -21,7 +21,14 @@ from archo_tui.screens.leaving import Leaving
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
-from archo_tui.terminal.typed import Read, mark, mark_read, read_of, typed_after, with_its_marks
+from archo_tui.terminal.stop_marks import (
+    InputTime,
+    input_of,
+    mark_input,
+    mark_stops,
+    marks_of,
+    stops_before,
+)
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Verb
 from archo_tui.widgets.board import Board
@@ -66,8 +73,10 @@ class KeyedApp(TerminalApp):
         self._answers_void = 0  # keys with a lower count were for a question that is not put
         self._swallows = False  # enter is held, and what that does was said
         self.repeated = False
-        self._read = Read(-math.inf, math.inf)  # the last key or click, however late it is taken
-        self.input: Read | None = None  # the one that is being done
+        self._read = InputTime(
+            -math.inf, math.inf
+        )  # the last key or click, however late it is taken
+        self.input: InputTime | None = None  # the one that is being done
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
         """All that there are."""
@@ -103,7 +112,7 @@ class KeyedApp(TerminalApp):
         if isinstance(event, events.Key) and event.is_forwarded:
             return  # nobody took it; what is bound was looked up in its turn
         if isinstance(event, events.Key) and self.is_stop(event):
-            mark(event, self.stops.read())  # from another driver than the terminal's
+            mark_stops(event, self.stops.read())  # from another driver than the terminal's
             self.stop_now(event)
             return
         if isinstance(event, events.MouseEvent) and not event.is_forwarded:
@@ -116,10 +125,10 @@ class KeyedApp(TerminalApp):
         if event.is_forwarded or not isinstance(event, kinds):
             await super().on_event(event)
             return
-        if typed_after(event) is None:  # from another driver than the terminal's
-            mark(event, self.stops.count)
+        if stops_before(event) is None:  # from another driver than the terminal's
+            mark_stops(event, self.stops.count)
         if isinstance(event, events.MouseUp):  # what was pressed acts as it is let go
-            mark_read(event, self._read)
+            mark_input(event, self._read)
         repeated = not isinstance(event, events.MouseUp) and self._repeats(event)
         if self._early and self._acts_before(event):
             self._early.clear()
@@ -133,7 +142,7 @@ class KeyedApp(TerminalApp):
 
     async def _hand_on(self, event: events.Event, repeated: bool) -> None:
         """Do what a key or a click is for, unless it was for a dialog that is not there."""
-        stops, typed = typed_after(event), isinstance(event, (events.Key, events.Paste))
+        stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
         if typed and not self._is_free(event):
             is_void = stops is not None and stops < self._answers_void
             if is_void or self._was_for_a_dialog(event):
@@ -177,7 +186,7 @@ class KeyedApp(TerminalApp):
 
     def stop_now(self, event: events.Key) -> None:
         before, self.repeated = self.repeated, self._repeats(event)
-        with self.stops.at(typed_after(event)):
+        with self.stops.at(stops_before(event)):
             self.action_command("stop", counted=True)
         self.repeated = before  # of the key that is being handled
 
@@ -210,22 +219,22 @@ class KeyedApp(TerminalApp):
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
-        self._read = Read(event.time, event.time - self._read.at)
-        mark_read(event, self._read)
-        apart, self._last_stops = self._last_stops, typed_after(event)  # a STOP between them
+        self._read = InputTime(event.time, event.time - self._read.at)
+        mark_input(event, self._read)
+        apart, self._last_stops = self._last_stops, stops_before(event)  # a STOP between them
         repeated = key != "" and key == before and self._last_typed - since < HELD
         repeated = repeated and (key == self.stop_key or apart == self._last_stops)
         self._swallows = self._swallows and repeated
         return repeated
 
     async def _handle(self, event: events.Event, repeated: bool) -> None:
-        self.repeated, self.input, self._is_drawn = repeated, read_of(event), False
+        self.repeated, self.input, self._is_drawn = repeated, input_of(event), False
         if isinstance(event, events.Key):
             if repeated and not self._may_repeat(event):
                 return
             self._acted = self._place
         self._acting = self._hears_later(event)
-        with self.stops.at(typed_after(event)), with_its_marks(event, self):
+        with self.stops.at(stops_before(event)), marks_of(event, self):
             await super().on_event(event)
         heard = self._acting is not None and self._acting.call_later(self._heard)
         self._acting = self._acting if heard else None

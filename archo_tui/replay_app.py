@@ -10,7 +10,7 @@ from archo_tui.commands.replay import of_replay
 from archo_tui.replay.recorded_station import RecordedStation
 from archo_tui.robot.state import Snapshot
 from archo_tui.screens.main import MainScreen
-from archo_tui.terminal.app import begin
+from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.time_line import TimeLine
 
 _FRAME = 0.1  # s between two looks while it plays, or is read
@@ -34,7 +34,7 @@ class ReplayApp(ArchoApp):
         return MainScreen(snapshot, self.size, TimeLine(self._player))
 
     def on_mount(self) -> None:
-        begin(self, self._play, "play")
+        start_worker(self, self._play, "play")
 
     async def _play(self) -> None:
         showed_all = False

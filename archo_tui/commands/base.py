@@ -18,7 +18,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
-from archo_tui.terminal.typed import Read
+from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.widgets.shown import Shown
 
@@ -44,7 +44,7 @@ class Console(Protocol):
     main: MainScreen
     theme: str  # its name
     repeated: bool  # the key of the command is being held down
-    input: Read | None  # when the key or click that is being done was read
+    input: InputTime | None  # when the key or click that is being done was read
     typed: dict[str, dict[str, str]]  # what was last typed into each form, by path
     used: RobotFile  # the robot's file, with what was sent and called without it
 

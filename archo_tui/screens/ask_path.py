@@ -15,7 +15,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Form
 from archo_tui.station import recall
-from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.terminal.app import COMMANDS, start_worker
 
 _KIND = "a file"  # under which they are kept
 _SHOWN = 5  # recent files
@@ -47,7 +47,7 @@ class AskPath(Form):
             yield from self.below_field()
 
     def on_mount(self) -> None:
-        begin(self, self._recall, "recall")
+        start_worker(self, self._recall, "recall")
 
     async def _recall(self) -> None:
         used = await in_daemon(recall.load, _KIND)
@@ -72,7 +72,7 @@ class AskPath(Form):
             return
         if not self.is_asking:
             self.is_asking = True
-            begin(self.app, partial(self._try, path), COMMANDS)
+            start_worker(self.app, partial(self._try, path), COMMANDS)
 
     async def _try(self, path: Path) -> None:
         said = await self._work(path)

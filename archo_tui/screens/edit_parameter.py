@@ -19,7 +19,7 @@ from archo_tui.robot.text import HIDDEN, harmless, safe
 from archo_tui.robot.values import same, text_of
 from archo_tui.screens.dialog import Form
 from archo_tui.station.station import View
-from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.terminal.app import COMMANDS, start_worker
 
 
 class EditParameter(Form):
@@ -74,7 +74,7 @@ class EditParameter(Form):
             return
         self.is_asking = True
         self.say("asking the node ...")
-        begin(self.app, partial(self._ask, value), COMMANDS)
+        start_worker(self.app, partial(self._ask, value), COMMANDS)
 
     def _value(self, typed: str) -> Any:
         """What was typed; where the field could not show all there is, untouched it means that."""

@@ -18,7 +18,7 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot.text import harmless
 from archo_tui.screens.base import Base
-from archo_tui.terminal.compositor import Bare, DirtyCompositor
+from archo_tui.terminal.compositor import DirtyCompositor, LayoutOnly
 from archo_tui.widgets import bars
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.battery_panel import BatteryPanel
@@ -81,8 +81,8 @@ class MainScreen(Base[None]):
         super().__init__(classes=f"{of_size} {_class_of(size.height, self.VERTICAL_BREAKPOINTS)}")
         self._compositor = DirtyCompositor()
         robot = snapshot.file
-        self._body = Bare(id="body")
-        self._grid = Bare(id="panels", classes="-gauges" if robot.gauges else "")
+        self._body = LayoutOnly(id="body")
+        self._grid = LayoutOnly(id="panels", classes="-gauges" if robot.gauges else "")
         self.goal, self.parameters = GoalPanel(snapshot), ParametersPanel()
         self.nodes, self.events, self.history = NodesPanel(), EventsPanel(), HistoryPanel(robot)
         self.graph = GraphPanel()
@@ -112,9 +112,9 @@ class MainScreen(Base[None]):
         yield self._banner
         with self._body:
             with self._grid:
-                with Bare(id="left"):
+                with LayoutOnly(id="left"):
                     yield from (self._panels[number] for number in (1, 2, 5, 8))
-                with Bare(id="right"):
+                with LayoutOnly(id="right"):
                     yield from (self._panels[number] for number in (3, 4))
                 yield from (self.history, self.events)
         if self._time_line is not None:

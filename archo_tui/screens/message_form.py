@@ -18,7 +18,7 @@ from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
 from archo_tui.robot.state import Leaf
 from archo_tui.robot_file.model import FormField
 from archo_tui.screens.dialog import Dialog
-from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import Field
 from archo_tui.yaml_text.bounded_yaml import load
@@ -116,7 +116,7 @@ class MessageForm(Dialog[None]):
         if values is not None:
             self.is_asking = True
             self.say("asking the robot ...   esc stops waiting")
-            begin(self.app, partial(self._ask, values), COMMANDS)
+            start_worker(self.app, partial(self._ask, values), COMMANDS)
 
     def action_close(self) -> None:
         """Close; what was sent is not taken back by that, which is said."""

@@ -15,7 +15,7 @@ from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import LEVELS, NodeInfo
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.station import View
-from archo_tui.terminal.app import COMMANDS, begin
+from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.styled import content
 from archo_tui.words.nodes import graph_lines
@@ -62,7 +62,7 @@ class NodeDialog(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#node-text"))
-        begin(self, self._ask, _GROUP)
+        start_worker(self, self._ask, _GROUP)
 
     def follow(self, view: View) -> None:
         """Bring what is known up to date, once a second."""
@@ -96,7 +96,7 @@ class NodeDialog(Dialog[None]):
         if not self.is_asking:
             self.is_asking = True
             self.say("asking the node ...")
-            begin(self.app, partial(self._set, level), COMMANDS)
+            start_worker(self.app, partial(self._set, level), COMMANDS)
 
     async def _set(self, level: str) -> None:
         outcome = await self._set_level(level)

@@ -17,7 +17,7 @@ from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Dialog
 from archo_tui.station.requests import READ, Request, written
 from archo_tui.station.station import View
-from archo_tui.terminal.typed import Read, now
+from archo_tui.terminal.stop_marks import InputTime, now
 from archo_tui.widgets.button import Button
 from archo_tui.words import line_by_line
 
@@ -43,7 +43,7 @@ class AnswerRequest(Dialog[None]):
         request: Request,
         view: View,
         unseen: Callable[[], bool],
-        read: Callable[[], Read | None],
+        read: Callable[[], InputTime | None],
         answer: Callable[[int, bool], None],
         gone: Callable[[str], None],
     ) -> None:

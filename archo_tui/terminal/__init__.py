@@ -1,1 +1,1 @@
-"""What stands between the console and its terminal."""
+"""The console's terminal: its driver, keys, pastes, colours and ASCII."""

@@ -1,4 +1,4 @@
-"""What the console owes its terminal: driver, ASCII, themes, signals, a screen that may crash."""
+"""The base of the app for everything that concerns the terminal, from its driver to its end."""
 
 from __future__ import annotations
 
@@ -31,25 +31,38 @@ from archo_tui.station.alarms import Alarm
 from archo_tui.station.station import Station
 from archo_tui.system import HANG_UP
 from archo_tui.terminal.ascii import ascii_only, in_ascii
-from archo_tui.terminal.notice import notice
-from archo_tui.terminal.styles_cache import share_colours
-from archo_tui.terminal.themes import HIGH_CONTRAST, OF_16, THEMES, grey, remember, tones
-from archo_tui.terminal.typed import typed_after
+from archo_tui.terminal.notification import desktop_notification
+from archo_tui.terminal.stop_marks import stops_before
+from archo_tui.terminal.styles_cache import share_colour_cache
+from archo_tui.terminal.themes import (
+    HIGH_CONTRAST,
+    THEMES,
+    TONES_OF_16_COLOURS,
+    derive_tones,
+    remember_theme,
+    to_grey,
+)
 
-COMMANDS = "commands"  # the group of workers that the end waits for
-_STANDS = 1.0  # s after which a screen is made
+COMMANDS = "commands"  # The group of workers for which the end waits.
+_SETTLE_TIME = 1.0  # Seconds in which the first screen is complete.
 
 
-def begin(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], group: str) -> None:
-    """Have Textual run a worker; of one that is cancelled before its turn nothing was made yet.
+def start_worker(node: DOMNode, work: Callable[[], Coroutine[Any, Any, None]], group: str) -> None:
+    """Run a coroutine as a Textual worker.
 
-    A coroutine that nobody awaits would be a warning, and end a test.
+    `work` is called when the worker begins: a coroutine of a worker that is cancelled before would
+    never be awaited, which Python warns of.
+
+    Args:
+        node: The app, screen or widget with which the worker ends.
+        work: Makes the coroutine.
+        group: The group of the worker, such as COMMANDS.
     """
     node.run_worker(work, group=group)  # type: ignore[arg-type]  # its union takes any result
 
 
 class TextFilter(LineFilter):
-    """Changes the text of whatever is drawn; its cells stay as many."""
+    """A filter that changes every text that is drawn, keeping its width in cells."""
 
     def __init__(self, change: Callable[[str], str]) -> None:
         super().__init__()
@@ -62,10 +75,10 @@ class TextFilter(LineFilter):
         ]
 
 
-def _settle() -> None:
-    """The screen stands: import the rest, then look for garbage.
+def _import_and_freeze() -> None:
+    """Import everything the first picture did without, then turn on garbage collection.
 
-    What was made so far stays, and is not looked through again and again.
+    What was made so far is frozen, so that the collector never looks through it.
     """
     try:
         import_the_rest((*OF_ALL, *OF_THE_SCREEN))
@@ -75,91 +88,98 @@ def _settle() -> None:
 
 
 class TerminalApp(App[None]):
-    """Base of the app."""
+    """The base of the console's app."""
 
-    _runs_on: asyncio.AbstractEventLoop
+    _main_loop: asyncio.AbstractEventLoop
 
     def __init__(self, station: Station, theme: str) -> None:
-        """`theme` is a name, or empty for the one that suits the terminal."""
-        share_colours()
+        """Create the app.
+
+        Args:
+            station: The operator's station.
+            theme: The name of a theme; "" means the one that suits the terminal.
+        """
+        share_colour_cache()
         super().__init__()
         self.station = station
-        self.failure = ""  # the traceback that ended this screen
-        self.stop_key = ""  # Textual's name of it
-        self._beside = contextvars.Context()  # for what does not wait in the app's queue
+        self.failure = ""  # The traceback that ended this screen.
+        self.stop_key = ""  # Textual's name of the key.
+        self._stop_context = contextvars.Context()  # STOP runs in it, outside of the app's queue.
         self._ending = Shutdown(
             station.robot,
             station.clock,
             station.on_disconnect,
             lambda code: self.exit(return_code=code),
-            self.answers,
+            self.wait_for_answers,
         )
         changes = [safe_in_place, in_ascii] if ascii_only() else [safe_in_place]
-        self._of_text = [TextFilter(change) for change in changes]
+        self._text_filters = [TextFilter(change) for change in changes]
         for own in THEMES:
             self.register_theme(own)
-        if theme or self.console.color_system == "standard":  # 16 colours: none in between
+        if theme or self.console.color_system == "standard":  # 16 colours have no tones.
             self.theme = theme or HIGH_CONTRAST.name
 
     def get_driver_class(self) -> type[Driver]:
         chosen = super().get_driver_class()
-        if sys.platform != "win32" and chosen.__name__ == "LinuxDriver":  # else a test's
+        if (
+            sys.platform != "win32" and chosen.__name__ == "LinuxDriver"
+        ):  # Tests have drivers of their own.
             from archo_tui.terminal.driver import SteadyDriver
 
             return SteadyDriver
         return chosen
 
     def get_css_variables(self) -> dict[str, str]:
-        """The theme's, and tones between its colours, where it has none of its own."""
+        """Return the theme's colours, and tones between them that the theme does not define."""
         variables = super().get_css_variables()
         if self.console.color_system == "256":
-            variables |= grey(variables)
+            variables |= to_grey(variables)
         if self.console.color_system == "standard" and self.theme == HIGH_CONTRAST.name:
-            variables |= OF_16
-        self.theme_variables = {**tones(variables), **variables}
+            variables |= TONES_OF_16_COLOURS
+        self.theme_variables = {**derive_tones(variables), **variables}
         return self.theme_variables
 
     def get_line_filters(self) -> Sequence[LineFilter]:
-        return [*super().get_line_filters(), *self._of_text]
+        return [*super().get_line_filters(), *self._text_filters]
 
     @property
     def unanswered(self) -> list[Worker[Any]]:
-        """The commands that were given and have no answer yet."""
+        """Return the workers of commands that have no answer yet."""
         return [w for w in self.workers if w.group == COMMANDS and not w.is_finished]
 
-    async def answers(self) -> None:
-        """Wait for them, and for those that are given meanwhile."""
+    async def wait_for_answers(self) -> None:
+        """Wait until every command has an answer, those given meanwhile included."""
         while given := [worker.wait() for worker in self.unanswered]:
             await asyncio.gather(*given, return_exceptions=True)
 
     def on_load(self) -> None:
-        self._runs_on = asyncio.get_running_loop()
-        message_hook.set(self._carry)  # before the tasks of all widgets, which take it along
-        self._beside = contextvars.copy_context()
+        self._main_loop = asyncio.get_running_loop()
+        message_hook.set(self._carry_stops)  # Before the tasks of widgets, which inherit it.
+        self._stop_context = contextvars.copy_context()
 
-    def _carry(self, message: Message) -> None:
-        """What a widget does because of a message comes from what was typed for it."""
-        self.stops.set(typed_after(message))
+    def _carry_stops(self, message: Message) -> None:
+        """Give what a widget does on a message the count of STOPs of the key behind the message."""
+        self.stops.set(stops_before(message))
 
     @property
     def stops(self) -> Stops:
-        """Counts the STOPs that are read."""
+        """Return the counter of STOPs that were read."""
         return self.station.robot.stops
 
     def is_stop(self, message: Message) -> bool:
-        """True for the key of STOP; from any thread."""
+        """Return True for the key of STOP. Any thread."""
         return isinstance(message, events.Key) and message.key == self.stop_key
 
     def stop_typed(self, message: Message) -> None:
-        """Called on the loop by the driver: STOP jumps every queue."""
+        """Stop at once, before any key that waits; called by the driver on the event loop."""
         if isinstance(message, events.Key):
             try:
-                self._beside.run(self.stop_now, message)
-            except Exception as error:  # Textual would not hear of it
+                self._stop_context.run(self.stop_now, message)
+            except Exception as error:  # Outside of Textual's queue nobody else handles it.
                 self._handle_exception(error)
 
     def stop_now(self, event: events.Key) -> None:
-        """The key of STOP was pressed."""
+        """Handle the key of STOP."""
         raise NotImplementedError
 
     def on_mount(self) -> None:
@@ -167,37 +187,39 @@ class TerminalApp(App[None]):
             self._ending.on_signals()
         self.app_resume_signal.subscribe(self, lambda _: self.repaint())
         if not gc.isenabled():
-            settle = threading.Thread(target=_settle, name="imports", daemon=True)
-            self.set_timer(_STANDS, settle.start)
+            settle = threading.Thread(target=_import_and_freeze, name="imports", daemon=True)
+            self.set_timer(_SETTLE_TIME, settle.start)
 
     def watch_theme(self, before: str, theme: str) -> None:
         """Remember a theme that the operator chose."""
 
         async def write() -> None:
             try:
-                await in_daemon(lambda: remember(self.theme))  # the last, whichever ends last
+                await in_daemon(
+                    lambda: remember_theme(self.theme)
+                )  # The last choice, not this one.
             except OSError as error:
                 self.notify(f"cannot remember the theme: {error.strerror}", markup=False)
 
         if self.screen_stack and self.screen.is_mounted and before != theme:
-            begin(self, write, COMMANDS)
+            start_worker(self, write, COMMANDS)
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
-        """Tell of grave alarms that are new, also somebody who looks elsewhere."""
+        """Ring the bell and notify the desktop of new alarms of high priority."""
         news = self.station.ringer.news(alarms)
         if news and not self.station.quiet and self._driver is not None:
             self.bell()
-            self._driver.write("".join(notice(alarm.text) for alarm in news))
+            self._driver.write("".join(desktop_notification(alarm.text) for alarm in news))
 
     def repaint(self) -> None:
-        """Draw everything again: the terminal may show something else."""
+        """Draw the whole screen again, since the terminal may show something else."""
         if self.is_running and self.screen_stack:
             self.screen.refresh(layout=True)
             self.refresh()
 
     @property
     def is_stuck(self) -> bool:
-        """True while the terminal does not show what was drawn; another driver cannot tell."""
+        """Return True while the terminal does not show what was drawn, if the driver can tell."""
         return getattr(self._driver, "is_stuck", False)
 
     def on_paste_stalled(self) -> None:
@@ -209,22 +231,22 @@ class TerminalApp(App[None]):
         self.notify(text, severity="warning", markup=False)
 
     def restart(self, why: str) -> None:
-        """End, and begin again with the same words; from any thread, once it is mounted."""
+        """End the process and start it again with the same options. Any thread, once mounted."""
         self.station.robot.note("YOU", "console", f"{why}: all nodes restart")
-        self._runs_on.call_soon_threadsafe(self._ending.begin, RESTART)
+        self._main_loop.call_soon_threadsafe(self._ending.begin, RESTART)
 
     def hang_up(self) -> None:
-        """The terminal is gone."""
+        """End, because the terminal is gone."""
         self._ending.begin(HANG_UP)
 
     def _handle_exception(self, error: Exception) -> None:
-        """Textual's end of the screen, without its report: the next screen shows it."""
-        if isinstance(error, WorkerFailed):  # of any worker: what it raised is what is of interest
+        """End the screen without Textual's report; the next screen shows the traceback."""
+        if isinstance(error, WorkerFailed):  # The error that the worker raised is of interest.
             error = error.error if isinstance(error.error, Exception) else error
         if self.is_headless:
-            super()._handle_exception(error)  # so that tests fail
+            super()._handle_exception(error)  # Makes the test fail.
             return
-        if self._exit:  # what is raised while the screen is taken down does not matter
+        if self._exit:  # Errors while the screen is taken down do not matter.
             return
         self.failure = self.failure or "".join(traceback.format_exception(error))
         self._return_code = 1

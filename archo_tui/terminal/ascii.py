@@ -1,4 +1,4 @@
-"""ASCII in place of every glyph, for terminals that cannot show them."""
+"""ASCII in place of glyphs, for terminals that cannot show them."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from collections.abc import Mapping
 
 from rich.cells import cell_len
 
-_ROWS = (0x09, 0x12, 0x24, 0xC0)  # the dots of a braille cell, from above
+_DOT_ROWS = (0x09, 0x12, 0x24, 0xC0)  # The masks of a braille cell's rows of dots, from above.
 _BRAILLE = 0x2800
 
 
-def _of_braille(dots: int) -> str:
-    """A stroke about as high as the dots stand; `|` where they stand above each other."""
-    rows = [number for number, mask in enumerate(_ROWS) if dots & mask]
+def _braille_in_ascii(dots: int) -> str:
+    """Return a stroke at about the height of a braille cell's dots, or `|` for dots in a column."""
+    rows = [number for number, mask in enumerate(_DOT_ROWS) if dots & mask]
     if not rows or len(rows) > 2:
         return "|" if rows else " "
     return "'--_"[rows[0]] if len(rows) == 1 else {0: "'", 1: "-", 2: "."}[rows[0]]
 
 
-# `~` for what is cut, since it is in no name of ROS: with a `.` a shortened one reads as a real one
+# `…` becomes `~`, which no ROS name contains: with a `.` a shortened name would look like a name.
 _TABLE = str.maketrans(
     {
-        **{chr(_BRAILLE + dots): _of_braille(dots) for dots in range(256)},
+        **{chr(_BRAILLE + dots): _braille_in_ascii(dots) for dots in range(256)},
         **dict.fromkeys("╭╮╰╯┌┐└┘├┤┬┴┼", "+"),
         **dict.fromkeys("┏┓┗┛█▇▉▊▋▍", "#"),
         **dict.fromkeys("─╌╍┄▔▃▄", "-"),
@@ -30,7 +30,7 @@ _TABLE = str.maketrans(
         **dict.fromkeys("▁▂", "_"),
         **dict.fromkeys("│┃╎▌▐▏▕▎", "|"),
         "░": ".", "●": "*", "○": "o", "▲": "!", "✗": "x", "✓": "v", "↯": "~",
-        **dict(zip("¹²³⁴⁵⁶⁷⁸⁹⁺", "abcdefghi+", strict=True)),  # no digits: they stand behind one
+        **dict(zip("¹²³⁴⁵⁶⁷⁸⁹⁺", "abcdefghi+", strict=True)),  # They follow a number.
         "▶": ">", "←": "<", "→": ">",
         "…": "~", "\N{NO-BREAK SPACE}": " ",
     }
@@ -38,22 +38,22 @@ _TABLE = str.maketrans(
 
 
 def ascii_only(environ: Mapping[str, str] = os.environ) -> bool:
-    """True when the locale says that it is not UTF-8, and on Linux's own console.
+    """Return True on Linux's own console, and if the locale says that it is not UTF-8.
 
-    Without any word about the locale UTF-8 is assumed, as in containers and by Python itself.
+    Without a locale UTF-8 is assumed, as Python does.
     """
     if environ.get("TERM") == "linux":
         return True
-    said = (environ.get(name, "") for name in ("LC_ALL", "LC_CTYPE", "LANG"))
-    locale = next((text for text in said if text and text != _COERCED), environ.get("LANG", ""))
+    values = (environ.get(name, "") for name in ("LC_ALL", "LC_CTYPE", "LANG"))
+    locale = next((text for text in values if text and text != _COERCED), environ.get("LANG", ""))
     return bool(locale) and "utf" not in locale.lower()
 
 
-_COERCED = "C.UTF-8"  # what Python itself puts into LC_CTYPE where the locale is C (PEP 538)
+_COERCED = "C.UTF-8"  # Python sets LC_CTYPE to it under the C locale (PEP 538).
 
 
 def in_ascii(text: str) -> str:
-    """The text with as many cells, in ASCII."""
+    """Return a text in ASCII with the same width in cells."""
     text = text.translate(_TABLE)
     if text.isascii():
         return text

@@ -1,4 +1,4 @@
-"""Draws what changed, and asks only those widgets and lines for it that are seen there."""
+"""A compositor that asks only those widgets for lines that have changed and are visible."""
 
 from __future__ import annotations
 
@@ -11,30 +11,31 @@ from textual.geometry import Region
 from textual.strip import Strip
 
 
-class Bare(Container):
-    """Only lays out what it contains, and is not drawn itself: what is beneath it shows."""
+class LayoutOnly(Container):
+    """A container that is not drawn itself: what lies beneath it shows."""
 
     @on(events.DescendantFocus)
     @on(events.DescendantBlur)
     def stop_event(self, event: events.Event) -> None:
-        """Nobody waits for it, all the way up to the app."""
+        """Keep focus events from bubbling up to the app, where nothing handles them."""
         event.stop()
 
 
 class DirtyCompositor(Compositor):
-    """Textual's asks every widget for all its lines, however little of the screen has changed.
+    """A compositor that renders the lines that changed.
 
-    That is most of what a screen costs whose readings change a few times a second.
+    Textual's own asks every widget for all its lines, however little has changed. That is most of
+    the cost of a screen whose readings change a few times a second.
     """
 
     def __init__(self) -> None:
         super().__init__()
-        # spans (x1, x2) by line that nobody has drawn yet; None for all
+        # The spans (x1, x2) of each line that are still to be drawn; None means everything.
         self._dirty: dict[int, list[tuple[int, int]]] | None = None
 
     def render_partial_update(self) -> ChopsUpdate | None:
         if self._full_map_invalidated:
-            # brought up to date: else what a scroll exposes may first be drawn blank
+            # Without the update, lines that a scroll exposes may be drawn blank at first.
             _ = self.full_map
             self._cuts = None
         self._dirty = {}
@@ -51,8 +52,8 @@ class DirtyCompositor(Compositor):
         top, bottom = 0, self.size.height
         if self._dirty is not None:
             top, bottom = min(self._dirty, default=0), max(self._dirty, default=-1) + 1
-        for widget, (region, clip) in self.visible_widgets.items():  # from front to back
-            if region.y >= bottom or region.bottom <= top or isinstance(widget, Bare):
+        for widget, (region, clip) in self.visible_widgets.items():  # From front to back.
+            if region.y >= bottom or region.bottom <= top or isinstance(widget, LayoutOnly):
                 continue
             seen = region.intersection(clip)
             lines = [y for y in seen.line_range if self._is_dirty(y, seen)]
@@ -60,10 +61,10 @@ class DirtyCompositor(Compositor):
                 part = Region(seen.x, lines[0], seen.width, lines[-1] + 1 - lines[0])
                 yield region, part, widget.render_lines(part.translate(-region.offset))
                 for y in lines:
-                    self._cover(y, seen.x, seen.right)
+                    self._mark_drawn(y, seen.x, seen.right)
 
-    def _cover(self, y: int, start: int, end: int) -> None:
-        """Whatever is behind what has been drawn there is not asked for it."""
+    def _mark_drawn(self, y: int, start: int, end: int) -> None:
+        """Take a span off what is still to be drawn, so that no widget behind it is asked."""
         if self._dirty is None:
             return
         self._dirty[y] = [
@@ -74,10 +75,10 @@ class DirtyCompositor(Compositor):
         ]
 
     def _is_dirty(self, y: int, seen: Region) -> bool:
-        """Whether a line of a widget is to be drawn, or a part of it."""
-        if self._dirty is None:  # all
+        """Return True if a part of a widget's line is still to be drawn."""
+        if self._dirty is None:  # Everything is to be drawn.
             return True
         spans = self._dirty.get(y)
-        if not spans:  # as most lines have it
+        if not spans:  # True of most lines.
             return False
         return any(x1 < seen.right and seen.x < x2 for x1, x2 in spans)

@@ -1,34 +1,39 @@
-"""Bytes of a terminal as text: UTF-8, and the 8-bit controls, which are not UTF-8."""
+"""A decoder of a terminal's bytes: UTF-8, and the 8-bit controls of ECMA-48."""
 
 from __future__ import annotations
 
 import codecs
 
 
-def _lenient(error: UnicodeError) -> tuple[str, int]:
-    """A byte from 0x80 to 0x9f alone is the control of that number; all else is unreadable."""
+def _replace_or_control(error: UnicodeError) -> tuple[str, int]:
+    """Decode a lone byte from 0x80 to 0x9f as the control of that number, all else as U+FFFD."""
     assert isinstance(error, UnicodeDecodeError)
     wrong = error.object[error.start : error.end]
     is_control = len(wrong) == 1 and 0x80 <= wrong[0] <= 0x9F
     return (chr(wrong[0]) if is_control else "\N{REPLACEMENT CHARACTER}"), error.end
 
 
-codecs.register_error("archo-terminal", _lenient)
+codecs.register_error("archo-terminal", _replace_or_control)
 
 
 class Decoder:
-    """Takes bytes as they come, and keeps a character that is not complete."""
+    """An incremental decoder, which keeps the bytes of an incomplete character."""
 
     def __init__(self) -> None:
         self._decoder = codecs.getincrementaldecoder("utf-8")("archo-terminal")
 
     def decode(self, data: bytes, *, after_a_pause: bool) -> str:
-        """What can be read so far; it raises nothing."""
+        """Return the text that the bytes complete; never raises.
+
+        Args:
+            data: The bytes that were read.
+            after_a_pause: True if nothing came for a while: an incomplete character is given up.
+        """
         if after_a_pause and data[:1].isascii():
-            self._decoder.reset()  # what was begun will not be completed: the key stands alone
+            self._decoder.reset()  # The rest of the character will not come.
         return self._decoder.decode(data)
 
     @property
-    def is_amid_a_character(self) -> bool:
-        """True when the last read ended there."""
+    def is_amid_character(self) -> bool:
+        """Return True if the last bytes ended within a character."""
         return self._decoder.getstate()[0] != b""

@@ -1,9 +1,9 @@
-"""Textual's driver for terminals that stop reading, hang up, or are continued without a stop.
+"""A driver for terminals that stop reading, hang up, or are continued without a stop.
 
-As it comes (Textual 8.2.8) LinuxDriver hands 30 writes to its output thread and then blocks the
-event loop (textual/drivers/_writer_thread.py, a Queue with a bound); a terminal that is gone kills
-that thread, and the loop waits for ever; a SIGCONT without a stop starts everything a second time;
-an input at its end is read in a loop. See Textualize/textual#4104 for what it does about SIGTTOU.
+Textual's own LinuxDriver (8.2.8) hands 30 writes to its output thread and then blocks the event
+loop (textual/drivers/_writer_thread.py, a Queue with a bound). A terminal that is gone ends that
+thread, and the loop waits for ever. A SIGCONT without a stop starts everything a second time; an
+input at its end is read in a loop. See Textualize/textual#4104 for what it does about SIGTTOU.
 Tested against the pinned version in tests/terminal/test_terminal.py.
 """
 
@@ -26,59 +26,74 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.message import Message
 
 from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.typed import KnowsStop, hand_on
+from archo_tui.terminal.stop_marks import StopKeyOwner, dispatch
 
-assert sys.platform != "win32"  # Textual's own driver serves there
+assert sys.platform != "win32"  # Textual's own driver serves on Windows.
 
-MAX_WAITING = 64 * 1024  # bytes, or two frames of a large terminal; one of 160 x 48 has 20,000
-_MARKS = 4096  # bytes of what stands around a frame
-_STUCK = 0.5  # s after which a terminal that takes nothing is not seen to show what was drawn
-_STOP_TIMEOUT = 0.5  # s that the end waits for a terminal that does not read
-_READ = 64 * 1024  # bytes that are read before they are handed on: some thousand mouse moves
-_POLL, _POLL_SOON = 0.1, 0.03  # s; soon while an escape may be a key
-_ALTERNATE_KEYS = "\x1b[=4;2u"  # added to what Textual asks of kitty's protocol, and ends with it
+MAX_WAITING = 64 * 1024  # Bytes; a frame of 160 x 48 cells has 20,000.
+_FRAME_MARKS = 4096  # Bytes of the sequences around a frame.
+_STUCK_AFTER = 0.5  # Seconds of one write after which the terminal counts as stuck.
+_STOP_TIMEOUT = 0.5  # Seconds that the end waits for a terminal that does not read.
+_MAX_READ = 64 * 1024  # Bytes, or some thousand mouse moves.
+_POLL, _POLL_FOR_ESCAPE = 0.1, 0.03  # Seconds; shorter while an escape may be a key.
+_ALTERNATE_KEYS = "\x1b[=4;2u"  # A flag of kitty's protocol that Textual does not set.
 
 
-class SteadyApp(KnowsStop, Protocol):
-    """What the driver asks and tells the app."""
+class DriverApp(StopKeyOwner, Protocol):
+    """The methods of the app that the driver calls."""
 
-    stop_key: str  # Textual's name of it
+    stop_key: str  # Textual's name of the key of STOP.
 
     def hang_up(self) -> None:
-        """The terminal is gone for good."""
+        """End, because the terminal is gone for good."""
 
     def repaint(self) -> None:
-        """Frames were dropped: draw everything."""
+        """Draw everything again, because frames were dropped."""
 
     def stop_typed(self, message: Message) -> None:
-        """STOP at once, before whatever else waits."""
+        """Stop at once, before any key that waits."""
 
 
-class Writer(threading.Thread):
-    """Writes to a terminal at its own pace. What is too much for it is dropped."""
+class TerminalWriter(threading.Thread):
+    """A thread that writes to a terminal at its pace, and drops frames that are too much for it."""
 
     def __init__(
         self, descriptor: int, on_drained: Callable[[], None], on_dead: Callable[[], None]
     ) -> None:
-        """`on_drained` is called when all is written after something was dropped."""
+        """Create the thread.
+
+        Args:
+            descriptor: The terminal's file descriptor.
+            on_drained: Called on this thread when everything is written after frames were dropped.
+            on_dead: Called on this thread when the terminal is gone.
+        """
         super().__init__(daemon=True, name="textual-output")
         self._descriptor = descriptor
         self._on_drained, self._on_dead = on_drained, on_dead
         self._waiting: deque[tuple[bytes, bool]] = deque()
         self._size = 0
-        self._largest = 0  # write so far: a frame of any size has room, and the marks around it
+        # The largest write so far: a frame of any size must fit, with the marks around it.
+        self._largest_write = 0
         self._changed = threading.Condition()
         self._dropping = self._writing = self._ending = self.dead = False
-        self._moved = 0.0  # when it began to write what it writes now, monotonic s
+        self._write_began = 0.0  # Monotonic time of the current write, in s.
 
     def write(self, text: str, *, keep: bool = False) -> None:
-        """Take text for writing; what is not to be dropped, like the terminal's modes, is kept."""
+        """Queue a text for writing.
+
+        Args:
+            text: The text.
+            keep: True for what must not be dropped, such as the terminal's modes.
+        """
         data = text.encode("utf-8", "replace")
         with self._changed:
             if self.dead or (self._dropping and not keep):
                 return
-            self._largest = max(self._largest, len(data))
-            if self._size + len(data) > max(MAX_WAITING, 2 * self._largest + _MARKS) and not keep:
+            self._largest_write = max(self._largest_write, len(data))
+            if (
+                self._size + len(data) > max(MAX_WAITING, 2 * self._largest_write + _FRAME_MARKS)
+                and not keep
+            ):
                 self._dropping = True
                 self._waiting = deque(item for item in self._waiting if item[1])
                 self._size = sum(len(kept) for kept, _ in self._waiting)
@@ -89,13 +104,13 @@ class Writer(threading.Thread):
 
     @property
     def is_stuck(self) -> bool:
-        """True while the terminal takes nothing, or something was dropped that it has not shown."""
+        """Return True while the terminal takes nothing, or has not been redrawn since a drop."""
         with self._changed:
-            waits = self._writing and time.monotonic() - self._moved >= _STUCK
+            waits = self._writing and time.monotonic() - self._write_began >= _STUCK_AFTER
             return self._dropping or waits
 
     def flush(self) -> None:
-        """Everything is on its way already."""
+        """Do nothing: the thread writes as soon as it can. Textual calls it."""
 
     def run(self) -> None:
         while True:
@@ -111,10 +126,10 @@ class Writer(threading.Thread):
                     self._changed.wait()
                 data, _ = self._waiting.popleft()
                 self._size -= len(data)
-                self._writing, self._moved = True, time.monotonic()
+                self._writing, self._write_began = True, time.monotonic()
             try:
                 while data:
-                    self._moved = time.monotonic()
+                    self._write_began = time.monotonic()
                     data = data[os.write(self._descriptor, data) :]
             except OSError:
                 self.kill()
@@ -122,7 +137,7 @@ class Writer(threading.Thread):
                 return
 
     def kill(self) -> None:
-        """Write nothing more."""
+        """Drop everything, and write nothing more."""
         with self._changed:
             self.dead = True
             self._waiting.clear()
@@ -130,29 +145,29 @@ class Writer(threading.Thread):
             self._changed.notify_all()
 
     def stop(self) -> None:
-        """Write what waits and end; a terminal that does not read is not waited for."""
+        """Write what is queued and end, without waiting for a terminal that does not read."""
         with self._changed:
             self._ending = True
             self._changed.notify_all()
             idle = self._changed.wait_for(
                 lambda: self.dead or not (self._waiting or self._writing), _STOP_TIMEOUT
             )
-        if not idle:  # what the terminal has not taken yet makes room for its modes
+        if not idle:  # Drop what the terminal has not taken, so that its modes can be restored.
             with contextlib.suppress(termios.error):
                 termios.tcflush(self._descriptor, termios.TCOFLUSH)
         self.join(_STOP_TIMEOUT)
 
 
 class SteadyDriver(LinuxDriver):
-    """Never blocks the loop, and knows when the terminal is gone."""
+    """A driver that never blocks the event loop, and notices that the terminal is gone."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
-        self._writer: Writer | None = None
+        self._writer: TerminalWriter | None = None
         self._started = False
-        self._modes = True  # what is written now sets or restores the terminal's modes
+        self._is_setting_modes = True  # Such writes are never dropped.
         super().__init__(*args, **options)
 
-    # LinuxDriver makes its own thread in the middle of start_application_mode
+    # LinuxDriver creates its thread within start_application_mode; the setter replaces it.
     @property
     def _writer_thread(self) -> Any:
         return self._writer
@@ -162,20 +177,20 @@ class SteadyDriver(LinuxDriver):
         if made is None:
             self._writer = None
         else:
-            self._writer = Writer(made.fileno(), self._drained, self._dead)
+            self._writer = TerminalWriter(made.fileno(), self._on_output_drained, self._on_hang_up)
 
     def start_application_mode(self) -> None:
         if self._started:
             return
-        self._modes = True
-        # in the background it returns without having begun
+        self._is_setting_modes = True
+        # In the background Textual returns without starting, and without a writer.
         super().start_application_mode()  # type: ignore[no-untyped-call]
         if not constants.DISABLE_KITTY_KEY:
             self.write(_ALTERNATE_KEYS)
-        self._started, self._modes = self._writer is not None, False
+        self._started, self._is_setting_modes = self._writer is not None, False
 
     def stop_application_mode(self) -> None:
-        self._modes = True
+        self._is_setting_modes = True
         super().stop_application_mode()
         self._started = False
 
@@ -185,11 +200,11 @@ class SteadyDriver(LinuxDriver):
 
     def write(self, data: str) -> None:
         if self._writer is not None:
-            self._writer.write(data, keep=self._modes)
+            self._writer.write(data, keep=self._is_setting_modes)
 
     @property
     def is_stuck(self) -> bool:
-        """True while what was drawn last is not on the terminal."""
+        """Return True while the terminal does not show what was drawn last."""
         return self._writer is not None and self._writer.is_stuck
 
     def _sigcont_application(self, *_: Any) -> None:
@@ -197,45 +212,45 @@ class SteadyDriver(LinuxDriver):
             self.resume_application_mode()
 
     def run_input_thread(self) -> None:
-        """Read keys until told to end, or until there is nothing to read from any more."""
-        app = cast(SteadyApp, self._app)
+        """Read keys until the driver ends or the terminal is gone."""
+        app = cast(DriverApp, self._app)
         keyboard = Keyboard(app.stop_key, self._debug)
         with selectors.SelectSelector() as selector:
             selector.register(self.fileno, selectors.EVENT_READ)
             while not self.exit_event.is_set():
-                if selector.select(_POLL_SOON if keyboard.waiting else _POLL):
-                    data = self._read(selector)
+                if selector.select(_POLL_FOR_ESCAPE if keyboard.is_waiting else _POLL):
+                    data = self._read_available(selector)
                     if not data:
-                        self._dead()
+                        self._on_hang_up()
                         return
-                    messages = keyboard.take(data, time.monotonic())
+                    messages = keyboard.feed(data, time.monotonic())
                 else:
-                    messages = keyboard.late(time.monotonic())
-                hand_on(messages, app, self._stop, self.process_message)
+                    messages = keyboard.on_silence(time.monotonic())
+                dispatch(messages, app, self._on_stop_key, self.process_message)
 
-    def _stop(self, message: Message) -> None:
-        self._tell(partial(cast(SteadyApp, self._app).stop_typed, message))
+    def _on_stop_key(self, message: Message) -> None:
+        self._call_on_loop(partial(cast(DriverApp, self._app).stop_typed, message))
 
-    def _read(self, selector: selectors.BaseSelector) -> bytes:
-        """All that is there, within bounds; a terminal hands out a few thousand bytes at once."""
+    def _read_available(self, selector: selectors.BaseSelector) -> bytes:
+        """Return everything that can be read now, up to _MAX_READ bytes."""
         data = b""
         with contextlib.suppress(OSError):
-            while part := os.read(self.fileno, _READ - len(data)):
+            while part := os.read(self.fileno, _MAX_READ - len(data)):
                 data += part
-                if len(data) == _READ or not selector.select(0):
+                if len(data) == _MAX_READ or not selector.select(0):
                     break
         return data
 
-    def _dead(self) -> None:
+    def _on_hang_up(self) -> None:
         self.exit_event.set()
         if self._writer is not None:
             self._writer.kill()
-        self._tell(cast(SteadyApp, self._app).hang_up)
+        self._call_on_loop(cast(DriverApp, self._app).hang_up)
 
-    def _drained(self) -> None:
-        self.write("\x1b[?2026l")  # the end of a frame may be among what was dropped
-        self._tell(cast(SteadyApp, self._app).repaint)
+    def _on_output_drained(self) -> None:
+        self.write("\x1b[?2026l")  # The end of a frame may have been dropped.
+        self._call_on_loop(cast(DriverApp, self._app).repaint)
 
-    def _tell(self, function: Callable[[], None]) -> None:
-        with contextlib.suppress(RuntimeError):  # the loop is closed
+    def _call_on_loop(self, function: Callable[[], None]) -> None:
+        with contextlib.suppress(RuntimeError):  # The loop may be closed.
             self._loop.call_soon_threadsafe(function)

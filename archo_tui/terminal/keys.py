@@ -1,7 +1,7 @@
-"""Escape sequences of keys as Textual's key events: the table, kitty's protocol, modifyOtherKeys.
+"""The key events of escape sequences: Textual's table, kitty's protocol, and modifyOtherKeys.
 
-Textual reads kitty's sequences, too, but it raises on those with alternate keys, and knows ctrl+x
-only where the layout has an x. https://sw.kovidgoyal.net/kitty/keyboard-protocol/
+Textual reads kitty's sequences, too, but it raises on those with alternate keys, and recognizes
+ctrl+x only if the layout has an x. https://sw.kovidgoyal.net/kitty/keyboard-protocol/
 """
 
 from __future__ import annotations
@@ -20,12 +20,15 @@ _SHIFT, _ALT, _CTRL, _SUPER, _HYPER, _META, _CAPS_LOCK = (1 << bit for bit in ra
 _MODIFIERS = {"alt": _ALT, "ctrl": _CTRL, "super": _SUPER, "hyper": _HYPER, "meta": _META}
 _NO_TEXT = _CTRL | _SUPER | _HYPER | _META
 _RELEASED = 3
-_OTHER_KEYS = 27  # the number by which modifyOtherKeys begins
+_OTHER_KEYS = 27  # The first number of xterm's modifyOtherKeys sequences.
 _CHARACTERS = {"backspace": "\x7f", "enter": "\r", "tab": "\t"}
 
 
 def keys_of(sequence: str) -> list[events.Key] | None:
-    """The keys of a whole sequence, none for a key that is let go; None when it is not a key."""
+    """Return the keys of a whole sequence.
+
+    A key that is let go gives an empty list; None means that the sequence is not a key.
+    """
     if match := _EXTENDED.fullmatch(sequence):
         keys = _extended(*(match[group] or "" for group in range(1, 5)))
         if keys is not None:
@@ -39,7 +42,7 @@ def keys_of(sequence: str) -> list[events.Key] | None:
 
 
 def alt_key(character: str) -> events.Key:
-    """What a terminal means by an escape and a character: never text."""
+    """Return the key that an escape before a character means; it never types the character."""
     name = _character_to_key(character)
     return events.Key(f"alt+shift+{name.lower()}" if name.isupper() else f"alt+{name}", None)
 
@@ -59,14 +62,14 @@ def _extended(codes: str, modifiers: str, text: str, final: str) -> list[events.
     if held & _NO_TEXT:
         typed = []
     if code is None and final not in "u~":
-        code = 1  # as in `CSI A`
+        code = 1  # As in `CSI A`.
     name = FUNCTIONAL_KEYS.get(f"{code}{final}")
     if name is not None:
         return [_key(name, char, held) for char in typed or [""]]
     character = _printable(code)
     if not character or final != "u":
         return None
-    if not typed and not held & (_ALT | _NO_TEXT):  # from a terminal that does not tell the text
+    if not typed and not held & (_ALT | _NO_TEXT):  # The terminal does not report the text.
         untold = _printable(shifted) if held & _SHIFT else character
         typed = [untold] if untold else []
     if typed:
@@ -78,7 +81,7 @@ def _extended(codes: str, modifiers: str, text: str, final: str) -> list[events.
 
 
 def _key(name: str, character: str, held: int) -> events.Key:
-    """With the modifiers that are not in the character already."""
+    """Return a key event with the modifiers that the character does not include."""
     with_shift = held & _SHIFT and (not character or character.isspace())
     words = ["shift"] if with_shift else []
     words += [word for word, bit in _MODIFIERS.items() if held & bit]
@@ -91,13 +94,13 @@ def _key(name: str, character: str, held: int) -> events.Key:
 
 
 def _numbers(text: str, count: int = 0) -> list[int | None]:
-    """What colons separate, as many at least."""
+    """Return the numbers between colons, filled up with None to at least `count`."""
     numbers = [int(part) if part else None for part in text.split(":")]
     return numbers + [None] * (count - len(numbers))
 
 
 def _printable(number: int | None) -> str:
-    """The character of that number, or nothing when there is none that can be typed."""
+    """Return the character of a code point, or "" if it cannot be typed."""
     if number is None or number > 0x10FFFF:
         return ""
     return chr(number) if chr(number).isprintable() else ""

@@ -1,18 +1,20 @@
-"""Letters of other alphabets by the key that they are printed on, as a QWERTY keyboard names it.
+"""The QWERTY key on which a letter of another alphabet is printed.
 
-ctrl+x under a Russian layout is ctrl+ч for a terminal that does not say which key was pressed.
+Under a Russian layout ctrl+x is ctrl+ч for a terminal that does not tell which key was pressed.
 """
 
 from __future__ import annotations
 
-_PLACES = (
+_ALPHABETS = (
     ("йцукенгшщзхъфывапролджэячсмитьбюё", "qwertyuiop[]asdfghjkl;'zxcvbnm,.`"),  # Russian
-    ("іїєґ", "s]'\\"),  # what Ukrainian has besides
+    ("іїєґ", "s]'\\"),  # Ukrainian, besides those.
     ("ςερτυθιοπασδφγηξκλζχψωβνμ", "wertyuiopasdfghjklzxcvbnm"),  # Greek
 )
-_ON_QWERTY = {letter: key for row, keys in _PLACES for letter, key in zip(row, keys, strict=True)}
+_ON_QWERTY = {
+    letter: key for row, keys in _ALPHABETS for letter, key in zip(row, keys, strict=True)
+}
 
 
 def on_qwerty(letter: str) -> str:
-    """The key of that letter; a letter of an unknown alphabet stays what it is."""
+    """Return the QWERTY key of a letter; a letter of an unknown alphabet is returned unchanged."""
     return _ON_QWERTY.get(letter.lower(), letter)

@@ -1,29 +1,30 @@
-"""Reports of the mouse and the focus: of many moves in a row only the last one counts."""
+"""Reports of the mouse and the focus."""
 
 from __future__ import annotations
 
 import re
 
 REPORT = re.compile(r"\x1b\[(?:<\d{1,5};-?\d{1,5};-?\d{1,5}[Mm]|[IO])")
-_RUN = re.compile(r"(?:\x1b\[<\d{1,5};-?\d{1,5};-?\d{1,5}M){2,}")  # nothing between them
+_RUN = re.compile(r"(?:\x1b\[<\d{1,5};-?\d{1,5};-?\d{1,5}M){2,}")  # With nothing between them.
 _PRESS = re.compile(r"\x1b\[<(\d{1,5});-?\d{1,5};-?\d{1,5}M")
-_MOVES, _WHEEL = 32, 64  # bits of the button code
+_MOVES, _WHEEL = 32, 64  # Bits of the button code.
 
 
-def last_moves(text: str) -> str:
-    """The text without the moves that another one follows; all else stays, in its order.
+def drop_passed_moves(text: str) -> str:
+    """Return a text without those mouse moves that another move follows.
 
-    Of a run of moves the last one with each state of the buttons stays.
+    In a run of moves the last one with each state of the buttons stays; all else keeps its place.
     """
     return _RUN.sub(lambda run: "".join(_lasting(run[0])), text)
 
 
 def _lasting(run: str) -> list[str]:
+    """Return the reports of a run of moves that stay."""
     kept: list[str] = []
     seen: set[str] = set()
     for report in reversed(list(_PRESS.finditer(run))):
         if int(report[1]) & (_MOVES | _WHEEL) != _MOVES:
-            seen.clear()  # a button or the wheel: what came before it is another run
+            seen.clear()  # A button or the wheel separates two runs of moves.
         elif report[1] in seen:
             continue
         else:
@@ -32,6 +33,6 @@ def _lasting(run: str) -> list[str]:
     return kept[::-1]
 
 
-def apart(text: str) -> tuple[list[str], str]:
-    """The reports in a text, and all else."""
+def split_reports(text: str) -> tuple[list[str], str]:
+    """Return the mouse and focus reports in a text, and the text without them."""
     return [report[0] for report in REPORT.finditer(text)], REPORT.sub("", text)

@@ -1,8 +1,8 @@
-"""A paste: what comes between two marks is text, whatever it is, and taken whole or not at all.
+"""A paste: text between two marks, taken whole or not at all.
 
-It may stall for as long as it likes: what comes behind is its text, and no keys. An end that never
-comes must not leave the operator without STOP, so two keys end a paste when they come alone: ctrl+x
-at once, and escape when nothing comes before and behind it for a while.
+A paste may stall for as long as it likes: what follows belongs to it and is no key. An end mark
+that never arrives must not leave the operator without STOP, so two keys end a paste if they come
+alone: ctrl+x at once, and escape if nothing comes before and after it for a while.
 """
 
 from __future__ import annotations
@@ -16,94 +16,115 @@ from textual.message import Message
 from archo_tui.terminal.keys import keys_of
 from archo_tui.terminal.sequences import PAUSE
 
-PASTE_LIMIT = 1 << 20  # characters that are taken
-STALL = 2.0  # s of silence after which the operator is told how to end the paste
-ALONE = 0.5  # s of silence before and behind an escape that ends the paste
+PASTE_LIMIT = 1 << 20  # Characters; the rest of a paste is dropped.
+STALL = 2.0  # Seconds of silence until the operator is told how to end the paste.
+ALONE = 0.5  # Seconds of silence before and after an escape that ends the paste.
 
 _MARK = re.compile(r"(?:\x1b\[|\x9b)20([01])~")
 _BEGUN_MARK = re.compile(r"(?:\x1b|(?:\x1b\[|\x9b)(?:2(?:0[01]?)?)?)\Z")
-_LONGEST_KEY = 32  # characters
+_MAX_KEY = 32  # Characters of a key's sequence.
 
 
 class PasteCut(Message):
-    """The end of a paste did not come."""
+    """A message: the end of a paste did not arrive."""
 
 
 class PasteStalled(Message):
-    """Nothing has come of a paste for a while, and its end has not either."""
+    """A message: nothing has arrived of a paste for a while, its end mark included."""
 
 
-class Over(NamedTuple):
-    """The paste is over."""
+class PasteEnd(NamedTuple):
+    """The end of a paste.
 
-    messages: list[Message]  # what comes of it
-    rest: str  # what was read and is not of the paste
+    Attributes:
+        messages: What the paste results in.
+        rest: What was read after the paste.
+    """
+
+    messages: list[Message]
+    rest: str
 
 
 class Paste:
-    """One, from its begin mark on."""
+    """A paste from its begin mark on."""
 
     def __init__(self, now: float, stop_key: str) -> None:
-        """`stop_key` is Textual's name of the key of STOP."""
+        """Begin a paste.
+
+        Args:
+            now: Monotonic time at which its begin mark was read, in s.
+            stop_key: Textual's name of the key of STOP.
+        """
         self._stops = ("ctrl+x", stop_key)
         self._text: list[str] = []
-        self._room = PASTE_LIMIT
-        self._tail = ""  # what may be the first part of a mark
+        self._left = PASTE_LIMIT
+        self._tail = ""  # The first part of what may be a mark.
         self._has_stalled = False
-        self._heard = now  # monotonic s
-        self._burst, self._silence = "", 0.0  # read without a pause, and the silence before it
+        self._last_time = now  # Monotonic time of the last reading, in s.
+        # What was read without a pause, and the seconds of silence before it.
+        self._burst, self._silence = "", 0.0
 
     @property
-    def waiting(self) -> bool:
-        """True while silence would tell that an escape is the key."""
-        return self._silence >= ALONE and self._key() == "escape"
+    def is_waiting(self) -> bool:
+        """Return True while silence decides if an escape is the key that ends the paste."""
+        return self._silence >= ALONE and self._burst_key_name() == "escape"
 
-    def take(self, text: str, now: float, more: bool) -> Over | None:
-        """What was read at once; there is more of it when that cannot be read yet."""
-        if now - self._heard >= PAUSE:
-            self._burst, self._silence = "", now - self._heard
-        self._burst = (self._burst + text)[: _LONGEST_KEY + 1]
-        self._heard = now
+    def feed(self, text: str, now: float, is_amid_character: bool) -> PasteEnd | None:
+        """Add text that was read, and return the end of the paste, or None if it goes on.
+
+        Args:
+            text: The text.
+            now: Monotonic time of the reading, in s.
+            is_amid_character: True if the reading ended within a character.
+        """
+        if now - self._last_time >= PAUSE:
+            self._burst, self._silence = "", now - self._last_time
+        self._burst = (self._burst + text)[: _MAX_KEY + 1]
+        self._last_time = now
         text = self._tail + text
         if mark := _MARK.search(text):
-            if mark[1] == "0":  # another one; the end of this one is lost
-                return Over([PasteCut()], text[mark.start() :])
+            if mark[1] == "0":  # Another paste begins: the end of this one is lost.
+                return PasteEnd([PasteCut()], text[mark.start() :])
             self._keep(text[: mark.start()])
-            return Over([events.Paste("".join(self._text))], text[mark.end() :])
-        if not more and self._silence >= PAUSE and self._key() in self._stops:
-            return Over([PasteCut()], self._once)
+            return PasteEnd([events.Paste("".join(self._text))], text[mark.end() :])
+        if (
+            not is_amid_character
+            and self._silence >= PAUSE
+            and self._burst_key_name() in self._stops
+        ):
+            return PasteEnd([PasteCut()], self._burst_key)
         begun = _BEGUN_MARK.search(text)
         self._tail = begun[0] if begun else ""
         self._keep(text[: len(text) - len(self._tail)])
         return None
 
-    def late(self, now: float) -> Over | None:
-        """While nothing comes: an escape that came alone ends the paste."""
-        if self.waiting and now - self._heard >= ALONE:
-            return Over([PasteCut()], self._once)
+    def on_silence(self, now: float) -> PasteEnd | None:
+        """Return the end of the paste if an escape came alone, else None."""
+        if self.is_waiting and now - self._last_time >= ALONE:
+            return PasteEnd([PasteCut()], self._burst_key)
         return None
 
-    def stalls(self, now: float) -> bool:
-        """True once, when nothing has come for a while."""
-        has_stalled = not self._has_stalled and now - self._heard >= STALL
+    def has_just_stalled(self, now: float) -> bool:
+        """Return True once, when nothing has arrived for STALL seconds."""
+        has_stalled = not self._has_stalled and now - self._last_time >= STALL
         self._has_stalled = self._has_stalled or has_stalled
         return has_stalled
 
     def _keep(self, text: str) -> None:
-        if self._room:
-            self._text.append(text[: self._room])
-            self._room -= len(self._text[-1])
+        if self._left:
+            self._text.append(text[: self._left])
+            self._left -= len(self._text[-1])
 
     @property
-    def _once(self) -> str:
-        """The burst, without the repetitions of a key that is held."""
+    def _burst_key(self) -> str:
+        """Return the burst, or of a key that repeats in it the first press."""
         burst = self._burst
         return burst[: burst.find(burst[0], 1)] if burst.count(burst[0]) > 1 else burst
 
-    def _key(self) -> str:
-        """Textual's name of the key that is all of the burst; else an empty string."""
+    def _burst_key_name(self) -> str:
+        """Return Textual's name of the key that is all of the burst, or ""."""
         burst = self._burst
-        if not burst or not (self._once * len(burst)).startswith(burst):
+        if not burst or not (self._burst_key * len(burst)).startswith(burst):
             return ""
-        keys = keys_of(self._once)
+        keys = keys_of(self._burst_key)
         return keys[0].key if keys else ""

@@ -1,6 +1,6 @@
-"""Keeps the screen clean: what libraries print to standard error goes to a file.
+"""Standard error during the screen: what libraries print goes to a file instead of the picture.
 
-ROS's C libraries write to file descriptor 2, under Textual's picture.
+ROS's C libraries write to file descriptor 2.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from archo_tui.regular_files import open_regular
 
 
 def log_file() -> Path:
-    """Where it goes: `archo-tui/stderr.log` in the XDG state folder."""
+    """Return the path of that file: `archo-tui/stderr.log` in the XDG state folder."""
     return state_file("stderr.log")
 
 
 @contextlib.contextmanager
 def guarded_stderr(path: Path) -> Iterator[None]:
-    """Descriptor 2 leads to the file, while Textual keeps the terminal behind it.
+    """Redirect descriptor 2 to a file, while Textual keeps the terminal behind it.
 
-    Without a writable file it leads nowhere: a clean screen matters more.
+    If the file cannot be written, what is printed is lost: a clean screen matters more.
     """
     try:
         make_folder(path)

@@ -1,4 +1,4 @@
-"""Themes of our own, beside Textual's, and the one that the operator chose last."""
+"""The console's own themes, and the theme that the operator chose last."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ HIGH_CONTRAST = Theme(
     },
 )
 THEMES = (HIGH_CONTRAST,)
-# the same of 16 colours, which have two greys: text is above labels, and labels above borders
-OF_16 = {"quiet": "#aaaaaa", "off": "#555555", "edge": "#555555", "shade": "#555555"}
+# The tones among 16 colours, which have two greys: brighter for labels, darker for borders.
+TONES_OF_16_COLOURS = {"quiet": "#aaaaaa", "off": "#555555", "edge": "#555555", "shade": "#555555"}
 
 _STOPPED = "#af0000"  # red with 256 colours and with 16, too, where a theme's may turn magenta
-_SHADE = 0.3  # of a colour, that `░` shows
+_SHADE = 0.3  # The share of the colour in `░`.
 
-# the least contrast to every background that text stands on: of text and what is off as WCAG asks
+# The colour to begin with, and the least contrast to every background: WCAG asks for 4.5 and 3.
 _TONES = {
     "quiet": ("background", 4.6),
     "off": ("background", 3.1),
@@ -51,15 +51,15 @@ _TONES = {
 }
 
 
-def tones(variables: Mapping[str, str]) -> dict[str, str]:
-    """Colours between one of a theme's and its foreground, as near to the first as can be read.
+def derive_tones(variables: Mapping[str, str]) -> dict[str, str]:
+    """Return tones between a theme's colours and its foreground, as faint as can be read.
 
-    `quiet` for labels, keys and what is old, `off` for what cannot be done, `edge` for borders,
-    `warn` and `bad` for what is abnormal, `stopped` for STOP, `shade` for what is not filled.
+    `quiet` is for labels, keys and old values, `off` for what cannot be done, `edge` for borders,
+    `warn` and `bad` for what is abnormal, `stopped` for STOP, `shade` for the empty part of a bar.
     """
     front = Color.parse(variables["foreground"])
     behind = [Color.parse(variables[name]) for name in ("background", "surface", "panel")]
-    lights = [_luminance(back) for back in behind]  # once: there are hundreds of steps
+    lights = [_luminance(back) for back in behind]  # Computed once for hundreds of steps.
     found = {}
     for name, (begin, least) in _TONES.items():
         first = Color.parse(variables[begin])
@@ -70,8 +70,8 @@ def tones(variables: Mapping[str, str]) -> dict[str, str]:
     return {**found, "stopped": _STOPPED, "shade": behind[0].blend(edge, _SHADE).hex}
 
 
-def grey(variables: Mapping[str, str]) -> dict[str, str]:
-    """The surfaces as greys: of 256 colours the darkest others are blue, or black."""
+def to_grey(variables: Mapping[str, str]) -> dict[str, str]:
+    """Return the surfaces as greys, since the dark colours among 256 are blue or black."""
     names = ("background", "surface", "panel", "scrollbar-background", "scrollbar-corner")
     found = {}
     for name, value in variables.items():
@@ -81,12 +81,15 @@ def grey(variables: Mapping[str, str]) -> dict[str, str]:
 
 
 def contrast(one: Color, other: Color) -> float:
-    """The contrast ratio of two colours, 1 to 21: https://www.w3.org/TR/WCAG21/#dfn-contrast-ratio"""
+    """Return the contrast ratio of two colours, 1 to 21.
+
+    It is that of https://www.w3.org/TR/WCAG21/#dfn-contrast-ratio.
+    """
     return _least_ratio(one, [_luminance(other)])
 
 
 def _least_ratio(colour: Color, lights: list[float]) -> float:
-    """The least contrast ratio of a colour to others, of these luminances."""
+    """Return the least contrast ratio of a colour to backgrounds of some luminances."""
     own = _luminance(colour)
     return min((max(own, light) + 0.05) / (min(own, light) + 0.05) for light in lights)
 
@@ -99,8 +102,8 @@ def _luminance(colour: Color) -> float:
     return sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), parts, strict=True))
 
 
-def remembered() -> str:
-    """The name of the theme that was chosen last, or an empty string."""
+def remembered_theme() -> str:
+    """Return the name of the theme that was chosen last, or ""."""
     try:
         name = read(_file()).decode().strip()
     except (OSError, UnicodeDecodeError):
@@ -109,8 +112,12 @@ def remembered() -> str:
     return name if name in known else ""
 
 
-def remember(name: str) -> None:
-    """Choose it the next time. Raises OSError."""
+def remember_theme(name: str) -> None:
+    """Write the name of a theme for the next start.
+
+    Raises:
+        OSError: The disk refuses it.
+    """
     make_folder(_file())
     replace(_file(), f"{name}\n")
 

@@ -6,7 +6,7 @@ from archo_tui.commands.choices import choices
 from archo_tui.keyed_app import HELD
 from archo_tui.screens.choose import Found
 from archo_tui.screens.find import Fit, fit
-from archo_tui.terminal.typed import hand_on
+from archo_tui.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, click, console, key_event
 
@@ -159,7 +159,7 @@ async def test_the_speed_is_changed_from_anywhere_in_eight_keys_at_once() -> Non
 async def test_a_stop_behind_what_the_palette_opens_voids_it() -> None:
     async with console(*FAST) as op:
         keys = ("ctrl+p", "s", "p", "enter", "0", ".", "5", "enter", "ctrl+x")
-        hand_on(map(key_event, keys), op.app, op.app.stop_typed, op.app.post_message)
+        dispatch(map(key_event, keys), op.app, op.app.stop_typed, op.app.post_message)
         await op.until(lambda: op.app.view.snapshot.motion.stopped)
         await op.settle()
         assert op.app.screen is op.app.main

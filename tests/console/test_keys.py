@@ -153,11 +153,11 @@ async def test_the_palette_has_the_registry_and_the_themes() -> None:
 
 async def test_a_theme_is_remembered() -> None:
     async with console(*FAST) as op:
-        assert themes.remembered() == ""
+        assert themes.remembered_theme() == ""
         op.app.theme = "nord"
-        await op.until(lambda: themes.remembered() == "nord")
+        await op.until(lambda: themes.remembered_theme() == "nord")
     config_file("theme").write_text("no such theme\n")
-    assert themes.remembered() == ""
+    assert themes.remembered_theme() == ""
 
 
 async def test_a_click_does_what_the_key_does() -> None:

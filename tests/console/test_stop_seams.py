@@ -13,7 +13,7 @@ from textual.widgets import Button
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.session import _robots_nodes
 from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.typed import hand_on
+from archo_tui.terminal.stop_marks import dispatch
 from tests.robot.test_stop_and_releases import Busy
 from tests.support.clock import LOOK, seconds
 from tests.support.console import FAST, console
@@ -50,7 +50,7 @@ class Screen:
     def write(self, data: bytes) -> None:
         """In one read."""
         app = self.app
-        hand_on(self._keyboard.take(data, self._now), app, app.stop_typed, app.post_message)
+        dispatch(self._keyboard.feed(data, self._now), app, app.stop_typed, app.post_message)
 
     async def type(self, data: bytes) -> None:
         self._now += 1.0

@@ -15,7 +15,7 @@ from archo_bringup.battery_monitor import BatteryMonitor
 from archo_bringup.motor_controller import MotorController
 
 from archo_tui.terminal.keyboard import Keyboard
-from archo_tui.terminal.typed import hand_on
+from archo_tui.terminal.stop_marks import dispatch
 from tests.robots.cart import Cart
 from tests.support import clock
 from tests.support.console import LONG, Console, console
@@ -44,7 +44,7 @@ class Typist:
     async def write(self, data: bytes) -> None:
         """All in one read."""
         self.typed.append(data)
-        self._hand_on(self._keyboard.take(data, clock.seconds()))
+        self._dispatch(self._keyboard.feed(data, clock.seconds()))
         if self._choose.random() < 0.5:
             await asyncio.sleep(0)  # or what follows comes while this is being done
 
@@ -53,12 +53,12 @@ class Typist:
         end = clock.seconds() + seconds
         while clock.seconds() < end:
             await self._op.at(min(end, clock.seconds() + 0.1))
-            self._hand_on(self._keyboard.late(clock.seconds()))
+            self._dispatch(self._keyboard.on_silence(clock.seconds()))
         await self._op.settle()
 
-    def _hand_on(self, messages: Any) -> None:
+    def _dispatch(self, messages: Any) -> None:
         app = self._op.app
-        hand_on(messages, app, app.stop_typed, app.post_message)
+        dispatch(messages, app, app.stop_typed, app.post_message)
 
     def chunk(self) -> bytes:
         """Some keys, a paste, a reply, or a flood of the mouse."""

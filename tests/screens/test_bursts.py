@@ -26,7 +26,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Leaf, Snapshot
 from archo_tui.screens.leaving import Leaving
 from archo_tui.station import recall
-from archo_tui.terminal.typed import hand_on
+from archo_tui.terminal.stop_marks import dispatch
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.rows import Rows
 from tests.support.clock import NOW
@@ -106,7 +106,7 @@ class Desk:
         """Hand on keys and clicks: all in one write, with gaps, or (None) with pauses."""
         writes = [[*chain(*messages)]] if gap == 0.0 else messages
         for write in writes:
-            hand_on(write, self.app, self.app.stop_typed, self.app.post_message)
+            dispatch(write, self.app, self.app.stop_typed, self.app.post_message)
             self._clock.passed += 2 * HELD if gap is None else gap
             if gap is None:
                 await self._quiet.settle()

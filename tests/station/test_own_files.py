@@ -59,7 +59,7 @@ def test_nested_without_end_nothing_was_typed() -> None:
 
 def test_no_theme_is_remembered(misplaced: Callable[[Path], Path]) -> None:
     misplaced(config_file("theme"))
-    assert themes.remembered() == ""
+    assert themes.remembered_theme() == ""
 
 
 def test_what_libraries_print_leads_somewhere(misplaced: Callable[[Path], Path]) -> None:

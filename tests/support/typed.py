@@ -22,9 +22,9 @@ class Typed:
     def wait(self, seconds: float) -> Typed:
         """Nothing comes for so long."""
         end = self.now + seconds
-        while (step := SOON if self.keyboard.waiting else IDLE) < end - self.now:
+        while (step := SOON if self.keyboard.is_waiting else IDLE) < end - self.now:
             self.now += step
-            self.messages += self.keyboard.late(self.now)
+            self.messages += self.keyboard.on_silence(self.now)
         self.now = end
         return self
 
@@ -32,7 +32,7 @@ class Typed:
         """That is read at once, so many seconds after what came before."""
         self.wait(after)
         data = data.encode() if isinstance(data, str) else data
-        self.messages += self.keyboard.take(data, self.now)
+        self.messages += self.keyboard.feed(data, self.now)
         return self
 
     @property

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.terminal.driver import MAX_WAITING, Writer
+from archo_tui.terminal.driver import MAX_WAITING, TerminalWriter
 from tests.support.waiting import DEADLINE, wait_until
 
 FILLING = 7  # frames
@@ -21,7 +21,7 @@ class Pipe:
     def __init__(self) -> None:
         self.read_end, write_end = os.pipe()
         self.drained, self.dead = threading.Event(), threading.Event()
-        self.writer = Writer(write_end, self.drained.set, self.dead.set)
+        self.writer = TerminalWriter(write_end, self.drained.set, self.dead.set)
         self.writer.start()
         self.write_end = write_end
 

@@ -47,7 +47,7 @@ def test_a_letter_that_comes_later_is_a_letter() -> None:
 
 def test_so_it_is_when_nobody_looked_meanwhile() -> None:
     keyboard = Keyboard()
-    messages = keyboard.take(b"\x1b", 7.0) + keyboard.take(b"n", 7.2)
+    messages = keyboard.feed(b"\x1b", 7.0) + keyboard.feed(b"n", 7.2)
     assert [key.key for key in messages if isinstance(key, events.Key)] == ["escape", "n"]
 
 

@@ -141,10 +141,10 @@ def test_an_escape_near_text_is_text(sent: str, before: float, behind: float) ->
 
 @pytest.mark.parametrize("sent", ["\x1b", "\x1b[", "\x1bO", "\x1b]"])
 def test_the_silence_behind_what_is_not_complete_is_looked_at_soon(sent: str) -> None:
-    assert Typed().read(sent).keyboard.waiting
-    assert stalled().read("\x1b").keyboard.waiting
-    assert not Typed().read("r").keyboard.waiting
-    assert not stalled().keyboard.waiting
+    assert Typed().read(sent).keyboard.is_waiting
+    assert stalled().read("\x1b").keyboard.is_waiting
+    assert not Typed().read("r").keyboard.is_waiting
+    assert not stalled().keyboard.is_waiting
 
 
 @pytest.mark.parametrize("sent", ["\x1b", "\x18"])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from archo_tui.station.alarms import CONTACT_LOST, LOW, Alarm, Ringer, State
-from archo_tui.terminal.notice import notice
+from archo_tui.terminal.notification import desktop_notification
 from tests.support.terminal import Terminal
 
 
@@ -33,11 +33,11 @@ def test_a_grave_alarm_is_news_once_until_it_is_gone() -> None:
 def test_a_notice_is_written_as_the_terminal_knows_it(
     environ: dict[str, str], written: str
 ) -> None:
-    assert notice("a; b", environ) == written
+    assert desktop_notification("a; b", environ) == written
 
 
 def test_a_notice_holds_nothing_that_the_terminal_acts_on() -> None:
-    made = notice("a\x07\x1b]0;b", {"TERM": "xterm-kitty"})
+    made = desktop_notification("a\x07\x1b]0;b", {"TERM": "xterm-kitty"})
     assert (
         made == "\x1b]99;;archo-tui: a\N{REPLACEMENT CHARACTER}\N{REPLACEMENT CHARACTER}]0,b\x1b\\"
     )

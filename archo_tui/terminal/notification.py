@@ -1,4 +1,4 @@
-"""What reaches somebody who looks elsewhere: the bell, and a notice of the desktop."""
+"""Desktop notifications, for an operator who looks elsewhere."""
 
 from __future__ import annotations
 
@@ -8,13 +8,18 @@ from collections.abc import Mapping
 from archo_tui.robot.text import harmless
 
 _TITLE = "archo-tui"
-# by what tells a terminal: which of the three sequences it knows. tmux and screen pass none on
-_OSC_9 = ("iTerm.app", "WezTerm", "WarpTerminal", "ghostty")  # TERM_PROGRAM
-_OSC_777 = ("foot", "rxvt")  # TERM
+# The terminals that know a sequence. Inside tmux and screen none of them arrives.
+_OSC_9 = ("iTerm.app", "WezTerm", "WarpTerminal", "ghostty")  # Values of TERM_PROGRAM.
+_OSC_777 = ("foot", "rxvt")  # Beginnings of TERM.
 
 
-def notice(text: str, environ: Mapping[str, str] = os.environ) -> str:
-    """What has the terminal show a notice; an empty string where it is not known to."""
+def desktop_notification(text: str, environ: Mapping[str, str] = os.environ) -> str:
+    """Return the sequence with which the terminal shows a notification, or "" if none is known.
+
+    Args:
+        text: The notification.
+        environ: The environment, which tells the terminal's kind.
+    """
     text = harmless(text).replace(";", ",")
     term, program = environ.get("TERM", ""), environ.get("TERM_PROGRAM", "")
     if term.startswith(("tmux", "screen")):
