@@ -156,14 +156,14 @@ class ArchoApp(KeyedApp):
         command = self._command(name)
         if name == "stop":
             if not counted:
-                self.stops.read()
+                self.stops.register()
             self.ask_no_more()
         if command.once and (self.repeated or self._waits(name)):
             return
         given = self._sent.get(name)
         held = given is not None and self.station.clock.monotonic() - given.at < command.every
         # pressed anew it is given anew: something may be in between
-        if held and self.repeated and not (command.insists and self.stops.overtaken):
+        if held and self.repeated and not (command.insists and self.stops.superseded):
             return
         reason = self.blocked(command)
         if reason:
@@ -191,7 +191,7 @@ class ArchoApp(KeyedApp):
         return waits
 
     async def _answered(self, name: str, work: Work) -> None:
-        sent = self._sent[name] = _Sent(self.station.clock.monotonic(), self.stops.carried)
+        sent = self._sent[name] = _Sent(self.station.clock.monotonic(), self.stops.count_when_typed)
         try:
             await work
         finally:
@@ -259,11 +259,13 @@ class ArchoApp(KeyedApp):
             return
         if self._is_void(title):
             return
-        typed = self.stops.carried  # the answer's, too: a STOP between the two closes the question
+        typed = (
+            self.stops.count_when_typed
+        )  # the answer's, too: a STOP between the two closes the question
 
         def answered(answer: str) -> None:
             act = answers.get(answer)
-            with self.stops.at(typed):
+            with self.stops.typed_at(typed):
                 work = None if act is None else act()
                 if work is not None:
                     self.run_worker(work, group=COMMANDS)

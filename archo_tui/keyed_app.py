@@ -112,7 +112,7 @@ class KeyedApp(TerminalApp):
         if isinstance(event, events.Key) and event.is_forwarded:
             return  # nobody took it; what is bound was looked up in its turn
         if isinstance(event, events.Key) and self.is_stop(event):
-            mark_stops(event, self.stops.read())  # from another driver than the terminal's
+            mark_stops(event, self.stops.register())  # from another driver than the terminal's
             self.stop_now(event)
             return
         if isinstance(event, events.MouseEvent) and not event.is_forwarded:
@@ -186,7 +186,7 @@ class KeyedApp(TerminalApp):
 
     def stop_now(self, event: events.Key) -> None:
         before, self.repeated = self.repeated, self._repeats(event)
-        with self.stops.at(stops_before(event)):
+        with self.stops.typed_at(stops_before(event)):
             self.action_command("stop", counted=True)
         self.repeated = before  # of the key that is being handled
 
@@ -234,7 +234,7 @@ class KeyedApp(TerminalApp):
                 return
             self._acted = self._place
         self._acting = self._hears_later(event)
-        with self.stops.at(stops_before(event)), marks_of(event, self):
+        with self.stops.typed_at(stops_before(event)), marks_of(event, self):
             await super().on_event(event)
         heard = self._acting is not None and self._acting.call_later(self._heard)
         self._acting = self._acting if heard else None

@@ -116,7 +116,7 @@ class StopNow(Speak):
 
     def run(self, console: Console) -> Work | None:
         stops = console.station.robot.stops
-        if console.repeated and console.view.snapshot.says_stopped and not stops.overtaken:
+        if console.repeated and console.view.snapshot.says_stopped and not stops.superseded:
             return None  # the key is held, and the robot has stopped
         return super().run(console)
 

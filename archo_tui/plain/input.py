@@ -149,8 +149,8 @@ class Input:
         stops = self._stops.count
         entries = []
         for line in lines:
-            if is_stop(line) or (b"call" in line and self._stops.is_call(words_of(line))):
-                stops = self._stops.read()
+            if is_stop(line) or (b"call" in line and self._stops.is_stop_call(words_of(line))):
+                stops = self._stops.register()
                 self.unanswered.append(stops)
             elif line == TOO_LONG:
                 entries.append((b"%d\n" % stops, 0))

@@ -15,7 +15,7 @@ from archo_tui.plain.input import Input, Line
 from archo_tui.plain.output import Output
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Event, Goal, Phase, Snapshot
-from archo_tui.robot.stops import NOT_SENT, Spared, Void
+from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
 from archo_tui.robot.text import safe
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.alarms import Alarm, State
@@ -126,13 +126,13 @@ class Plain:
     async def _obey(self) -> None:
         """Send the STOPs, none behind the answer to another: one covers all that were read."""
         typed, stops = self._input.unanswered, self._robot.stops
-        spared = Spared()
+        limit = RateLimit()
         while True:
             await self._hold(lambda: typed and typed[-1] > self._stopped)
-            rest = spared.rest(self._clock.monotonic())
-            if rest > 0:
-                await self._until(lambda: stops.overtaken, rest)
-            spared.leaves(self._clock.monotonic())
+            delay = limit.delay(self._clock.monotonic())
+            if delay > 0:
+                await self._until(lambda: stops.superseded, delay)
+            limit.record(self._clock.monotonic())
             self._stopped = stops.count
             self._start(self._stop(self._stopped))
 
@@ -244,7 +244,7 @@ class Plain:
 
     async def _run_until_cancel(self, line: Line) -> None:
         """Carry out a line; a `cancel` directly behind it does not wait for its answer."""
-        with self._robot.stops.at(line.stops):
+        with self._robot.stops.typed_at(line.stops):
             running = asyncio.ensure_future(self._run(line))
         running.add_done_callback(lambda _: self._changed.set())
         try:
@@ -253,7 +253,7 @@ class Plain:
                 await self._hold(lambda: running.done() or self._has_cancel)
                 if running.done() or (cancel := self._input.take()) is None:
                     break
-                with self._robot.stops.at(cancel.stops):
+                with self._robot.stops.typed_at(cancel.stops):
                     await self._run(cancel)
             await running
         finally:

@@ -19,7 +19,7 @@ from archo_tui.remote.waits import LOOK, RanOut, timeout_of, wait_for
 from archo_tui.robot import messages
 from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of
-from archo_tui.robot.stops import NOT_SENT, Spared, Void
+from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
 from archo_tui.station.station import CALLED_OFF, Station
 from archo_tui.verbs import as_data, verbs
 from archo_tui.verbs.base import Question, Verb
@@ -47,7 +47,7 @@ class Desk:
         # STOPs that have not left, and whether somebody is about to send them
         self._stops: deque[tuple[Guest, Any, bool]] = deque(maxlen=_MOST_STOPS)
         self._comes = False
-        self._spared = Spared()
+        self._rate_limit = RateLimit()
 
     # on the server's thread
 
@@ -77,14 +77,14 @@ class Desk:
         clock = self._station.clock
         now: list[tuple[Guest, Any, bool]] = []
         try:
-            due = clock.monotonic() + self._spared.rest(clock.monotonic())
-            while clock.monotonic() < due and not self._robot.stops.overtaken:
+            due = clock.monotonic() + self._rate_limit.delay(clock.monotonic())
+            while clock.monotonic() < due and not self._robot.stops.superseded:
                 await clock.sleep(LOOK)
             self._comes = False
             now = [self._stops.popleft() for _ in range(len(self._stops))]
             if not now:  # another one has taken them along
                 return
-            self._spared.leaves(clock.monotonic())
+            self._rate_limit.record(clock.monotonic())
             self._station.ask_no_more()
             with asked_by(self._asker(*now[0][::2])):
                 outcome = await self._stopped()
@@ -161,7 +161,7 @@ class Desk:
             self._list_clients()
         visit.task = asyncio.current_task()
         try:
-            with self._robot.stops.at(stops), asked_by(visit.asker):
+            with self._robot.stops.typed_at(stops), asked_by(visit.asker):
                 result = await self._obey_in_time(visit, request)
         except Void:
             result = _result(number, Outcome(Code.CANCELLED, NOT_SENT))

@@ -65,10 +65,10 @@ class Attached:
         """Yields all that is said to it, the result last; `within` as in `rest`."""
         self._number += 1
         stops = self._station.robot.stops
-        if stops.is_call(asked["words"]):
+        if stops.is_stop_call(asked["words"]):
             asked["words"] = ["stop"]
         request = {"id": self._number, **asked}
-        self._desk.serve(self, request, stops.read() if is_stop(asked) else stops.count)
+        self._desk.serve(self, request, stops.register() if is_stop(asked) else stops.count)
         yield from self.rest(within)
 
     def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:

@@ -126,7 +126,7 @@ class Client:
         if request is not None and not is_meant(request, self._server.hello):
             self.refuse(data, NOT_MEANT, "this STOP is meant for another console")
         elif request is not None:
-            self._server.desk.serve(self, request, stops.read())
+            self._server.desk.serve(self, request, stops.register())
         elif self._is_deaf:  # it has gone, or was dropped: but for STOP nothing of it is done
             pass
         elif not self._server.takes_all_of(self):
@@ -216,7 +216,7 @@ def _stop_in(data: bytes, stops: Stops) -> dict[str, Any] | None:
     request = _read(data)
     if request is None:
         return {"words": ["stop"]} if lines.is_stop(data) else None
-    if stops.is_call(_words(request)):
+    if stops.is_stop_call(_words(request)):
         return {**request, "words": ["stop"]}
     return request if is_stop(request) else None
 

@@ -142,7 +142,7 @@ class Robot:
         self._nodes = Nodes(node, self._services)
         self._services.answered = self._on_answer
         if file.stop is not None:
-            stops.known_as(file.stop, self._offers.full(file.stop.service))
+            stops.set_service(file.stop, self._offers.full(file.stop.service))
         commands = {word for one in file.commands for word in (one.id, one.off_word) if word}
         self._others = Others(commands, self._verbs_by_service())
         self._stopping = Stopping(
@@ -204,7 +204,7 @@ class Robot:
         the outcome's code is that of what is not offered.
         """
         stop = self.file.stop
-        self.stops.overtaken = False
+        self.stops.superseded = False
         try:
             if stop is None:
                 return await self._cancel_for_want_of_stop()
@@ -570,7 +570,7 @@ class Robot:
         """
         if self.watching:
             return Outcome(Code.WATCHING, WATCHING)
-        self.stops.overtaken |= verb != "stop"
+        self.stops.superseded |= verb != "stop"
         gate, who = self.stops.gate(), asking()
 
         def log(outcome: Outcome) -> Outcome:
@@ -776,8 +776,8 @@ class Robot:
         if told is None or told.console not in self._graph.consoles:
             return
         self._others.told(told.act, self._clock.monotonic())
-        self.stops.elsewhere += told.act.verb == "stop"
-        self.stops.overtaken |= told.act.verb != "stop"
+        self.stops.sent_elsewhere += told.act.verb == "stop"
+        self.stops.superseded |= told.act.verb != "stop"
         if told.act.code is Code.DONE and told.act.verb == "stop":
             self._stopping.stopped_elsewhere(told.console)
         elif told.act.code is Code.DONE and told.act.verb == "release":

@@ -1,7 +1,7 @@
-"""The last STOP is final: what was typed before it, and has not left yet, is not sent.
+"""The last STOP is final: a request that was typed before it, and has not left yet, is not sent.
 
-Whatever is read from a person carries the count of the STOPs that had been read by then. The count
-is compared last, where a request leaves for the robot, whatever it waited for before.
+Each input of a person carries the number of STOPs that had been read when it was read. That number
+is compared at the last moment, as the request leaves for the robot, however long it waited before.
 """
 
 from __future__ import annotations
@@ -16,46 +16,58 @@ from typing import NamedTuple
 from archo_tui.robot.typed_request import typed_request
 from archo_tui.robot_file.model import StopServices
 
+# Why a request was not sent.
 NOT_SENT = "not sent: STOP came after it"
 NEVER_LEFT = "cancelled before it was sent"
-APART = 1.0  # s between a STOP and the next but one, when they are all that is asked for
+HELD = "held: STOP"  # A queued goal: the robot is stopped, or is about to be.
 UNCONFIRMED = "the STOP is not confirmed: release it first, or give it up"
 UNCERTAIN = "the STOP is no longer certain: release it, or stop again"
 HOLDS = "the robot is stopped: release it first"
+
+MIN_INTERVAL = 1.0  # Seconds in which at most two STOPs leave, if nothing else is requested.
 _HELP = ["--help"]
-HELD = "held: STOP"  # of the queue: the robot is stopped, or is to be
 
 
 class Void(Exception):
-    """A STOP was read after what this request came from."""
+    """A STOP was read after the input that this request comes from."""
 
 
 class Stops:
-    """Counts the STOPs that were read. Any thread."""
+    """A counter of the STOPs that were read. Any thread may use it.
+
+    Attributes:
+        count: STOPs read by this console, from whatever mouth.
+        answered: The value of `count` for which the last answer came, or the wait for it ended.
+        sent_elsewhere: STOPs that other consoles reported.
+        superseded: True if something other than a STOP was requested since the last STOP left.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._stop: StopServices | None = None
-        self._services: frozenset[str] = frozenset()  # names of the STOP's service
+        self._service_names: frozenset[str] = frozenset()
         self.count = 0
-        self.answered = 0  # of these, when the answer to the last one came, or did not in time
-        self.elsewhere = 0  # that other consoles told of
-        self.overtaken = False  # something else was asked for since the last one left
-        self._carried: ContextVar[int | None] = ContextVar("stops", default=None)
+        self.answered = 0
+        self.sent_elsewhere = 0
+        self.superseded = False
+        self._typed_at: ContextVar[int | None] = ContextVar("stops", default=None)
 
-    def known_as(self, stop: StopServices, full: str) -> None:
-        """Set the robot's STOP, and the name that its service has on the graph."""
+    def set_service(self, stop: StopServices, full_name: str) -> None:
+        """Set the services of the robot's STOP, and the name that the first has on the graph."""
         self._stop = stop
-        self._services = frozenset((stop.service, full, full.lstrip("/")))
+        self._service_names = frozenset((stop.service, full_name, full_name.lstrip("/")))
 
-    def is_call(self, words: Sequence[str]) -> bool:
-        """Return True for `call SERVICE` of the STOP's own service: it is a STOP, too.
+    def is_stop_call(self, words: Sequence[str]) -> bool:
+        """Return True for `call SERVICE ...` of the STOP's own service, which is a STOP, too.
 
-        Whatever stands behind the service, but for exactly `--help`, which explains; of a STOP
-        that has a request, exactly that: with another one the service may release.
+        Without a request in the robot file any further words are accepted, except exactly
+        `--help`. With one, they must name exactly that request: another may be the release.
+
+        Args:
+            words: The verb and its arguments.
         """
         verb, *rest = [word for word in words if word != "--yes"] or [""]
-        if verb != "call" or not rest or rest[0] not in self._services or self._stop is None:
+        if verb != "call" or not rest or rest[0] not in self._service_names or self._stop is None:
             return False
         request = self._stop.request
         if not request:
@@ -65,73 +77,88 @@ class Stops:
         except ValueError:
             return False
 
-    def read(self) -> int:
-        """A STOP was read, whoever will carry it out; returns its number."""
+    def register(self) -> int:
+        """Count a STOP that was just read, whoever will send it; return the new count."""
         with self._lock:
             self.count += 1
             return self.count
 
     @property
     def are_answered(self) -> bool:
-        """True when none is on its way to the robot."""
+        """True if no STOP of this console is on its way to the robot."""
         return self.answered >= self.count
 
     @property
-    def carried(self) -> int:
-        """How many STOPs had been read when what is being done was; of what nobody typed, now."""
-        carried = self._carried.get()
-        return self.count if carried is None else carried
+    def count_when_typed(self) -> int:
+        """The count when the input was read that is being carried out; without one, `count`."""
+        typed_at = self._typed_at.get()
+        return self.count if typed_at is None else typed_at
 
     @contextmanager
-    def at(self, count: int | None) -> Iterator[None]:
-        """Do what was read at that count; the tasks that begin here carry it, too."""
-        before = self._carried.set(count)
+    def typed_at(self, count: int | None) -> Iterator[None]:
+        """Carry out an input that was read at `count`; tasks that begin inside inherit it."""
+        before = self._typed_at.set(count)
         try:
             yield
         finally:
-            self._carried.reset(before)
+            self._typed_at.reset(before)
 
-    def set(self, count: int | None) -> None:
-        """As `at`, until it is set again."""
-        self._carried.set(count)
+    def set_typed_at(self, count: int | None) -> None:
+        """Set what `typed_at` sets, until the next call in this context."""
+        self._typed_at.set(count)
 
     def is_void(self, count: int) -> bool:
-        """True for what was read before the last STOP."""
+        """Return True if a STOP was read after the input that was read at `count`."""
         return count < self.count
 
     def gate(self) -> Gate:
-        """For a request that comes from what is being done."""
-        return Gate(self, self.carried, self.elsewhere)
+        """Return the last check of a request that comes from what is being carried out."""
+        return Gate(self, self.count_when_typed, self.sent_elsewhere)
 
 
 class Gate(NamedTuple):
-    """What a request passes as it leaves."""
+    """The last check before a request is sent: refuses it if a STOP came in the meantime.
+
+    Attributes:
+        stops: The counter that is compared with.
+        count_when_typed: STOPs that had been read when the input was read.
+        sent_elsewhere: STOPs that other consoles had reported when the request was made.
+    """
 
     stops: Stops
-    typed: int  # how many STOPs had been read before what it comes from
-    told: int  # how many other consoles had told of
+    count_when_typed: int
+    sent_elsewhere: int
 
     @property
     def is_shut(self) -> bool:
-        """True when a STOP was read since, or another console told of one."""
-        return self.stops.is_void(self.typed) or self.stops.elsewhere > self.told
+        """True if a STOP was read since, or another console has reported one."""
+        is_stopped_elsewhere = self.stops.sent_elsewhere > self.sent_elsewhere
+        return self.stops.is_void(self.count_when_typed) or is_stopped_elsewhere
 
     def __call__(self) -> None:
-        """Raises Void when it is shut."""
+        """Check.
+
+        Raises:
+            Void: The gate is shut.
+        """
         if self.is_shut:
             raise Void
 
 
-class Spared:
-    """Of a flood of STOPs two a second reach the robot, unless something else left meanwhile."""
+class RateLimit:
+    """Two STOPs a second at most, while nothing else is requested between them."""
 
     def __init__(self) -> None:
-        self._left = deque([-APART] * 2, maxlen=2)  # when the last two did, monotonic s
+        self._sent = deque([-MIN_INTERVAL] * 2, maxlen=2)  # Monotonic seconds of the last two.
 
-    def rest(self, now: float) -> float:
-        """How long the next one is to wait, in s, while nothing has `overtaken` the last."""
-        return self._left[0] + APART - now
+    def delay(self, now: float) -> float:
+        """Return the seconds until the next STOP may leave; zero or less for at once.
 
-    def leaves(self, now: float) -> None:
-        """One is sent."""
-        self._left.append(now)
+        Args:
+            now: Monotonic time in seconds.
+        """
+        return self._sent[0] + MIN_INTERVAL - now
+
+    def record(self, now: float) -> None:
+        """Record that a STOP leaves at `now`, in monotonic seconds."""
+        self._sent.append(now)

@@ -213,8 +213,8 @@ class Station:
         """Something was heard. Returns the alarms that changed."""
         self._snapshot = snapshot
         self.history.take(snapshot, self.clock.monotonic())
-        if self.robot.stops.elsewhere > self._elsewhere:
-            self._elsewhere = self.robot.stops.elsewhere
+        if self.robot.stops.sent_elsewhere > self._elsewhere:
+            self._elsewhere = self.robot.stops.sent_elsewhere
             self.ask_no_more()
         return self.look()
 
@@ -271,7 +271,7 @@ class Station:
         return "another goal is being sent" if self.queue.is_going else ""
 
     def _look_at_requests(self, now: float) -> None:
-        stops = self.robot.stops.count + self.robot.stops.elsewhere
+        stops = self.robot.stops.count + self.robot.stops.sent_elsewhere
         for one in self.requests.look(now, stops, self._busy):
             said = f"request {one.number} is {one.stand.value}, {one.why}: {one.text}"
             self.robot.note("WARN", "console", said)
@@ -282,10 +282,10 @@ class Station:
             raise ValueError("nobody can allow it: this console has no screen and no terminal")
         if self._busy:
             raise ValueError(f"{self._busy}: wait until it has ended")
-        asker, stops = asking(), self.robot.stops.carried
+        asker, stops = asking(), self.robot.stops.count_when_typed
         if asker.has_left or self.robot.stops.is_void(stops):
             raise ValueError(NOT_SENT)
-        stops += self.robot.stops.elsewhere
+        stops += self.robot.stops.sent_elsewhere
         one = self.requests.add(asker, goal, text, self.clock.monotonic(), stops)
         act = Act("request", {"request": one.number, "values": goal.values}, Code.ACCEPTED)
         said = f"asks: {text} (request {one.number})"
@@ -386,7 +386,7 @@ class Station:
         if len(self.queue.waiting) + len(goals) > MOST_GOALS:
             answer.set_result(Outcome(Code.REFUSED, f"more than {MOST_GOALS} goals would wait"))
             return answer
-        stops = self.robot.stops.carried
+        stops = self.robot.stops.count_when_typed
         asker, loop = asking(), asyncio.get_running_loop()
         if asker is not YOU:
             goals = [wanted._replace(asker=asker, end=loop.create_future()) for wanted in goals]
@@ -406,7 +406,7 @@ class Station:
         gate = self.robot.stops.gate()
         outcome = Outcome(Code.CANCELLED, NOT_SENT) if gate.is_shut else Outcome(Code.DONE, "")
         if outcome.ok:
-            self.queue.resume(gate.typed)
+            self.queue.resume(gate.count_when_typed)
             self.queue.waiting = list(map(_unended, self.queue.waiting))
             self.look()
             if self.queue.held:  # what is in the way is not over
@@ -446,7 +446,7 @@ class Station:
         else:
             self.ledger.has_left = True
             try:
-                with self.robot.stops.at(wanted.stops), asked_by(wanted.asker):
+                with self.robot.stops.typed_at(wanted.stops), asked_by(wanted.asker):
                     outcome = await self.robot.send(wanted.kind, wanted.values, queued=queued)
             except asyncio.CancelledError:  # the screen ends: the next one knows it by its snapshot
                 self.ledger.drop()

@@ -159,7 +159,7 @@ class TerminalApp(App[None]):
 
     def _carry_stops(self, message: Message) -> None:
         """Give what a widget does on a message the count of STOPs of the key behind the message."""
-        self.stops.set(stops_before(message))
+        self.stops.set_typed_at(stops_before(message))
 
     @property
     def stops(self) -> Stops:

@@ -97,7 +97,7 @@ def dispatch(
     others = []
     for message in messages:
         if app.is_stop(message):
-            mark_stops(message, app.stops.read())
+            mark_stops(message, app.stops.register())
             stop(message)
         else:
             mark_stops(message, app.stops.count)

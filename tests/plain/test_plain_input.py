@@ -152,10 +152,10 @@ class SlowToCount(Stops):
         super().__init__()
         self.reads, self.goes_on = threading.Event(), threading.Event()
 
-    def read(self) -> int:
+    def register(self) -> int:
         self.reads.set()
         self.goes_on.wait(DEADLINE)
-        return super().read()
+        return super().register()
 
 
 async def test_a_stop_that_was_read_and_is_not_counted_yet_is_still_to_come() -> None:

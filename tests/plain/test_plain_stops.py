@@ -173,7 +173,7 @@ class Quick(Slow):
         return Outcome(Code.DONE, "Released")
 
     def _say(self, *, stopped: bool) -> None:
-        self.stops.overtaken = not stopped
+        self.stops.superseded = not stopped
         self.put(self.snapshot._replace(motion=replace(self.snapshot.motion, stopped=stopped)))
 
 

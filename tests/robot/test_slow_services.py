@@ -79,7 +79,7 @@ async def test_a_stop_does_not_wait_for_a_slow_service(file: Path) -> None:
         await until(lambda: {"e_stop", "save_map"} <= it.snapshot.offered)
         call = asyncio.ensure_future(it.call("/save_map", KIND, {}))
         await until(lambda: made[0].asked == 1)
-        it.stops.read()
+        it.stops.register()
         assert (await ended(it.emergency_stop())).ok
         assert made[0].stopped
         assert not call.done()

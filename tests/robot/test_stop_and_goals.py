@@ -66,7 +66,7 @@ async def test_a_goal_that_is_accepted_after_a_stop_is_cancelled_at_once() -> No
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         task = asyncio.ensure_future(go(it, 3))
         await until(lambda: made[0].asked == 1)
-        it.stops.read()
+        it.stops.register()
         assert made[0].executor is not None
         made[0].executor.create_task(lambda: made[0].takes.set_result(True))
         await until(task.done)
@@ -83,8 +83,8 @@ async def test_a_goal_typed_before_a_stop_that_was_read_since_is_not_sent() -> N
 
     async with robot(slow) as it:
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
-        with it.stops.at(it.stops.count):
-            it.stops.read()
+        with it.stops.typed_at(it.stops.count):
+            it.stops.register()
             outcome = await ended(it.send(SHELF, {"shelf_number": 3}))
             queued = await ended(it.send(SHELF, {"shelf_number": 4}, queued=True))
         assert outcome == (Code.CANCELLED, NOT_SENT)

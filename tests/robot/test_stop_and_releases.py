@@ -70,7 +70,7 @@ async def test_a_release_that_is_taken_behind_a_stop_is_followed_by_another_stop
         await until(lambda: made[0].asked == 1)
         stop = clock.seconds() + wait
         await until(lambda: clock.seconds() >= stop)
-        it.stops.read()
+        it.stops.register()
         assert (await ended(it.emergency_stop())).ok
         made[0].wake()
         await until(lambda: any("sent again behind" in event.text for event in it.snapshot.events))
@@ -93,7 +93,7 @@ async def test_an_earlier_release_does_not_end_a_stop_that_cannot_be_sent() -> N
         await until(lambda: "release_emergency_stop" in it.snapshot.offered)
         release = asyncio.ensure_future(by_its_key(it))
         await until(lambda: made[0].asked == 1)
-        it.stops.read()
+        it.stops.register()
         stop = asyncio.ensure_future(it.emergency_stop())
         await until(lambda: it.snapshot.open_stop is not None)
         made[0].wake()
@@ -123,7 +123,7 @@ async def test_a_stop_is_sent_again_however_late_the_release_before_it_is_answer
         await until(lambda: {"emergency_stop", "release_emergency_stop"} <= it.snapshot.offered)
         task = asyncio.ensure_future(by_its_key(it))
         await until(task.done)
-        it.stops.read()
+        it.stops.register()
         assert (await ended(it.emergency_stop())).ok
         later = clock.seconds() + 3 * services.LATE
         await until(lambda: clock.seconds() >= later)

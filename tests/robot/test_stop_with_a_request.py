@@ -52,7 +52,7 @@ async def test_stop_and_release_send_what_the_file_says(file: Path) -> None:
     made: list[Base] = []
     async with robot(making(made, Base), robot=file) as it:
         await until(lambda: "e_stop" in it.snapshot.offered)
-        it.stops.read()
+        it.stops.register()
         outcome = await ended(it.emergency_stop())
         assert outcome.ok
         assert made[0].asked == [True]
@@ -66,7 +66,7 @@ async def test_stop_and_release_send_what_the_file_says(file: Path) -> None:
 async def test_the_ros2_commands_hold_the_request(file: Path) -> None:
     async with robot(Base, robot=file) as it:
         await until(lambda: "e_stop" in it.snapshot.offered)
-        it.stops.read()
+        it.stops.register()
         await ended(it.emergency_stop())
         await ended(it.release_emergency_stop())
         commands = [event.command for event in it.snapshot.events if event.command]
@@ -121,7 +121,7 @@ async def test_a_request_that_does_not_fit_is_said_and_not_sent(
     made: list[Any] = []
     async with robot(making(made, kind), robot=file) as it:
         await until(lambda: said in it.snapshot.faults.get("e_stop", ""))
-        it.stops.read()
+        it.stops.register()
         outcome = await ended(it.emergency_stop())
         assert outcome.code is Code.REFUSED
         assert said in outcome.text

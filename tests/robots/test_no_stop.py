@@ -49,7 +49,7 @@ def phase_of(it: Robot) -> Phase | None:
 async def test_every_goal_is_cancelled_and_that_is_called_no_stop() -> None:
     async with robot(Rover, robot=FILE) as it:
         await moving(it)
-        it.stops.read()
+        it.stops.register()
         outcome = await ended(it.emergency_stop())
         assert outcome == (Code.NOT_OFFERED, f"{NONE}cancelling 1 goal)")
         await until(lambda: phase_of(it) is Phase.CANCELLED)
@@ -81,7 +81,7 @@ async def test_a_server_that_does_not_answer_keeps_no_other_goal_running() -> No
     async with robot(Rover, making(made, Silent), robot=FILE) as it:
         await moving(it)
         await until(lambda: "/asleep" in it.snapshot.actions)
-        it.stops.read()
+        it.stops.register()
         stop = asyncio.ensure_future(it.emergency_stop())
         await until(lambda: phase_of(it) is Phase.CANCELLED)
         assert not stop.done()

@@ -154,11 +154,11 @@ CALLS_OF_OTHERS = [
 def read_as_stop(words: list[str], stop: StopServices = LATCH) -> set[bool]:
     """Which of the three that read lines take these words for a STOP."""
     stops = Stops()
-    stops.known_as(stop, f"/north/{stop.service}")
+    stops.set_service(stop, f"/north/{stop.service}")
     line = json.dumps({"id": 1, "words": words})
     escaped = line.replace("call", "c\\u0061ll").replace("emergency", "\\u0065mergency")
     return {
-        stops.is_call(words_of(" ".join(words).encode())),
+        stops.is_stop_call(words_of(" ".join(words).encode())),
         *(_stop_in(text.encode(), stops) is not None for text in (line, escaped)),
     }
 
@@ -197,11 +197,11 @@ def test_every_name_that_means_the_stop_is_known_as_it_is_read(
     stop = replace(LATCH, service=service)
     file = replace(ARCHO, stop=stop)
     stops = Stops()
-    stops.known_as(stop, STATES["normal"]._replace(namespace=namespace).full(service))
+    stops.set_service(stop, STATES["normal"]._replace(namespace=namespace).full(service))
     parts = ("", "/", "north/", "/north/")
     for name in [f"{before}{service.lstrip('/')}" for before in parts]:
         is_stop = chosen(f"call {name}", namespace, file) == "stop"
-        assert stops.is_call(["call", name]) or not is_stop, name
+        assert stops.is_stop_call(["call", name]) or not is_stop, name
 
 
 @pytest.mark.posix

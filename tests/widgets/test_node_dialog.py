@@ -82,8 +82,8 @@ async def test_stop_works_in_it_and_is_final_for_a_level_set_before_it() -> None
         await op.press("tab", "right", "ctrl+x")
         await op.until(lambda: op.app.view.snapshot.motion.stopped)
         await op.until(lambda: op.app.view.snapshot.running_goal is None)
-        op.app.stops.read()  # one more, of another driver, before this is carried out
-        with op.app.stops.at(op.app.stops.count - 1):
+        op.app.stops.register()  # one more, of another driver, before this is carried out
+        with op.app.stops.typed_at(op.app.stops.count - 1):
             outcome = await op.app.verbs["log_level"].run(
                 op.app.station, {"node": "/motor_controller", "level": "DEBUG"}
             )
