@@ -173,7 +173,7 @@ class Plain:
         await self._hold(lambda: self._are_answered(last))
         await self._robot.catch_up()
         self._take(self._robot.snapshot)
-        held = self._station.queue.held
+        held = self._station.queue.hold_reason
         if held:
             self._say(f"not driven: {self._waiting} ({held})")
         await self._hold(lambda: self._output.is_done)
@@ -304,7 +304,7 @@ class Plain:
             self._out(outcome.text)
         waiting = [wanted.text for wanted in station.queue.waiting]
         if verb.moves and outcome.code == Code.ACCEPTED and waiting:
-            self._say(f"queue: {line_by_line.queue_text(waiting, station.queue.held)}")
+            self._say(f"queue: {line_by_line.queue_text(waiting, station.queue.hold_reason)}")
         self._failed = self._failed or verb.id == "skip"  # one goal less that arrives
         return outcome
 

@@ -1,4 +1,4 @@
-"""The queue: goals that are driven one after the other, and what holds them. Pure."""
+"""The queue of goals: they are driven one after the other, until something holds them. Pure."""
 
 from __future__ import annotations
 
@@ -13,116 +13,167 @@ from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
 from archo_tui.station.ledger import Ledger
 
-_HOLDING = (CONTACT_LOST, LOW, EMPTY)  # the alarms that hold every queue
-_WAS = "was: "  # before the name of one that is over, as in the banner
+_HOLDING_ALARMS = (CONTACT_LOST, LOW, EMPTY)
+_WAS = "was: "  # Before the name of an alarm that is over, as in the banner.
 
 
 class QueuedGoal(NamedTuple):
-    """A goal that is to be sent."""
+    """A goal that is to be sent.
+
+    Attributes:
+        kind: The robot file's entry for it.
+        values: What is sent, by dotted path in the goal message.
+        stop_count: STOPs that had been read when it was typed, or when the queue was resumed.
+        asker: Who requested it.
+        end: Set to the goal's outcome when it has ended; None if nobody waits for that.
+    """
 
     kind: GoalKind
     values: Mapping[str, Any]
-    stops: int = 0  # that had been read when it was typed, or continued
+    stop_count: int = 0
     asker: Asker = YOU
-    end: Future[Outcome] | None = None  # where somebody waits for how it ends
+    end: Future[Outcome] | None = None
 
     @property
     def text(self) -> str:
-        """`7`, or `x 1.5, y 2`."""
+        """The values for people, as `7` or `x 1.5, y 2`; without values the goal's title."""
         return values_text(self.kind, self.values) or self.kind.title
 
 
 class GoalQueue:
-    """What is still to be driven. Held, nothing is sent until the operator says so."""
+    """The goals that are still to be sent. A held queue sends nothing until it is resumed.
+
+    Attributes:
+        waiting: The goals, the next one first.
+        hold_reason: Why the queue is held, in words; empty if it is not.
+    """
 
     def __init__(self, ledger: Ledger | None = None) -> None:
-        """`ledger` knows the goal that is on its way to the robot."""
+        """Make an empty queue.
+
+        Args:
+            ledger: Knows the goal that is on its way to the robot; None for one of its own.
+        """
         self._ledger = Ledger() if ledger is None else ledger
         self.waiting: list[QueuedGoal] = []
-        self.held = ""  # why
-        self._seen: int | None = None  # the goal whose end was looked at last
+        self.hold_reason = ""
+        self._last_ended: int | None = None  # The number of the ended goal that was taken in last.
 
     @property
     def is_going(self) -> bool:
-        """True while something is sent, or will be by itself."""
-        return self._ledger.goal is not None or (bool(self.waiting) and not self.held)
+        """True if a goal is on its way, or the next one will be sent without the operator."""
+        return self._ledger.goal is not None or (bool(self.waiting) and not self.hold_reason)
 
     def submit(self, goals: Sequence[QueuedGoal], snapshot: Snapshot) -> QueuedGoal | None:
-        """The operator wants these: returns the first when it can be sent now; the rest waits."""
+        """Add goals that the operator wants.
+
+        Args:
+            goals: At least one.
+            snapshot: What is known of the robot.
+
+        Returns:
+            The first goal, which is to be sent now and does not wait; None if a goal is running.
+        """
         if self._ledger.running_goal(snapshot) is not None:
             self.waiting += goals
             return None
         self.waiting += goals[1:]
-        return self._begin(goals[0], snapshot)
+        return self._send(goals[0], snapshot)
 
-    def resume(self, stops: int = 0) -> None:
-        """Go on, whatever held it; so many STOPs had been read when that was said."""
-        self.held = ""
-        self.waiting = [wanted._replace(stops=stops) for wanted in self.waiting]
+    def resume(self, stop_count: int = 0) -> None:
+        """Go on, whatever held the queue.
 
-    def not_sent(self, wanted: QueuedGoal) -> None:
-        """A STOP came before it left: it waits again."""
+        Args:
+            stop_count: STOPs that had been read when the operator resumed. The goals count as
+                typed then, so that only a later STOP holds them.
+        """
+        self.hold_reason = ""
+        self.waiting = [goal._replace(stop_count=stop_count) for goal in self.waiting]
+
+    def put_back(self, goal: QueuedGoal) -> None:
+        """Put a goal back in front that a STOP kept from being sent, and hold the queue."""
         self._ledger.drop()
-        self.waiting.insert(0, wanted)
+        self.waiting.insert(0, goal)
         self.hold("STOP")
 
-    def drop(self) -> QueuedGoal:
-        """Without the next one, which is returned."""
+    def skip_next(self) -> QueuedGoal:
+        """Remove the next goal and return it."""
         return self.waiting.pop(0)
 
-    def take_out(self, asker: Asker) -> list[QueuedGoal]:
-        """Without those that this one asked for, which are returned."""
-        out = [wanted for wanted in self.waiting if wanted.asker is asker]
-        self.waiting = [wanted for wanted in self.waiting if wanted.asker is not asker]
-        return out
+    def remove_requested_by(self, asker: Asker) -> list[QueuedGoal]:
+        """Remove the goals that `asker` requested and return them."""
+        removed = [goal for goal in self.waiting if goal.asker is asker]
+        self.waiting = [goal for goal in self.waiting if goal.asker is not asker]
+        return removed
 
-    def hold(self, why: str) -> None:
-        """Send nothing more."""
-        if self.waiting and not self.held:
-            self.held = why
+    def hold(self, reason: str) -> None:
+        """Send no further goal. An empty queue, or one that is held already, stays as it is."""
+        if self.waiting and not self.hold_reason:
+            self.hold_reason = reason
 
-    def answered(self, *, ok: bool, why: str = "refused") -> None:
-        """Take the answer to the goal that was sent last; where it is not `ok`, hold the rest."""
+    def on_answer(self, *, ok: bool, reason: str = "refused") -> None:
+        """Take in the robot's answer to the goal that was sent last.
+
+        Args:
+            ok: Whether the robot accepted it; if not, the rest is held.
+            reason: Why the rest is held then.
+        """
         if not ok:
             self._ledger.drop()
-            self.hold(why)
+            self.hold(reason)
 
-    def next(
-        self, snapshot: Snapshot, alarms: Iterable[Alarm], stops: int = 0
+    def take_due(
+        self, snapshot: Snapshot, alarms: Iterable[Alarm], stop_count: int = 0
     ) -> QueuedGoal | None:
-        """What is to be sent now, taken out of the queue; `stops` have been read."""
+        """Take the goal out of the queue that is to be sent now.
+
+        The queue is held here if the last goal did not arrive, the robot is stopped, a STOP was
+        read since a goal was typed, or an alarm holds every queue.
+
+        Args:
+            snapshot: What is known of the robot.
+            alarms: All alarms that are on the board.
+            stop_count: STOPs that have been read by now.
+
+        Returns:
+            The goal; None if the queue is empty or held, or a goal is running.
+        """
         goal = snapshot.goal
         self._ledger.take(snapshot)
-        ended = ""
-        if goal is not None and not goal.is_running and goal.number != self._seen:
-            self._seen = goal.number
-            ended = "" if goal.phase == Phase.ARRIVED else goal.word.lower()
+        failure = ""
+        if goal is not None and not goal.is_running and goal.number != self._last_ended:
+            self._last_ended = goal.number
+            failure = "" if goal.phase == Phase.ARRIVED else goal.word.lower()
         if not self.waiting:
-            self.held = ""
+            self.hold_reason = ""
             return None
-        if snapshot.is_stopped or any(wanted.stops < stops for wanted in self.waiting):
-            self.held = "STOP"  # whether the goal that it ended is heard of before or after it
+        if snapshot.is_stopped or any(goal.stop_count < stop_count for goal in self.waiting):
+            # Also over the reason of a goal that this STOP ended, which may be heard of before it.
+            self.hold_reason = "STOP"
         else:
-            self.hold(ended or _in_the_way(alarms))
-        self._renew_reason(alarms)
-        if self.held or self._ledger.running_goal(snapshot) is not None:
+            self.hold(failure or _holding_alarm(alarms))
+        self._mark_past_alarm(alarms)
+        if self.hold_reason or self._ledger.running_goal(snapshot) is not None:
             return None
-        return self._begin(self.waiting.pop(0), snapshot)
+        return self._send(self.waiting.pop(0), snapshot)
 
-    def _renew_reason(self, alarms: Iterable[Alarm]) -> None:
-        """Say of an alarm that held the queue whether it is over; only the operator goes on."""
-        name = self.held.removeprefix(_WAS)
-        if name in _HOLDING:
-            stands = any(alarm.name == name and not alarm.is_over for alarm in alarms)
-            self.held = name if stands else f"{_WAS}{name}"
+    def _mark_past_alarm(self, alarms: Iterable[Alarm]) -> None:
+        """Mark in the reason whether the alarm that holds the queue is over.
 
-    def _begin(self, wanted: QueuedGoal, snapshot: Snapshot) -> QueuedGoal:
-        self._ledger.send(wanted.kind, wanted.values, snapshot)
-        return wanted
+        The queue stays held: only the operator resumes it.
+        """
+        name = self.hold_reason.removeprefix(_WAS)
+        if name in _HOLDING_ALARMS:
+            is_active = any(alarm.name == name and not alarm.is_over for alarm in alarms)
+            self.hold_reason = name if is_active else f"{_WAS}{name}"
+
+    def _send(self, goal: QueuedGoal, snapshot: Snapshot) -> QueuedGoal:
+        self._ledger.send(goal.kind, goal.values, snapshot)
+        return goal
 
 
-def _in_the_way(alarms: Iterable[Alarm]) -> str:
-    """The alarm that holds every queue."""
+def _holding_alarm(alarms: Iterable[Alarm]) -> str:
+    """Return the name of an alarm that holds every queue; empty if there is none."""
     for alarm in alarms:
         if alarm.name == CONTACT_LOST and not alarm.is_over:
             return CONTACT_LOST

@@ -240,7 +240,7 @@ class Station:
 
     async def call_off(self, asker: Asker) -> None:
         """Who asked has left: its goals leave the queue, and what is underway is cancelled."""
-        for wanted in self.queue.take_out(asker):
+        for wanted in self.queue.remove_requested_by(asker):
             _end(wanted, Outcome(Code.CANCELLED, f"taken out of the queue: {wanted.text}"))
         self.look()
         for _ in range(_CANCELS):
@@ -364,8 +364,8 @@ class Station:
 
     def _advance(self) -> None:
         """Send what is due in the queue, and say when it is held."""
-        due = self.queue.next(self._snapshot, self._board.all(), self.robot.stops.count)
-        before, self._held = self._held, self.queue.held
+        due = self.queue.take_due(self._snapshot, self._board.all(), self.robot.stops.count)
+        before, self._held = self._held, self.queue.hold_reason
         if self._held and not before:
             texts = ", ".join(wanted.text for wanted in self.queue.waiting)
             self.robot.note("WARN", "console", f"queue held: {texts} ({self._held})")
@@ -391,10 +391,10 @@ class Station:
         if asker is not YOU:
             goals = [wanted._replace(asker=asker, end=loop.create_future()) for wanted in goals]
             asker.ends += [wanted.end for wanted in goals if wanted.end is not None]
-        goals = [wanted._replace(stops=stops) for wanted in goals]
+        goals = [wanted._replace(stop_count=stops) for wanted in goals]
         first = self.queue.submit(goals, self._snapshot)
         if first is None:
-            held = f", held: {self.queue.held}" if self.queue.held else ""
+            held = f", held: {self.queue.hold_reason}" if self.queue.hold_reason else ""
             answer.set_result(Outcome(Code.ACCEPTED, f"queued{held}"))
         else:
             self._drive(first, answer)
@@ -409,8 +409,8 @@ class Station:
             self.queue.resume(gate.count_when_typed)
             self.queue.waiting = list(map(_unended, self.queue.waiting))
             self.look()
-            if self.queue.held:  # what is in the way is not over
-                outcome = Outcome(Code.REFUSED, f"still held: {self.queue.held}")
+            if self.queue.hold_reason:  # what is in the way is not over
+                outcome = Outcome(Code.REFUSED, f"still held: {self.queue.hold_reason}")
         said = f": {outcome.text}" if outcome.text else ""
         act = Act("continue", {}, outcome.code)
         self.robot.note("YOU", "console", f"continue the queue{said}", act=act)
@@ -418,7 +418,7 @@ class Station:
 
     def skip(self) -> Outcome:
         """Leave out the next goal of the queue."""
-        wanted = self.queue.drop()
+        wanted = self.queue.skip_next()
         text = wanted.text
         _end(wanted, Outcome(Code.CANCELLED, f"left out of the queue: {text}"))
         act = Act("skip", {}, Code.DONE)
@@ -446,16 +446,16 @@ class Station:
         else:
             self.ledger.has_left = True
             try:
-                with self.robot.stops.typed_at(wanted.stops), asked_by(wanted.asker):
+                with self.robot.stops.typed_at(wanted.stop_count), asked_by(wanted.asker):
                     outcome = await self.robot.send(wanted.kind, wanted.values, queued=queued)
             except asyncio.CancelledError:  # the screen ends: the next one knows it by its snapshot
                 self.ledger.drop()
                 raise
         if outcome.code == Code.HELD:
-            self.queue.not_sent(wanted)
+            self.queue.put_back(wanted)
         else:
             cancelled = outcome.code == Code.CANCELLED
-            self.queue.answered(ok=outcome.ok, why="cancelled" if cancelled else "refused")
+            self.queue.on_answer(ok=outcome.ok, reason="cancelled" if cancelled else "refused")
             if outcome.ok:
                 self._underway.append((wanted, before))
                 self._look_at_ends()
@@ -527,7 +527,7 @@ class Station:
             self.host.states(),
             watching=self.robot.watching,
             queue=tuple(self.queue.waiting),
-            held=self.queue.held,
+            held=self.queue.hold_reason,
             changing=self.edits.is_changing,
             clients=self.clients,
             requests=self.requests.waiting,

@@ -42,7 +42,7 @@ def state(station: Station) -> dict[str, Any]:
         "goal": None if snapshot.goal is None else goal(snapshot.goal, now),
         "queue": {
             "waiting": [wanted.text for wanted in station.queue.waiting],
-            "held": station.queue.held,
+            "held": station.queue.hold_reason,
         },
         "alarms": [
             {
@@ -84,7 +84,7 @@ def in_line(station: Station) -> str:
         parts.append(f"{running_word(goal)}, {left}" if left else running_word(goal))
     else:
         parts.append(_word(snapshot, now, 40))
-    if station.queue.held:
+    if station.queue.hold_reason:
         parts.append(f"held: {', '.join(wanted.text for wanted in station.queue.waiting)}")
     high = (alarm for alarm in station.view.alarms if alarm.priority == Priority.HIGH)
     grave = ", ".join(alarm.name for alarm in high if not alarm.is_over)

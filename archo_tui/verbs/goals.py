@@ -172,7 +172,7 @@ class Continue(Verb):
     def blocked(self, station: Station) -> str:
         if station.ledger.waits_for(RELEASE):
             return "the release has no answer yet"
-        return "" if station.queue.held else "no queue is held"
+        return "" if station.queue.hold_reason else "no queue is held"
 
     def is_answered(self, station: Station) -> bool:
         """What ends the goal that holds the queue may have been asked for, and not be heard yet."""
@@ -180,7 +180,7 @@ class Continue(Verb):
             return False
         goal = station.robot.snapshot.goal
         ends = goal is not None and (goal.phase == Phase.CANCELLING or not goal.is_running)
-        return bool(station.queue.held) or not (station.queue.waiting and ends)
+        return bool(station.queue.hold_reason) or not (station.queue.waiting and ends)
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return station.resume()

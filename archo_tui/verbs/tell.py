@@ -60,7 +60,9 @@ class Status(Verb):
     async def run(self, station: Station, values: Values) -> Outcome:
         snapshot, now = station.robot.snapshot, station.clock.monotonic()
         title = snapshot.file.motion.title.lower() if snapshot.file.motion else "motion"
-        waiting = queue_text([wanted.text for wanted in station.queue.waiting], station.queue.held)
+        waiting = queue_text(
+            [wanted.text for wanted in station.queue.waiting], station.queue.hold_reason
+        )
         lines = [
             f"battery {battery_text(snapshot, now)}",
             f"{title} {motion_text(snapshot, now)}",

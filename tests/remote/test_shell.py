@@ -99,7 +99,7 @@ async def test_a_goal_that_is_put_into_a_held_queue_ends_its_wait_with_5() -> No
         station = person._plain._station
         assert (await typed("go", "12", "7")).code == 0
         await typed("stop")
-        await until(lambda: station.queue.held)
+        await until(lambda: station.queue.hold_reason)
         assert (await typed("release", "--yes")).code == 0
         waits = await typed("go", "3", "5", "--wait")
         assert waits == (5, "", "accepted\narcho-tui: go: held: 5 (STOP)\n")

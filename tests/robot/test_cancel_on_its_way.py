@@ -105,7 +105,7 @@ async def test_one_that_is_cancelled_in_the_same_turn_never_leaves_the_desk(
         assert (goal.name, goal.phase) == ("shelf 12", Phase.SENT)
         assert await station.cancel() == (Code.ACCEPTED, NEVER_LEFT)
         assert await ended(answer) == (Code.CANCELLED, NEVER_LEFT)
-        assert station.queue.held == "cancelled"
+        assert station.queue.hold_reason == "cancelled"
         assert station.running_goal is None
         assert made[0].seen == 0
 

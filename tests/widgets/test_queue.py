@@ -213,7 +213,7 @@ def queue(*numbers: int) -> GoalQueue:
     """What waits after a first goal that has arrived."""
     made = GoalQueue()
     made.submit([target(0), *(target(number) for number in numbers)], Snapshot(file=ARCHO))
-    made.answered(ok=True)
+    made.on_answer(ok=True)
     return made
 
 
@@ -239,11 +239,11 @@ def test_what_holds_the_queue_stays_until_the_operator_goes_on(
     change: dict[str, Any], alarms: list[Alarm], why: str
 ) -> None:
     waiting = queue(7)
-    assert waiting.next(Snapshot(file=ARCHO, **{"goal": ended(0), **change}), alarms) is None
-    assert waiting.held == why
-    assert waiting.next(ARRIVED, []) is None  # whatever it was is over
+    assert waiting.take_due(Snapshot(file=ARCHO, **{"goal": ended(0), **change}), alarms) is None
+    assert waiting.hold_reason == why
+    assert waiting.take_due(ARRIVED, []) is None  # whatever it was is over
     waiting.resume()
-    assert waiting.next(ARRIVED, []) == target(7)
+    assert waiting.take_due(ARRIVED, []) == target(7)
 
 
 def test_an_alarm_that_held_the_queue_is_said_to_be_over_when_it_is() -> None:
@@ -255,8 +255,8 @@ def test_an_alarm_that_held_the_queue_is_said_to_be_over_when_it_is() -> None:
         ([], "was: low battery"),
         ([low], "low battery"),
     ):
-        assert waiting.next(ARRIVED, alarms) is None
-        assert waiting.held == said
+        assert waiting.take_due(ARRIVED, alarms) is None
+        assert waiting.hold_reason == said
 
 
 def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
@@ -265,21 +265,21 @@ def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
     for seen, stops in (([aborted, stopped], 0), ([stopped, aborted], 0), ([aborted], 1)):
         waiting = queue(7)
         for snapshot in seen:
-            assert waiting.next(snapshot, [], stops) is None
-        assert waiting.held == "STOP"
+            assert waiting.take_due(snapshot, [], stops) is None
+        assert waiting.hold_reason == "STOP"
 
 
 def test_an_alarm_that_was_acknowledged_holds_nothing() -> None:
     seen = Alarm(LOW, "", 0.0, State.ACKNOWLEDGED)
-    assert queue(7).next(ARRIVED, [seen]) == target(7)
+    assert queue(7).take_due(ARRIVED, [seen]) == target(7)
 
 
 def test_the_next_one_waits_until_the_one_before_was_seen_to_run() -> None:
     waiting = queue(7, 3)
-    assert waiting.next(Snapshot(file=ARCHO), []) is None  # accepted, and not seen yet
-    assert waiting.next(Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)), []) is None
-    assert waiting.next(ARRIVED, []) == target(7)
-    assert waiting.next(ARRIVED, []) is None
-    waiting.answered(ok=True)
-    assert waiting.next(ARRIVED, []) is None
-    assert waiting.next(Snapshot(file=ARCHO, goal=ended(7)), []) == target(3)
+    assert waiting.take_due(Snapshot(file=ARCHO), []) is None  # accepted, and not seen yet
+    assert waiting.take_due(Snapshot(file=ARCHO, goal=ended(0, Phase.MOVING)), []) is None
+    assert waiting.take_due(ARRIVED, []) == target(7)
+    assert waiting.take_due(ARRIVED, []) is None
+    waiting.on_answer(ok=True)
+    assert waiting.take_due(ARRIVED, []) is None
+    assert waiting.take_due(Snapshot(file=ARCHO, goal=ended(7)), []) == target(3)
