@@ -550,7 +550,8 @@ class Robot:
             srv_type, name, request, gate=gate, late=lambda said: late(_answer_of_verb(said))
         )
         if answer is None:
-            return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s")
+            said = f"no answer in {services.DEADLINE:g} s: the robot may still do it"
+            return Outcome(Code.TIMEOUT, said)
         return _answer_of_verb(answer)
 
     async def _do(
