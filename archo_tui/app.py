@@ -28,7 +28,7 @@ from archo_tui.terminal.app import COMMANDS, start_worker
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.verbs.goals import GOALS
 from archo_tui.widgets.bars import FooterKey
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.screen_state import ScreenState
 
 TICK = 1.0  # s between two looks at ages and the time of day
 LONGEST = 30.0  # s that the end waits for answers: longer than any request is waited for
@@ -142,9 +142,9 @@ class ArchoApp(KeyedApp):
             if isinstance(screen, Leaving) and screen.is_mounted:
                 screen.follow(self.view)
 
-    def _view(self) -> Shown:
+    def _view(self) -> ScreenState:
         first = not self.has_sent
-        return Shown(**vars(self.station.view), keys=self._shown_keys, is_first=first)
+        return ScreenState(**vars(self.station.view), keys=self._shown_keys, is_first=first)
 
     # commands
 
@@ -332,12 +332,12 @@ class ArchoApp(KeyedApp):
     async def _told(self, answer: Awaitable[Outcome]) -> None:
         """Say why the robot does not go there, where it was typed."""
         outcome = await answer
-        self.main.goal.answer("" if outcome.ok else outcome.text)
+        self.main.goal.show_refusal("" if outcome.ok else outcome.text)
 
     def _keep(self, typed: list[str]) -> None:
         """For the arrows, also after a restart."""
         kind, panel = self.view.snapshot.file.goals[0], self.main.goal
-        panel.recalls([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
+        panel.set_typed([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
         start_worker(self, partial(in_daemon, recall.add, kind.id, typed), COMMANDS)
 
     async def _recall(self) -> None:
@@ -347,7 +347,7 @@ class ArchoApp(KeyedApp):
             self.has_sent, before = await in_daemon(lambda: (recall.has_sent(), recall.load(form)))
             since = self.main.goal.typed  # a slow disk: what was sent meanwhile comes behind
             earlier = [old for old in before if old not in since]
-            self.main.goal.recalls([*earlier, *since][-recall.MOST :])
+            self.main.goal.set_typed([*earlier, *since][-recall.MOST :])
 
     # what the station asks for (its Face)
 
@@ -366,4 +366,4 @@ class ArchoApp(KeyedApp):
 
     def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Say why the robot does not go there, where goals are typed."""
-        self.main.goal.answer("" if outcome.ok else outcome.text)
+        self.main.goal.show_refusal("" if outcome.ok else outcome.text)

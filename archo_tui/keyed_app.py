@@ -349,7 +349,8 @@ class KeyedApp(TerminalApp):
         if action == "beside":
             step = cast("int", parameters[0])
             return (
-                self.screen is self.main and self.main.goal.beside(self.focused, step) is not None
+                self.screen is self.main
+                and self.main.goal.next_focus(self.focused, step) is not None
             )
         if action != "command":
             return super().check_action(action, parameters)
@@ -370,9 +371,9 @@ class KeyedApp(TerminalApp):
 
     def action_beside(self, step: int) -> None:
         """From the field to the board and on, or back."""
-        beside = self.main.goal.beside(self.focused, step)
+        beside = self.main.goal.next_focus(self.focused, step)
         if isinstance(beside, Field):
-            self.main.goal.type_on()
+            self.main.goal.focus_field()
         elif beside is not None:
             self.main.set_focus(beside, scroll_visible=False)
 
@@ -382,7 +383,7 @@ class KeyedApp(TerminalApp):
         if isinstance(self.focused, Input):
             self.main.focus_back()
         elif isinstance(self.focused, Board):
-            self.main.goal.type_on()
+            self.main.goal.focus_field()
         elif search is not None:
             search.close()
         else:

@@ -20,7 +20,7 @@ from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs.base import Values, Verb
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.screen_state import ScreenState
 
 Work = Coroutine[Any, Any, None]  # what may wait for the robot
 Answers = Mapping[str, Callable[[], Work | None]]  # what each answer does, by its words
@@ -40,7 +40,7 @@ class Console(Protocol):
 
     station: Station
     verbs: Mapping[str, Verb]
-    view: Shown  # what is shown now
+    view: ScreenState  # what is shown now
     main: MainScreen
     theme: str  # its name
     repeated: bool  # the key of the command is being held down

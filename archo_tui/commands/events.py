@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from archo_tui.commands.base import EVENTS, IN_PANEL, Command, Console, write_file
-from archo_tui.widgets.events_panel import as_text, details
+from archo_tui.widgets.events_panel import event_details, events_as_text
 
 
 class _InEvents(Command):
@@ -59,7 +59,7 @@ class SaveEvents(_InEvents):
     def run(self, console: Console) -> None:
         from archo_tui.screens.ask_path import AskPath
 
-        text = as_text(reversed(console.main.events.shown))
+        text = events_as_text(reversed(console.main.events.shown))
         write = write_file(console, text, "save events")
         console.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
 
@@ -76,4 +76,4 @@ class WholeEvent(_InEvents):
 
         event = console.main.events.selected
         assert event is not None
-        console.open(ShowText("Event", details(event)))
+        console.open(ShowText("Event", event_details(event)))

@@ -27,8 +27,8 @@ class LookBack(Command):
         history = console.main.history
         if not history.display:
             return f"the history is not shown: press {console.view.key('history')}"
-        return "" if history.can_look_back(self._by) else f"already the {self._most} span"
+        return "" if history.can_change_span(self._by) else f"already the {self._most} span"
 
     def run(self, console: Console) -> None:
-        console.main.history.look_back(self._by)
+        console.main.history.change_span(self._by)
         console.look()

@@ -104,7 +104,7 @@ class RosOwn(_InParameters):
     yields = True
 
     def run(self, console: Console) -> None:
-        console.main.parameters.toggle_ros_own()
+        console.main.parameters.toggle_standard()
         console.look()
 
 

@@ -34,8 +34,8 @@ from archo_tui.widgets.nodes_panel import NodesPanel
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.parameters_panel import ParametersPanel
 from archo_tui.widgets.rows import Rows
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
-from archo_tui.widgets.shown import Shown
 
 _WIDE, _TALL = 150, 30  # cells from which there are three columns
 _AROUND = 3  # rows of header, banner and footer
@@ -94,14 +94,14 @@ class MainScreen(Base[None]):
             self._panels[time_line.number] = time_line
             for panel in above:
                 panel.can_focus = True
-            self.goal.only_show()
+            self.goal.make_read_only()
             self.add_class("-replay")
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
         self._below: object = None  # what the footer shows
         self.everywhere = Content("")  # of the footer what works in dialogs, too
         self._is_laid_out = self._is_filled = False
-        self._view: Shown | None = None  # the last one
+        self._view: ScreenState | None = None  # the last one
         self._commands: list[FooterKey] = []  # those of its footer
         self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
 
@@ -125,7 +125,7 @@ class MainScreen(Base[None]):
         self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
         self.set_timer(_AWAITED, self._fill)
         self.set_timer(_LATEST, self._draw_from_now_on)  # behind a dialog no size may come
-        self._focused_last = self._time_line or self.parameters.operated
+        self._focused_last = self._time_line or self.parameters.focus_target
         self.set_focus(self._focused_last, scroll_visible=False)  # nobody asked: without a cursor
 
     def watch_focused(self) -> None:
@@ -158,7 +158,7 @@ class MainScreen(Base[None]):
     def search(self) -> Search | None:
         """What narrows the rows of the panel with the focus; None: nothing does."""
         for panel in (self.parameters, self.events):
-            if panel.number == self.focused_panel and panel.search.wanted:
+            if panel.number == self.focused_panel and panel.search.search_text:
                 return panel.search
         return None
 
@@ -293,7 +293,7 @@ class MainScreen(Base[None]):
                 self._show(self._view, self._commands, seen)
             self.refresh()
 
-    def show(self, view: Shown, commands: list[FooterKey]) -> None:
+    def show(self, view: ScreenState, commands: list[FooterKey]) -> None:
         """Show a new view everywhere; the first one with nodes is the first that is drawn."""
         self._view, self._commands = view, commands
         if not self._is_filled:
@@ -302,7 +302,7 @@ class MainScreen(Base[None]):
             return
         self._show(view, commands, self._panels.values())
 
-    def _show(self, view: Shown, commands: list[FooterKey], panels: Iterable[Panel]) -> None:
+    def _show(self, view: ScreenState, commands: list[FooterKey], panels: Iterable[Panel]) -> None:
         width = self.size.width
         self._header.show(bars.header(view, width - 9))
         self._clock.show(bars.clock(view))
@@ -320,7 +320,7 @@ class MainScreen(Base[None]):
         if self._view is not None and self._is_filled:
             self._show_panel(message.panel, self._view)
 
-    def _show_panel(self, panel: Panel, view: Shown) -> None:
+    def _show_panel(self, panel: Panel, view: ScreenState) -> None:
         try:
             panel.show(view)
             if self._broken.pop(panel.number, ""):

@@ -1,1 +1,1 @@
-"""What the screen is made of. Widgets know the robot's state and nothing of ROS."""
+"""The widgets of the screen. They know the robot's state, and nothing of ROS."""

@@ -1,4 +1,4 @@
-"""The lines around the panels: header, alarm banner, footer."""
+"""The lines around the panels: header, alarm banner and footer."""
 
 from __future__ import annotations
 
@@ -18,23 +18,25 @@ from archo_tui.station.alarms import Alarm, Priority, State, advice, is_grave, w
 from archo_tui.station.station import View
 from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.words.goal import remaining_text, running_word
 from archo_tui.words.state import fixed_width
 
-_WHAT = 24  # cells of what is wrong, at least, in a banner that has no room for all
-_TINY = 71  # cells of the header, without the clock, below which panels may be scrolled away
+_MIN_CAUSE = 24  # Cells of an alarm's cause that are kept in a short banner.
+_NARROW = 71  # Below so many cells without the clock, panels may be scrolled away.
 
 
 def header(view: View, width: int) -> Content:
-    """Which robot, in contact or not, what it does; at the right end who else is here, and where.
+    """Return which robot this is, its contact and activity; at the right end who else is here.
 
-    Where there is little room the names of other consoles go first, then the way that is left.
+    If space is short, the names of other consoles are left out first, then the remaining way.
     """
-    doing, left = _doing(view)
+    doing, left = _activity(view)
     watching = view.replay or ("watching" if view.watching else "")
     what = [harmless(view.snapshot.file.name), _contact(view), watching, doing]
-    if width < _TINY and view.snapshot.file.battery is not None:  # its panel may be out of sight
+    if (
+        width < _NARROW and view.snapshot.file.battery is not None
+    ):  # The battery's panel may be out of sight.
         what.insert(2, f"{fixed_width(view.snapshot.battery.percentage, '.1f')} %")
     assistants = [client for client in view.clients if client.startswith(ASSISTANT)]
     programs = len(view.clients) - len(assistants)
@@ -56,31 +58,31 @@ def header(view: View, width: int) -> Content:
             if gap >= len(blanks):
                 return Content.assemble((f" {head}", "bold"), f"{' ' * gap}{tail} ")
     whole = " ".join(filter(None, what))
-    if cell_len(whole) >= width:  # its name is what a person knows best
-        what = [view.replay, *(text for text in what[1:] if text != view.replay)]  # no robot of now
+    if cell_len(whole) >= width:  # The robot's name is the best known.
+        what = [view.replay, *(text for text in what[1:] if text != view.replay)]
         whole = " ".join(filter(None, what))
     engine = f" {view.engine}" if cell_len(f" {whole} {view.engine} ") <= width else ""
     return Content.styled(f" {whole}{engine}", "bold")
 
 
 def clock(view: View) -> Content:
-    """The time of day; a screen whose clock stands still is frozen."""
-    return _at(int(view.time))
+    """Return the time of day; a screen on which it stands still is frozen."""
+    return _clock_text(int(view.time))
 
 
 @lru_cache(maxsize=1)
-def _at(time: int) -> Content:
+def _clock_text(time: int) -> Content:
     return Content.styled(f"{time_of_day(time)} ", "bold")
 
 
-def banner(view: Shown, width: int) -> Content:
-    """The alarm that matters most, how many more there are, and which are shelved.
+def banner(view: ScreenState, width: int) -> Content:
+    """Return the most important alarm, the number of others, and the shelved ones.
 
-    While there is none, the keys to begin with, for somebody who has sent no goal yet.
+    Without an alarm, an operator who has never sent a goal sees the keys to begin with.
     """
     shown = [alarm for alarm in view.alarms if alarm.state != State.SHELVED]
-    if view.requests and not is_grave(view.alarms):  # else behind what is worse
-        return _request(view, shown, width)
+    if view.requests and not is_grave(view.alarms):  # Alarms of high priority come first.
+        return _request_banner(view, shown, width)
     names = [alarm.name for alarm in view.alarms if alarm.state == State.SHELVED]
     shelved = f"shelved: {', '.join(names)}" if names else ""
     if not shown:
@@ -89,15 +91,15 @@ def banner(view: Shown, width: int) -> Content:
     more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
     more += "   an assistant asks" if view.requests else ""
     keys = {name: f"press {key}" for name, key in view.keys.items() if name not in view.blocked}
-    texts = [advice(alarm, ways(view.snapshot, keys)), alarm.text, _terse(alarm.text)]
+    texts = [advice(alarm, ways(view.snapshot, keys)), alarm.text, _without_brackets(alarm.text)]
     if alarm.until is not None:
         text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
         texts = [f"{text}, over at {time_of_day(alarm.until)}"]
     glyph, hint = alarm.priority.glyph, "" if alarm.acknowledged else f"   ({key})"
     room = width - cell_len(f" {glyph} {more}{hint}")
     text = next((text for text in texts if cell_len(text) <= room), texts[-1])
-    if cell_len(text) > room + cell_len(hint):  # else the hint goes, and all is said
-        text = _shorter(text, room)
+    if cell_len(text) > room + cell_len(hint):  # Without the hint the text may fit.
+        text = _shorten_cause(text, room)
     line = f" {glyph} {text}{more}"
     if shelved:
         whole = f"{line}   {shelved}"
@@ -111,41 +113,41 @@ def banner(view: Shown, width: int) -> Content:
     words = words if len(line) + len(words) + 3 <= width else f"({key})"
     if cell_len(f"{line}   {words}") > width:
         return Content.styled(line, f"bold {style}")
-    return Content.assemble((line, f"bold {style}"), "   ", _underlined(words, "ack"))
+    return Content.assemble((line, f"bold {style}"), "   ", _clickable(words, "ack"))
 
 
-def _underlined(text: str, command: str) -> Content:
-    """What runs a command when it is clicked."""
+def _clickable(text: str, command: str) -> Content:
+    """Return a text that runs a command when it is clicked."""
     return Content.styled(text, "u").stylize(click(f"command('{command}')"))
 
 
-def _request(view: Shown, alarms: list[Alarm], width: int) -> Content:
-    """`? assistant 4711 asks: go to shelf 12   (A answer, 57 s)   ▲ low battery`."""
-    one, key = view.requests[0], view.key("alarms")
+def _request_banner(view: ScreenState, alarms: list[Alarm], width: int) -> Content:
+    """Return `? assistant 4711 asks: go to shelf 12   (A answer, 57 s)   ▲ low battery`."""
+    request, key = view.requests[0], view.key("alarms")
     more = f"   +{len(view.requests) - 1} more" if len(view.requests) > 1 else ""
     more += "".join(f"   {alarm.priority.glyph} {alarm.name}" for alarm in alarms[:1])
-    hint = f"({key} answer, {one.left(view.now):.0f} s)"
+    hint = f"({key} answer, {request.left(view.now):.0f} s)"
     room = width - cell_len(f" ?    {hint}{more}")
-    said = crop(harmless(f"{one.asker.source} asks: {one.text}"), max(room, 1))
-    answer = _underlined(hint, "alarms")
-    return Content.assemble((f" ? {said}", "bold $warn"), "   ", answer, more)
+    question = crop(harmless(f"{request.asker.source} asks: {request.text}"), max(room, 1))
+    answer = _clickable(hint, "alarms")
+    return Content.assemble((f" ? {question}", "bold $warn"), "   ", answer, more)
 
 
-def _terse(text: str) -> str:
-    """Without what stands in brackets before what to do."""
+def _without_brackets(text: str) -> str:
+    """Return an alarm's text without the brackets before its advice."""
     what, colon, to_do = text.partition(": ")
     return f"{re.sub(r' [(][^()]*[)]', '', what)}{colon}{to_do}"
 
 
-def _shorter(text: str, room: int) -> str:
-    """What is wrong is cut in its middle, so that what to do stays whole behind the colon."""
+def _shorten_cause(text: str, room: int) -> str:
+    """Return an alarm's text cut in the middle of its cause, so that the advice stays whole."""
     what, colon, to_do = text.partition(": ")
     left = room - cell_len(f"{colon}{to_do}")
-    return f"{pad(what, left)}{colon}{to_do}" if left >= _WHAT else crop(text, room)
+    return f"{pad(what, left)}{colon}{to_do}" if left >= _MIN_CAUSE else crop(text, room)
 
 
-def _first_keys(view: Shown, width: int) -> Content:
-    """`g go to shelf   ? keys   c charge the battery`: the robot file's first ones."""
+def _first_keys(view: ScreenState, width: int) -> Content:
+    """Return `g go to shelf   ? keys   c charge the battery`, with the robot's first commands."""
     robot = view.snapshot.file
     if not view.is_first or view.watching or not robot.goals:
         return Content("")
@@ -153,28 +155,36 @@ def _first_keys(view: Shown, width: int) -> Content:
     given = next((command for command in robot.commands if view.key(command.id)), None)
     if given is not None:
         words[given.id] = (given.help or given.title).partition(",")[0].lower()
-    shown: list[Content] = []  # as many as there is room for
+    shown: list[Content] = []  # As many as fit.
     for name, word in words.items():
         if key := view.key(name):
-            one = key_content(name, key, word, blocked=name in view.blocked)
-            width -= one.cell_length + 3
+            hint = key_content(name, key, word, blocked=name in view.blocked)
+            width -= hint.cell_length + 3
             if width >= 0:
-                shown.append(one)
+                shown.append(hint)
     return Content.assemble(" ", Content("   ").join(shown)).stylize_before("$quiet")
 
 
 class FooterKey(NamedTuple):
-    """One command of the footer."""
+    """A command in the footer.
 
-    command: str  # its id
+    Attributes:
+        command: Its id.
+        key: The key that runs it, as a person reads it.
+        word: Its word.
+        blocked: True if it cannot run now: it is darker.
+        everywhere: True if it works in dialogs as well.
+    """
+
+    command: str
     key: str
     word: str
-    blocked: bool  # it cannot run now: darker
-    everywhere: bool  # it works in dialogs, too
+    blocked: bool
+    everywhere: bool
 
 
 def footer_keys(commands: Iterable[FooterKey]) -> Content:
-    """The keys with their words; each can be clicked."""
+    """Return the keys with their words; each can be clicked."""
     return Content("").join(
         Content.assemble(" ", key_content(c.command, c.key, c.word, blocked=c.blocked), " ")
         for c in commands
@@ -182,7 +192,7 @@ def footer_keys(commands: Iterable[FooterKey]) -> Content:
 
 
 def footer(commands: Iterable[FooterKey], width: int, palette_key: str) -> Content:
-    """The keys, and the palette's at the right end where there is room for it."""
+    """Return the keys, and at the right end the palette's if there is room for it."""
     made = footer_keys(commands)
     shown = key_content("palette", palette_key, "palette", blocked=False)
     palette = Content.assemble(shown, " ")
@@ -218,8 +228,8 @@ def _contact(view: View) -> str:
     return "● online"
 
 
-def _doing(view: View) -> tuple[str, str]:
-    """What the robot does, and how far it has to go."""
+def _activity(view: View) -> tuple[str, str]:
+    """Return what the robot does, and how far it has to go."""
     snapshot, goal = view.snapshot, view.snapshot.running_goal
     stop = "" if snapshot.file.stop is not None else "no STOP"
     if snapshot.latch is Latch.UNCERTAIN:

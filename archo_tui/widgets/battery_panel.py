@@ -9,7 +9,7 @@ from archo_tui.robot_file.model import RobotFile
 from archo_tui.widgets import trend
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import aligned
 from archo_tui.words.state import (
     ACTIVE,
@@ -26,7 +26,7 @@ from archo_tui.words.state import (
 
 
 class BatteryPanel(Panel, can_focus=True):
-    """Percentage, voltage and word; a gauge with the threshold marked; what the charge does."""
+    """The panel with voltage, charge, a bar with the threshold, and when the battery is empty."""
 
     number, title_text = 1, "Battery"
 
@@ -37,34 +37,34 @@ class BatteryPanel(Panel, can_focus=True):
         self.keys = tuple((command.id, command.title.lower()) for command in ours)
         self._line, self._gauge = Line(id="battery-line"), Line(id="battery-gauge")
         self._history, self._trend = Line(id="battery-history"), Line(id="battery-trend")
-        self._sampled: object = None  # what the line of the history shows
+        self._sampled: object = None  # What the sparkline was made of.
 
     def compose(self) -> ComposeResult:
         yield from (self._line, self._gauge, self._history, self._trend)
 
-    def show(self, view: Shown) -> None:
+    def show(self, view: ScreenState) -> None:
         snapshot, battery = view.snapshot, view.snapshot.battery
         width = max(self._gauge.size.width, 1)
         line = battery_line(snapshot, view.now, width)
-        self._line.say(aligned(line, width))
+        self._line.show_spans(aligned(line, width))
         tone = battery_word(snapshot)[2]
         if battery.received is None or battery.is_old(view.now):
             tone = OLD
         tone = ACTIVE if tone == PLAIN else tone
         bar = charge_bar(battery.percentage, snapshot.threshold, width, tone)
-        self._gauge.say(bar)
+        self._gauge.show_spans(bar)
         sampled = snapshot.charge, width
-        if sampled != self._sampled:  # once a second, however fast readings come
+        if sampled != self._sampled:  # Samples change once a second, however fast readings come.
             self._sampled = sampled
-            self._history.say(((trend.sparkline(*sampled), OLD),))
-        self._trend.say(_trend(snapshot, view.now, width))
+            self._history.show_spans(((trend.sparkline(*sampled), OLD),))
+        self._trend.show_spans(_trend(snapshot, view.now, width))
         self.show_publishers(view, self._topic)
         low = snapshot.threshold
         self.show_keys(view, "" if low is None else f"low {low:g}")
 
 
 def _trend(snapshot: Snapshot, now: float, width: int) -> Spans:
-    """What the charge does, and when it will be empty or full."""
+    """Return what the charge does, and when the battery will be empty or full."""
     battery = snapshot.battery
     if battery.received is None:
         described = snapshot.file.battery
@@ -81,6 +81,6 @@ def _trend(snapshot: Snapshot, now: float, width: int) -> Spans:
         return ((neither if len(neither) <= width else "not charging", PLAIN),)
     does = "charging" if battery.charging else "discharging"
     empty = battery.percentage is not None and battery.percentage <= 0 and not battery.charging
-    end = "" if empty else trend.end_text(snapshot.charge, charging=battery.charging)
+    end = "" if empty else trend.time_left_text(snapshot.charge, charging=battery.charging)
     both = f"{does}, {end}"
     return (((both if len(both) <= width else end) if end else does, PLAIN),)

@@ -1,4 +1,4 @@
-"""The board: every number that a goal can be, in a grid. To choose one types it, and no more."""
+"""The board: a grid of all numbers that a goal can take; choosing one types it, and no more."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from textual.binding import Binding
 from textual.geometry import Region
 from textual.strip import Strip
 
-from archo_tui.widgets.by_lines import ByLines
+from archo_tui.widgets.line_widget import LineWidget
 from archo_tui.widgets.rows import crop
 from archo_tui.widgets.styled import rich_style
 from archo_tui.words.board import Grid, Mark
 from archo_tui.words.state import ACTIVE, OLD
 
-_NOTHING = Mark()
+_NO_MARK = Mark()
 
 
-class Board(ByLines, can_focus=True):
-    """Draws only the lines that changed. The arrows move the cursor, over pages too."""
+class Board(LineWidget, can_focus=True):
+    """The grid, which redraws only lines that changed. Arrows move the cursor, over pages too."""
 
     DEFAULT_CSS = "Board { width: 1fr; height: auto; display: none; }"
 
@@ -31,28 +31,35 @@ class Board(ByLines, can_focus=True):
         *(Binding(key, f"press('{key}')", show=False) for key in KEYS),
     ]
 
-    def __init__(self, take: Callable[[int], None], moved: Callable[[], None]) -> None:
-        """`take(number)` is called with what was chosen, `moved()` when the focus came or went."""
+    def __init__(
+        self, on_choose: Callable[[int], None], on_focus_change: Callable[[], None]
+    ) -> None:
+        """Create an empty board.
+
+        Args:
+            on_choose: Called with the number that was chosen.
+            on_focus_change: Called when the focus comes or goes.
+        """
         super().__init__(id="board")
-        self._take, self._moved = take, moved
+        self._on_choose, self._on_focus_change = on_choose, on_focus_change
         self._grid = Grid(range(1, 2), 1, 1)
         self._marks: Mapping[int, Mark] = {}
-        self._place = 0  # of the cursor, in the numbers
+        self._index = 0  # The cursor's, in the numbers.
 
     @property
     def rows(self) -> int:
-        """How high it is: the grid, and a line that says which page it is."""
+        """Return its height: the grid, and a line for the page if there are several."""
         return self._grid.rows + (self._grid.pages > 1)
 
     def show(self, grid: Grid, marks: Mapping[int, Mark]) -> None:
-        """Show this."""
+        """Show a grid and its marks; the cursor stays on its number."""
         before, self._marks = self._marks, marks
         if grid != self._grid:
-            number = self._grid.numbers[self._place]  # the cursor stays with it
+            number = self._grid.numbers[self._index]  # The cursor stays on it.
             self._grid = grid
             there = number in grid.numbers
             last = len(grid.numbers) - 1
-            self._place = grid.numbers.index(number) if there else min(self._place, last)
+            self._index = grid.numbers.index(number) if there else min(self._index, last)
             self.styles.height = self.rows
             self.refresh()
         elif marks != before:
@@ -61,22 +68,24 @@ class Board(ByLines, can_focus=True):
             self._draw(*(grid.numbers.index(n) for n in changed if n in grid.numbers))
 
     def action_press(self, key: str) -> None:
-        """Move the cursor by one of KEYS; beyond an end it stays."""
+        """Move the cursor by one of KEYS; it stays within the numbers."""
         grid, last = self._grid, len(self._grid.numbers) - 1
         by = {"left": -1, "right": 1, "up": -grid.columns, "down": grid.columns}
-        by |= {"pageup": -grid.page, "pagedown": grid.page, "home": -self._place, "end": last}
-        wanted = self._place + by[key]
-        if key not in ("up", "down") or 0 <= wanted <= last:  # else its column has no more
-            self._move(min(max(wanted, 0), last))
+        by |= {"pageup": -grid.page, "pagedown": grid.page, "home": -self._index, "end": last}
+        target = self._index + by[key]
+        if (
+            key not in ("up", "down") or 0 <= target <= last
+        ):  # At the end of a column the cursor stays.
+            self._move(min(max(target, 0), last))
 
     def action_take(self) -> None:
         """Choose the number under the cursor."""
-        self._take(self._grid.numbers[self._place])
+        self._on_choose(self._grid.numbers[self._index])
 
     def on_click(self, event: events.Click) -> None:
-        place = self._grid.at(self._first, event.x // self._grid.cell, event.y)
-        if place is not None and event.chain == 1:  # the second of a double click is the same wish
-            self._move(place)
+        index = self._grid.at(self._first, event.x // self._grid.cell, event.y)
+        if index is not None and event.chain == 1:  # A double click chooses once.
+            self._move(index)
             self.action_take()
 
     def on_mouse_scroll_down(self) -> None:
@@ -86,27 +95,27 @@ class Board(ByLines, can_focus=True):
         self.action_press("pageup")
 
     def watch_has_focus(self, focused: bool) -> None:
-        """Show or hide the cursor; no style is for `:focus`, and Textual would look for some."""
-        self._draw(self._place)
-        self._moved()
+        """Show or hide the cursor, without Textual's search for `:focus` styles."""
+        self._draw(self._index)
+        self._on_focus_change()
 
     @property
     def _first(self) -> int:
-        """The place of the first number on the page of the cursor."""
-        return self._place // self._grid.page * self._grid.page
+        """Return the index of the first number on the cursor's page."""
+        return self._index // self._grid.page * self._grid.page
 
-    def _move(self, place: int) -> None:
-        before, first = self._place, self._first
-        self._place = place
+    def _move(self, index: int) -> None:
+        before, first = self._index, self._first
+        self._index = index
         if self._first != first:
             self.refresh()
         else:
-            self._draw(before, place)
+            self._draw(before, index)
 
-    def _draw(self, *places: int) -> None:
-        """Draw the lines with these numbers, as far as they are seen."""
+    def _draw(self, *indices: int) -> None:
+        """Redraw the lines of these numbers, as far as they are on the page."""
         grid, first = self._grid, self._first
-        rows = {(place - first) // grid.columns for place in places}
+        rows = {(index - first) // grid.columns for index in indices}
         for row in rows & {*range(grid.rows)}:
             self.refresh(Region(0, row, self.size.width, 1))
 
@@ -114,25 +123,25 @@ class Board(ByLines, can_focus=True):
         grid, width, base = self._grid, self.size.width, self.base
         if y >= grid.rows:
             style = base + rich_style(OLD, self.app.theme_variables)
-            segments = [Segment(crop(self._below(), width), style)]
+            segments = [Segment(crop(self._page_line(), width), style)]
         else:
-            places = (grid.at(self._first, column, y) for column in range(grid.columns))
-            cells = (self._cell(place, base) for place in places if place is not None)
+            indices = (grid.at(self._first, column, y) for column in range(grid.columns))
+            cells = (self._cell(index, base) for index in indices if index is not None)
             segments = [segment for cell in cells for segment in cell]
         return Strip(segments).adjust_cell_length(width, base)
 
-    def _cell(self, place: int, base: Style) -> tuple[Segment, Segment]:
-        number = self._grid.numbers[place]
-        mark = self._marks.get(number, _NOTHING)
+    def _cell(self, index: int, base: Style) -> tuple[Segment, Segment]:
+        number = self._grid.numbers[index]
+        mark = self._marks.get(number, _NO_MARK)
         tones = (ACTIVE, mark.tone)
         before, style = (base + rich_style(tone, self.app.theme_variables) for tone in tones)
-        if self.has_focus and place == self._place:
+        if self.has_focus and index == self._index:
             before = style = base + Style(reverse=True)
         head = mark.before.rjust(self._grid.digits + 1 - len(str(number)))
         return Segment(head, before), Segment(f"{number}{mark.behind}", style)
 
-    def _below(self) -> str:
-        """Which page it is."""
+    def _page_line(self) -> str:
+        """Return the line below the grid, which says which page this is."""
         grid, first = self._grid, self._first
         last = min(first + grid.page, len(grid.numbers)) - 1
         shown = f" {grid.numbers[first]} .. {grid.numbers[last]} of {grid.numbers[-1]}"

@@ -1,4 +1,4 @@
-"""The one kind of button: a line high."""
+"""The button that all panels and dialogs use, one line high."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from textual import widgets
 
 
 class RunsCommands(Protocol):
-    """The app, as a button knows it."""
+    """The app, as far as a button uses it."""
 
     def action_command(self, name: str) -> None:
         """Run a command by its id."""
 
 
 class Button(widgets.Button, inherit_css=False):
-    """Textual's, which does by a call what it is for.
+    """A button that acts by a call instead of a message.
 
-    It has none of its fifty-seven rules: every style that is looked up asks them all.
+    It has none of the fifty-seven CSS rules of Textual's own, which every style lookup evaluates.
     """
 
     DEFAULT_CSS = """
@@ -34,12 +34,19 @@ class Button(widgets.Button, inherit_css=False):
     def __init__(
         self, label: str, does: str | Callable[[], object], *, id: str, disabled: bool = False
     ) -> None:
-        """Create a button; `does` is the id of a command, or what is called."""
+        """Create a button.
+
+        Args:
+            label: Its text.
+            does: The id of a command to run, or a function to call.
+            id: Its id, for CSS.
+            disabled: True if it cannot be pressed.
+        """
         super().__init__(label, id=id, disabled=disabled, compact=True)
         self._does = does
 
     def press(self) -> Button:
-        """Do what it is for, now: Textual would post a message, or call later."""
+        """Act at once; Textual would post a message, or call later."""
         if not self.disabled and self.display:
             self._start_active_affect()
             if isinstance(self._does, str):

@@ -12,23 +12,23 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.state import OWN_LEVELS, Event, Hosted
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, pad
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
-from archo_tui.widgets.shown import Shown
 from archo_tui.words.event import is_of_own_file
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 _CYCLE = ("WARN", "INFO", "DEBUG", "ERROR")
-_SOURCE = 16, 28  # least and most columns of a source
-_ROOMY = 70  # columns from which there is room for the source
-_NOTHING = "Nothing to report."
+_SOURCE_WIDTH = 16, 28  # Least and most cells of a source.
+_WIDE = 70  # Cells from which sources are shown.
+_NO_EVENTS = "Nothing to report."
 _STYLES = {"WARN": "bold", "ERROR": "bold", "FATAL": "bold", "DEBUG": QUIET}
 
 
 def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
-    """Return True for the console's own, and from `level` up.
+    """Return True for events of consoles, and for log lines from a level up.
 
     Args:
-        event: A line of the log.
+        event: The event.
         level: A severity; at WARN, lines from INFO of the user's own nodes are shown, too.
         hosted: The nodes of this process.
     """
@@ -38,48 +38,48 @@ def is_shown(event: Event, level: str, hosted: Sequence[Hosted]) -> bool:
 
 
 def event_columns(events: Sequence[Event], _width: int) -> Columns:
-    """As wide as the sources."""
-    return (column({event.source for event in events}, *_SOURCE),)
+    """Return the width of the column of sources."""
+    return (column({event.source for event in events}, *_SOURCE_WIDTH),)
 
 
 def event_lines(event: Event, width: int, columns: Columns) -> list[Text]:
-    """`12:04:31  WARN   dashboard         Low battery: 18.0%   x 12 since 12:03:20`.
+    """Return `12:04:31  WARN   dashboard         Low battery: 18.0%   x 12 since 12:03:20`.
 
-    Where it is tight without the source, and without the time of the first.
+    A narrow panel leaves out the source, and the time of the first of equal events.
     """
     at, text = time_of_day(event.time), event.text
-    source = f"{pad(event.source, *columns)}  " if width >= _ROOMY else ""
+    source = f"{pad(event.source, *columns)}  " if width >= _WIDE else ""
     if event.count > 1:
-        text += f"   {repeats(event)}" if source else f"   x {event.count}"
+        text += f"   {repeat_text(event)}" if source else f"   x {event.count}"
     gap = "  " if source else " "
     return [(f"{at}{gap}{event.level:<5}{gap}{source}{text}", _STYLES.get(event.level, ""))]
 
 
-def repeats(event: Event) -> str:
-    """`x 12 since 12:03:20`."""
+def repeat_text(event: Event) -> str:
+    """Return `x 12 since 12:03:20`."""
     return f"x {event.count} since {time_of_day(event.first)}"
 
 
-def details(event: Event) -> str:
-    """The whole event, for reading."""
-    count = f"  {repeats(event)}" if event.count > 1 else ""
+def event_details(event: Event) -> str:
+    """Return everything about an event, in lines for a dialog."""
+    count = f"  {repeat_text(event)}" if event.count > 1 else ""
     lines = [f"{time_of_day(event.time)}  {event.level}  {event.source}{count}", "", event.text]
     return "\n".join([*lines, "", f"$ {event.command}"] if event.command else lines)
 
 
-def as_text(events: Iterable[Event]) -> str:
-    """A line an event, with its date, for a file."""
+def events_as_text(events: Iterable[Event]) -> str:
+    """Return events for a file, a line each, with their dates."""
     lines = []
     for event in events:
         at = datetime.fromtimestamp(event.time).isoformat(" ", "milliseconds")
         command = f"   $ {event.command}" if event.command else ""
-        count = f"   {repeats(event)}" if event.count > 1 else ""
+        count = f"   {repeat_text(event)}" if event.count > 1 else ""
         lines.append(f"{at}  {event.level:<5}  {event.source}  {event.text}{count}{command}\n")
     return "".join(lines)
 
 
 class EventsPanel(Panel):
-    """The list, from a level up, with a search."""
+    """The list of events, from a level up, with a search."""
 
     number, title_text = 6, "Events"
     keys = (
@@ -94,17 +94,17 @@ class EventsPanel(Panel):
     def __init__(self) -> None:
         super().__init__()
         self._level = _CYCLE[0]
-        self._seen: tuple[Event, ...] = ()
+        self._events: tuple[Event, ...] = ()
         self._hosted: tuple[Hosted, ...] = ()
         self._rows: Rows[Event] = Rows(
             event_lines,
             lambda event: event.number,
             id="event-list",
-            empty=_NOTHING,
+            empty=_NO_EVENTS,
             action="app.command('whole_event')",
             columns=event_columns,
         )
-        self.search = Search(self._rows, self._fill)
+        self.search = Search(self._rows, self._refill)
 
     def compose(self) -> ComposeResult:
         yield self._rows
@@ -112,40 +112,40 @@ class EventsPanel(Panel):
 
     @property
     def shown(self) -> Sequence[Event]:
-        """Those that level and search leave, the newest first."""
+        """Return the events that level and search leave, newest first."""
         return self._rows.items
 
     @property
     def selected(self) -> Event | None:
-        """The event under the cursor."""
+        """Return the event under the cursor."""
         return self._rows.item
 
     @property
-    def operated(self) -> Widget:
+    def focus_target(self) -> Widget:
         return self._rows
 
-    def show(self, view: Shown) -> None:
+    def show(self, view: ScreenState) -> None:
         own = " and nodes" if self._level == "WARN" and any(n.file for n in view.hosted) else ""
         level = "warnings" if self._level == "WARN" else f"{self._level} and above"
         self.show_keys(view, f"{level} + your commands{own}")
-        if view.snapshot.events is not self._seen:
-            self._seen, self._hosted = view.snapshot.events, view.hosted
-            self._fill()
+        if view.snapshot.events is not self._events:
+            self._events, self._hosted = view.snapshot.events, view.hosted
+            self._refill()
 
     def next_level(self) -> None:
-        """More, all, then only the worst."""
+        """Show the events of the next level: more, then all, then only the worst."""
         self._level = _CYCLE[(_CYCLE.index(self._level) + 1) % len(_CYCLE)]
-        self._fill()
+        self._refill()
 
-    def _fill(self) -> None:
-        matches, typed = self.search.matches, self.search.wanted
+    def _refill(self) -> None:
+        matches, typed = self.search.matches, self.search.search_text
         at = f" at {self._level} and above."
-        nothing = f"Nothing contains {typed}{at}" if typed else _NOTHING[:-1] + at
-        self._rows.empty = nothing if self._seen else _NOTHING
+        nothing = f"Nothing contains {typed}{at}" if typed else _NO_EVENTS[:-1] + at
+        self._rows.empty = nothing if self._events else _NO_EVENTS
         at_level = [
-            event for event in reversed(self._seen) if is_shown(event, self._level, self._hosted)
+            event for event in reversed(self._events) if is_shown(event, self._level, self._hosted)
         ]
         shown = [event for event in at_level if matches(event.source, event.text)]
         level = f"{self._level} and above" if self._level == _CYCLE[-1] else ""
-        self.show_narrowed(level, self.search.narrowed(len(shown), len(at_level)))
+        self.show_narrowed(level, self.search.summary(len(shown), len(at_level)))
         self._rows.show(shown)

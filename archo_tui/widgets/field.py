@@ -1,4 +1,4 @@
-"""The one kind of field: what is typed acts in the order in which it was typed."""
+"""The input field that all panels and dialogs use; its keys act in the order of typing."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from textual.geometry import Size
 from textual.reactive import Reactive
 from textual.widgets import Input
 
-INTEGER = "-0123456789 "  # what a whole number, or several, can contain
+INTEGER = "-0123456789 "  # The characters of one or several whole numbers.
 NUMBER = f"{INTEGER}.+"
 
 
 class Field(Input, inherit_css=False):
-    """An input of one line that takes keys and pastes by a call, and tells of them by calls.
+    """An input of one line that takes keys and pastes by calls, and reports them by calls.
 
-    Textual's own gets each key as a message and answers with another one: typed fast, the keys
-    behind an enter arrive before anybody knows that something was entered.
+    Textual's own gets each key as a message and answers with another one: of keys typed fast, those
+    after an enter would arrive before anybody knew that something was entered.
     """
 
     DEFAULT_CSS = """
@@ -36,9 +36,9 @@ class Field(Input, inherit_css=False):
     COMPONENT_CLASSES = {"input--cursor", "input--placeholder", "input--selection"}
     BINDINGS = [Binding("up", "step(-1)", show=False), Binding("down", "step(1)", show=False)]
 
-    # as every widget's, but for laying out the whole screen at each letter: no field grows
+    # Unlike in Textual, a change does not lay out the whole screen: a field never grows.
     virtual_size = Reactive(Size(0, 0))
-    next_field: Field | None = None  # where enter leads, in a form of several
+    next_field: Field | None = None  # The field that enter leads to.
 
     def __init__(
         self,
@@ -55,22 +55,25 @@ class Field(Input, inherit_css=False):
         """Create a field.
 
         Args:
-            takes: The characters that it is for; empty for all.
+            value: Its text.
+            takes: The characters that it accepts; "" means all.
+            placeholder: Shown while it is empty.
+            id: Its id, for CSS.
             changed: Called when its text has changed.
             submitted: Called by enter.
             stepped: Called by the arrows up (-1) and down (1).
-            refused: Called with the reason why a paste was not taken; None: notify.
+            refused: Called with the reason why a paste was refused; None shows a notification.
         """
         super().__init__(value, placeholder=placeholder, id=id, compact=True, select_on_focus=False)
-        self.cursor_blink = False  # a blinking cursor is traffic over SSH
+        self.cursor_blink = False  # Blinking causes traffic over SSH.
         self._takes = takes
         self._changed, self._submitted, self._stepped = changed, submitted, stepped
         self._refused = refused
 
     def is_text(self, character: str) -> bool:
-        """Return whether that character, typed now, is text here, and not a command.
+        """Return True if a character typed now is text here, and not a command.
 
-        Behind other text every character is: what is dropped or done makes `1ox5` a 15.
+        After other text every character is: one that were dropped would make a 15 of `1ox5`.
         """
         return self.value != "" or self._is_for(character)
 
@@ -81,7 +84,7 @@ class Field(Input, inherit_css=False):
         return super().check_consume_key(key, character) and self.is_text(character or "")
 
     def _forward_event(self, event: events.Event) -> None:
-        """Take a key or a paste now: Textual would put it into this field's queue."""
+        """Take a key or a paste at once; Textual would put it into this field's queue."""
         if isinstance(event, events.Key) and event.is_printable:
             self.replace(event.character or "", *self.selection)
         elif isinstance(event, events.Paste):
@@ -95,23 +98,23 @@ class Field(Input, inherit_css=False):
             self._changed()
 
     async def action_submit(self) -> None:
-        """Go on to the next field of the form; from the last one tell that enter was pressed."""
+        """Focus the next field of the form, or report enter from the last one."""
         if self.next_field is not None:
             self.screen.set_focus(self.next_field)
         else:
             self._submitted()
 
     def action_step(self, step: int) -> None:
-        """Tell that an arrow was pressed."""
+        """Report an arrow key."""
         self._stepped(step)
 
     def fill(self, text: str) -> None:
-        """Replace the text, with the cursor behind it."""
+        """Replace the text, and put the cursor at its end."""
         self.value = text
         self.cursor_position = len(text)
 
     def choose(self, word: str) -> None:
-        """Write a word behind all that is typed, with blanks around it."""
+        """Append a word to the text, with blanks around it."""
         apart = " " if self.value[-1:].strip() else ""
         self.fill(f"{self.value}{apart}{word} ")
 

@@ -1,4 +1,4 @@
-"""Panel 3: give the robot a goal, see what becomes of it, cancel."""
+"""Panel 3: the form for a goal, the goal's progress, and the goals before."""
 
 from __future__ import annotations
 
@@ -18,33 +18,37 @@ from archo_tui.widgets.button import Button
 from archo_tui.widgets.field import INTEGER, NUMBER, Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.words import board as boards
 from archo_tui.words.goal import goal_history, goal_line, goal_strip, keys_to_press
 from archo_tui.words.state import BAD
 
-_WIDE, _HIGH = 150, 40  # cells and rows of a terminal from which on it has room for the board
-_ELSEWHERE, _LEAST_ROWS = 28, 4  # rows that all else needs; of the board at least
-_EVENTS = 10  # of them the events'; in three columns they have a third of all
+_MIN_WIDTH, _MIN_HEIGHT = 150, 40  # Of a terminal with room for the board.
+_OTHER_ROWS, _MIN_BOARD_ROWS = 28, 4  # Rows of everything else; of the board at least.
+_MIN_EVENT_ROWS = 10  # The events' share of those; in three columns they have a third.
 _IN_FIELD = ("go", "go"), ("cancel", "cancel")
-_ON_BOARD = _IN_FIELD[1:]  # where enter types, and sends nothing
-_LINES = 6  # of this panel without the board, its border included
+_ON_BOARD = _IN_FIELD[1:]  # On the board enter types, and sends nothing.
+_BASE_HEIGHT = 6  # Of the panel without the board, its border included.
 
 
 class GoalPanel(Panel):
-    """A form, a bar, where the goal stands, and the goals before."""
+    """The form, a progress bar, the goal's state, the board, and the goals before."""
 
     number, title_text = 3, "Goal"
-    shown_as = {"go": "enter"}
+    other_keys = {"go": "enter"}
     _watching = False
-    _reason: Reason | None = None  # of what the hint says; None: it is about what was typed only
+    _reason: Reason | None = None  # Why the hint is shown; None: the typed text is wrong.
 
-    # called with the values of each goal by dotted path, to be sent in their order, and with what
-    # was typed for them
+    # Called with the values of each goal by dotted path, in the order of sending, and with the
+    # typed texts.
     send: Callable[[Sequence[Mapping[str, Any]], list[str]], object]
 
     def __init__(self, snapshot: Snapshot) -> None:
-        """`snapshot` knows the robot's file, and what the fields of its forms take."""
+        """Create the panel.
+
+        Args:
+            snapshot: Knows the robot file, and the fields of its goals.
+        """
         self._snapshot = snapshot
         self._kind = snapshot.file.goals[0] if snapshot.file.goals else None
         if self._kind is not None:
@@ -55,10 +59,10 @@ class GoalPanel(Panel):
         self.fields = [
             Field(
                 id=f"goal-{number}",
-                takes=_takes(leaf),
+                takes=_allowed_characters(leaf),
                 changed=self.hint,
                 submitted=self.submit,
-                stepped=self._recall,
+                stepped=self._recall_typed,
                 refused=self.hint,
             )
             for number, leaf in enumerate(self._leaves)
@@ -69,13 +73,13 @@ class GoalPanel(Panel):
         self._labels = [f"{label} ({unit}) " if unit else f"{label} " for label, unit in units]
         self._go = Button("Go", self.submit, id="go")
         self._cancel = Button("Cancel", "cancel", id="cancel")
-        self.typed: list[list[str]] = []  # what was sent
-        self._place, self._draft = 0, [""] * len(self.fields)
+        self.typed: list[list[str]] = []  # The texts that were sent, the oldest first.
+        self._typed_index, self._unsent = 0, [""] * len(self.fields)
         self._hint, self._bar = Line(id="goal-hint"), Line(id="goal-bar")
         self._line, self._history = Line(id="goal-line"), Line(id="goal-history")
-        self.board = Board(self._take, self._on_board)
-        self._boarded: object = None  # what is on it was made of that
-        self._has_board = False  # the robot file and the robot say what is on it
+        self.board = Board(self._on_number_chosen, self._on_board_focus)
+        self._board_inputs: object = None  # What the board was last made of.
+        self._has_board = False  # True if the robot's limits are known.
         self._height: int | None = None
 
     def compose(self) -> ComposeResult:
@@ -93,139 +97,142 @@ class GoalPanel(Panel):
 
     @property
     def _is_wide(self) -> bool:
-        """True when the form leaves no room beside it: what is wrong covers the goal's line."""
+        """Return True if the form has several fields: a hint then covers the goal's line."""
         return len(self.fields) > 1
 
     def on_mount(self) -> None:
         if self._is_wide:
             self._hint.display = False
 
-    def show(self, view: Shown) -> None:
+    def show(self, view: ScreenState) -> None:
         snapshot, self._watching = view.snapshot, view.watching
         self._snapshot = snapshot
         width = self._bar.size.width
         self._show_board(view, width)
         self.keys = _ON_BOARD if self.board.has_focus else _IN_FIELD
-        self.show_keys(view, *self._word_here)
-        self._bar.say(goal_strip(snapshot.goal, width))
+        self.show_keys(view, *self._board_hint)
+        self._bar.show_spans(goal_strip(snapshot.goal, width))
         go = view.key("go")
         ask = keys_to_press(self._kind, go) if self._kind and not view.watching else ""
-        self._line.say(goal_line(snapshot, view.now, ask, width))
+        self._line.show_spans(goal_line(snapshot, view.now, ask, width))
         ways = ("continue", "skip")
         keys = "   ".join(f"{view.key(name)} {name}" for name in ways if view.key(name))
         before = goal_history(snapshot.history, width, view.waiting, view.held, keys)
-        self._history.say(before)
-        self.grey(view, [("" if self._kind is None else self._kind.action, self._go)])
+        self._history.show_spans(before)
+        self.dim_unavailable(view, [("" if self._kind is None else self._kind.action, self._go)])
         nothing = snapshot.goal is None and self._go.has_class("-blocked")
         self._cancel.set_class(view.watching or nothing, "-blocked")
         if self._reason is not None and self._reason.is_over(snapshot):
             self.hint("")
 
-    def _show_board(self, view: Shown, width: int) -> None:
-        """Where there is room for it, and over the panels below while it has the focus."""
+    def _show_board(self, view: ScreenState, width: int) -> None:
+        """Update the board, if anything that it depends on has changed."""
         snapshot, kind, size = view.snapshot, self._kind, self.app.size
         goal = None if snapshot.goal is None else (snapshot.goal.number, snapshot.goal.phase)
         limits = snapshot.namespace, snapshot.parameters, snapshot.forms
-        boarded = limits, goal, snapshot.history, view.queue, width, size
-        if boarded != self._boarded:  # readings and feedback change nothing on it
-            self._boarded = boarded
+        board_inputs = limits, goal, snapshot.history, view.queue, width, size
+        if board_inputs != self._board_inputs:  # Readings and feedback do not matter to it.
+            self._board_inputs = board_inputs
             numbers = None if kind is None else boards.selectable_numbers(snapshot, kind)
             self._has_board = numbers is not None and width > 0
             if kind is not None and numbers is not None and width > 0:
-                events = max(size.height // 3 - _EVENTS, 0) if size.width >= _WIDE else 0
-                rows = max(size.height - _ELSEWHERE - events, _LEAST_ROWS)
+                events = (
+                    max(size.height // 3 - _MIN_EVENT_ROWS, 0) if size.width >= _MIN_WIDTH else 0
+                )
+                rows = max(size.height - _OTHER_ROWS - events, _MIN_BOARD_ROWS)
                 marks = boards.marks(snapshot, kind, view.queue)
                 self.board.show(boards.fit_grid(numbers, width, rows), marks)
-        self._unfold()
+        self._size_board()
 
-    def _unfold(self) -> None:
+    def _size_board(self) -> None:
+        """Show the board if there is room for it or if it has the focus, else hide it."""
         size, is_focused = self.app.size, self.board is self.screen.focused
-        if is_focused and not self._has_board:  # the robot says no more what is on it
-            self.type_on()
-        has_room = size.width >= _WIDE or size.height >= _HIGH
+        if is_focused and not self._has_board:  # The limits are no longer known.
+            self.focus_field()
+        has_room = size.width >= _MIN_WIDTH or size.height >= _MIN_HEIGHT
         seen = self._has_board and (has_room or is_focused)
         self.board.display = seen
-        height = _LINES + self.board.rows if seen else None
-        if height != self._height:  # a height of None lays the screen out anew each time
+        height = _BASE_HEIGHT + self.board.rows if seen else None
+        if height != self._height:  # Setting it, even to None, lays out the screen.
             self._height = self.styles.height = height
 
     @property
-    def _word_here(self) -> tuple[str, str]:
-        """What the border says of the board: a word, and its key."""
+    def _board_hint(self) -> tuple[str, str]:
+        """Return the word and the key with which the border points to the board; "" for neither."""
         if self.board.has_focus:
             return "takes it into the field", "enter"
         folded = self._has_board and not self.board.display and not self.can_focus
         return ("board", "tab") if folded else ("", "")
 
-    def _on_board(self) -> None:
-        """The focus came to the board, or left it."""
-        self._unfold()
+    def _on_board_focus(self) -> None:
+        """Resize the board, because its focus came or went."""
+        self._size_board()
         self.post_message(self.Resized(self))
-        if self.board.has_focus:  # in a tiny terminal what it grew by is out of sight
+        if self.board.has_focus:  # In a tiny terminal the board may be out of sight.
             self.call_after_refresh(self.scroll_visible, animate=False)
 
-    def only_show(self) -> None:
-        """Nothing is typed here, and nothing sent."""
+    def make_read_only(self) -> None:
+        """Disable typing and the board, for a console that only watches."""
         self.can_focus, self.board.can_focus, self.board.disabled = True, False, True
 
-    def _take(self, number: int) -> None:
-        """A number was chosen: it is typed, and enter in the field sends it."""
-        self.type_on()
+    def _on_number_chosen(self, number: int) -> None:
+        """Type a number that was chosen on the board; enter in the field sends it."""
+        self.focus_field()
         self.fields[0].choose(str(number))
 
-    def type_on(self) -> None:
-        """From the board back to the field, where what was typed is not selected: it stays."""
+    def focus_field(self) -> None:
+        """Focus the field without selecting its text, so that typing goes on."""
         self.screen.set_focus(self.fields[0], scroll_visible=False, from_app_focus=True)
 
-    def beside(self, widget: Widget | None, step: int) -> Widget | None:
-        """What tab (1) or shift+tab (-1) leads to, from field to board to Go; None: elsewhere."""
+    def next_focus(self, widget: Widget | None, step: int) -> Widget | None:
+        """Return the widget that tab (1) or shift+tab (-1) leads to, or None if it is outside."""
         if not self._has_board or self.can_focus:
             return None
         order = (self.fields[0], self.board, self._go)
-        places = {one: place for place, one in enumerate(order)}
+        places = {widget_in_order: place for place, widget_in_order in enumerate(order)}
         place = places.get(widget, -9) + step if widget is not None else -9
         return order[place] if 0 <= place < len(order) else None
 
     @property
-    def operated(self) -> Widget:
-        """The first field; the button where there is none."""
+    def focus_target(self) -> Widget:
+        """Return the first field, or the button if there is none."""
         return self.fields[0] if self.fields else self._go
 
-    def _recall(self, step: int) -> None:
-        """Show what was sent before (-1), or after that (1); at last what stood there."""
-        if self._place == len(self.typed):
-            self._draft = [field.value for field in self.fields]
-        self._place = min(max(self._place + step, 0), len(self.typed))
-        behind = self._place == len(self.typed)
+    def _recall_typed(self, step: int) -> None:
+        """Fill in what was sent before (-1) or after that (1); at the end what was being typed."""
+        if self._typed_index == len(self.typed):
+            self._unsent = [field.value for field in self.fields]
+        self._typed_index = min(max(self._typed_index + step, 0), len(self.typed))
+        behind = self._typed_index == len(self.typed)
         for field, text in zip(
-            self.fields, self._draft if behind else self.typed[self._place], strict=False
+            self.fields, self._unsent if behind else self.typed[self._typed_index], strict=False
         ):
             field.fill(text)
 
-    def recalls(self, typed: list[list[str]]) -> None:
-        """What was sent, the oldest first."""
-        self.typed, self._place = typed, len(typed)
+    def set_typed(self, typed: list[list[str]]) -> None:
+        """Set what was sent so far, the oldest first, for the arrow keys."""
+        self.typed, self._typed_index = typed, len(typed)
 
     def hint(self, text: str = "", reason: Reason | None = None) -> None:
-        """Show why a goal is not sent or driven, until what was typed changes.
+        """Show why a goal is not sent or driven, until the typed text changes.
 
         Args:
-            text: The words; empty: nothing is in the way.
-            reason: Takes the words away as soon as it is over.
+            text: The reason; "" removes it.
+            reason: Removes the text as soon as it no longer holds.
         """
         self._reason = reason
         if reason is not None:
-            reason.is_over(self._snapshot)  # notes what holds now
+            reason.is_over(self._snapshot)  # Remembers what holds now.
         if self._is_wide:
             self._hint.display, self._line.display = text != "", text == ""
-        self._hint.say(((text, BAD),))
+        self._hint.show_spans(((text, BAD),))
 
-    def answer(self, text: str) -> None:
-        """Show why the robot does not go there, while that may be so."""
+    def show_refusal(self, text: str) -> None:
+        """Show why the robot refuses a goal, as long as that may be so."""
         self.hint(text, Reason(obstacles))
 
     def submit(self) -> None:
-        """Ask for what was typed, or say what is wrong with it; nothing asks for nothing."""
+        """Send the typed goals, or show what is wrong with them; an empty form does nothing."""
         typed = [field.value for field in self.fields]
         if self._kind is None:
             self.hint(f"{self.app.title}: the robot file names no goal")
@@ -256,7 +263,7 @@ class GoalPanel(Panel):
         self.send(goals, typed)
 
 
-def _takes(leaf: Leaf) -> str:
+def _allowed_characters(leaf: Leaf) -> str:
     if is_integer(leaf):
         return INTEGER
     return NUMBER if is_number(leaf) else ""

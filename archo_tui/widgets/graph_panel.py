@@ -1,4 +1,4 @@
-"""Panel 8: topics, services and actions, and who has them."""
+"""Panel 8: topics, services and actions, with the nodes that have them."""
 
 from __future__ import annotations
 
@@ -10,52 +10,52 @@ from textual.widget import Widget
 
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
-from archo_tui.widgets.shown import NONE_RECORDED, Shown
+from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
 from archo_tui.words.graph import ResourceRow, resource_rows
 
-_KIND = 8  # cells of `service` and a blank
+_KIND_WIDTH = 8  # Cells of `service` and a blank.
 _GAP = 2
 _STRONG = "bold"
 
 
 def resource_columns(rows: Sequence[ResourceRow], width: int) -> Columns:
-    """Of names, types, nodes and rates where all of a line has room; else of rates alone."""
+    """Return the widths of names, types, nodes and rates if all fit on a line, else of rates."""
     names = column((row.resource.name for row in rows), 0, width)
     types = column((row.types for row in rows), 0, width)
     nodes = column((row.who for row in rows), 0, width)
     rate_width = column((row.rate for row in rows), 0, width)
-    room = width - _KIND - names - types - rate_width - 3 * _GAP
+    room = width - _KIND_WIDTH - names - types - rate_width - 3 * _GAP
     return (names, types, room, rate_width) if nodes <= room else (rate_width,)
 
 
 def resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
-    """`topic   /battery_level  archo_interfaces/msg/BatteryStatus  battery_monitor  1.0 Hz`.
+    """Return `topic   /battery_level  archo_interfaces/msg/BatteryStatus  battery_monitor  1.0 Hz`.
 
-    Where that has no room, two lines, with the type's last name. Below, what hears nothing.
+    A narrow panel needs two lines and leaves out the type's package. Mismatches stand below.
     """
     wrong = [
         (f"  {line}", _STRONG)
-        for said in row.resource.mismatches
-        for line in textwrap.wrap(said, max(width - 2, 10))
+        for mismatch in row.resource.mismatches
+        for line in textwrap.wrap(mismatch, max(width - 2, 10))
     ]
     return [*_resource_lines(row, width, columns), *wrong]
 
 
 def _resource_lines(row: ResourceRow, width: int, columns: Columns) -> list[Text]:
-    kind, name = f"{row.resource.kind:<{_KIND}}", row.resource.name
+    kind, name = f"{row.resource.kind:<{_KIND_WIDTH}}", row.resource.name
     style = "" if row.resource.nodes else QUIET
     if len(columns) > 1:
         names, types, nodes, rate_width = columns
         rate = f"{row.rate:>{rate_width}}"
         return [(f"{kind}{name:<{names}}  {row.types:<{types}}  {row.who:<{nodes}}  {rate}", style)]
-    room = width - _KIND - (columns[0] + _GAP if columns[0] else 0)
+    room = width - _KIND_WIDTH - (columns[0] + _GAP if columns[0] else 0)
     rate = f"  {row.rate:>{columns[0]}}" if columns[0] else ""
     below = f"  {row.short_types}  {row.who}"
     return [(f"{kind}{pad(name, max(room, 1))}{rate}", style), (crop(below, width), QUIET)]
 
 
 class GraphPanel(Panel):
-    """The list; drawn once a second, and only while it is shown and something differs."""
+    """The list, drawn once a second, while it is visible and something has changed."""
 
     number, title_text = 8, "Graph"
     keys = (("resource", "open"),)
@@ -71,29 +71,29 @@ class GraphPanel(Panel):
             wraps=True,
             columns=resource_columns,
         )
-        self._drawn: object = None
+        self._drawn_inputs: object = None
 
     def compose(self) -> ComposeResult:
         yield self._rows
 
     @property
     def selected(self) -> ResourceRow | None:
-        """What the cursor is on."""
+        """Return the row under the cursor."""
         return self._rows.item
 
     @property
-    def operated(self) -> Widget:
+    def focus_target(self) -> Widget:
         return self._rows
 
-    def show(self, view: Shown) -> None:
-        if not self.display and self._rows.items:  # once, for the keys behind the one that opens it
+    def show(self, view: ScreenState) -> None:
+        if not self.display and self._rows.items:  # Filled once while hidden, for keys typed ahead.
             return
         self.show_keys(view)
         if view.replay:
             self._rows.empty = NONE_RECORDED
         drawn = view.second, view.snapshot.resources
-        if drawn != self._drawn:
-            self._drawn = drawn
+        if drawn != self._drawn_inputs:
+            self._drawn_inputs = drawn
             rows = resource_rows(view)
-            known = {row: row for row in self._rows.items}  # what is the same is not laid out again
+            known = {row: row for row in self._rows.items}  # Equal rows are not laid out again.
             self._rows.show([known.get(row, row) for row in rows])

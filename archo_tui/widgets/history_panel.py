@@ -1,4 +1,4 @@
-"""Panel 7: battery, speed and what is left of the way, over the last minutes."""
+"""Panel 7: plots of battery, speed and remaining way over the last minutes."""
 
 from __future__ import annotations
 
@@ -18,35 +18,44 @@ from archo_tui.robot.state import Goal, Phase
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.history import SPANS, Quantity, readings
 from archo_tui.station.station import View
-from archo_tui.widgets.by_lines import ByLines
+from archo_tui.widgets.line_widget import LineWidget
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
 from archo_tui.widgets.plot import MARK, Range, curve
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import rich_style
 from archo_tui.words.state import ACTIVE, EDGE, OLD, PLAIN, STRONG, WARN, Spans, time_factor_text
 
-_LABEL = 6  # cells for the number at the side
-_LEAST = 3  # rows of a plot
+_LABEL_WIDTH = 6  # Cells for the number at the side.
+_MIN_ROWS = 3  # Of a plot.
 _GLYPHS = {Phase.ARRIVED: "✓", Phase.DISPUTED: "?"}
 
 
 class Plot(NamedTuple):
-    """One reading over time."""
+    """A reading to be plotted over time.
+
+    Attributes:
+        title: Its name.
+        unit: Its unit.
+        decimals: Digits after the decimal point.
+        quantity: The reading in the history.
+        min_top: The least value at which the scale ends.
+        is_fixed: True if the scale always ends there.
+    """
 
     title: str
     unit: str
-    places: int  # behind the decimal point
+    decimals: int
     quantity: Quantity
-    least: float  # what the scale reaches at least
-    fixed: bool = False  # the scale reaches just that
+    min_top: float
+    is_fixed: bool = False
 
 
 def plots(robot: RobotFile) -> tuple[Plot, ...]:
-    """Those of what the robot reports."""
+    """Return a plot for each reading that the robot reports."""
     remaining = next((kind.remaining for kind in robot.goals[:1]), None)
     found = []
     if robot.battery is not None:
-        found.append(Plot("battery", "%", 0, "charge", 100.0, fixed=True))
+        found.append(Plot("battery", "%", 0, "charge", 100.0, is_fixed=True))
     if robot.motion is not None:
         found.append(Plot("speed", "m/s", 2, "speed", 0.5))
     if remaining is not None:
@@ -57,19 +66,25 @@ def plots(robot: RobotFile) -> tuple[Plot, ...]:
 def history_lines(
     shown: Sequence[Plot], view: View, span: float, width: int, height: int, more: str = ""
 ) -> list[Spans]:
-    """The plots below each other, the ends of goals, and the time that all of them share.
+    """Return the plots below each other, the marks of ended goals, and the time axis.
 
-    `more` says how they get more room, where they have too little.
+    Args:
+        shown: The plots.
+        view: The view with the history.
+        span: The time that the plots cover, in s.
+        width: The cells available.
+        height: The lines available.
+        more: How to get more room, said if there is too little.
     """
-    cells = width - _LABEL - 2
+    cells = width - _LABEL_WIDTH - 2
     rows = (height - 2) // max(len(shown), 1) - 1
-    if rows < _LEAST or cells < 10:
+    if rows < _MIN_ROWS or cells < 10:
         return [((f"too small for the plots{more}", OLD),)]
     lines: list[Spans] = []
-    latest = readings(view.snapshot, view.now)  # the newest sample may be a second old
+    latest = readings(view.snapshot, view.now)  # The newest sample may be a second old.
     for plot in shown:
         values = view.history.ranges(plot.quantity, span, 2 * cells, view.second)
-        mark = view.snapshot.threshold if plot.fixed else None
+        mark = view.snapshot.threshold if plot.is_fixed else None
         unit = (
             plot.unit
             if plot.quantity != "speed"
@@ -77,24 +92,24 @@ def history_lines(
         )
         lines += _plot(plot._replace(unit=unit.rstrip()), values, latest[plot.quantity], rows, mark)
     ends = end_marks(view.history.ends, view.time, span, cells)
-    lines.append(((" " * (_LABEL + 1), PLAIN), (ends, PLAIN)))
-    return [*lines, ((f"{'└':>{_LABEL + 1}}{_times(view, span, cells)}", OLD),)]
+    lines.append(((" " * (_LABEL_WIDTH + 1), PLAIN), (ends, PLAIN)))
+    return [*lines, ((f"{'└':>{_LABEL_WIDTH + 1}}{_time_axis(view, span, cells)}", OLD),)]
 
 
 def _plot(
     plot: Plot, values: Sequence[Range | None], latest: float | None, rows: int, mark: float | None
 ) -> list[Spans]:
     known = [value for both in values if both is not None for value in both]
-    low = 0.0 if plot.fixed else min([0.0, *known])
-    high = plot.least if plot.fixed else _round(max([plot.least, *known]))
-    form = f".{plot.places}f"
+    low = 0.0 if plot.is_fixed else min([0.0, *known])
+    high = plot.min_top if plot.is_fixed else _round_up(max([plot.min_top, *known]))
+    form = f".{plot.decimals}f"
     now = "--" if latest is None else format(latest, form)
     tone = WARN if mark is not None and latest is not None and latest < mark else ACTIVE
-    caption = (f"{'':{_LABEL + 2}}{plot.title} ", OLD), (f"{now} {plot.unit}", STRONG)
+    caption = (f"{'':{_LABEL_WIDTH + 2}}{plot.title} ", OLD), (f"{now} {plot.unit}", STRONG)
     lines: list[Spans] = [caption if mark is None else (*caption, (f"   low {mark:g}", OLD))]
     for row, text in enumerate(curve(values, low, high, rows, mark)):
         at = {0: high, rows - 1: low}.get(row)
-        side = f"{'' if at is None else f'{at:g}':>{_LABEL}}{'│' if at is None else '┤'} "
+        side = f"{'' if at is None else f'{at:g}':>{_LABEL_WIDTH}}{'│' if at is None else '┤'} "
         parts = (
             ("".join(part), EDGE if dashed else tone)
             for dashed, part in groupby(text, lambda char: char == MARK)
@@ -103,8 +118,8 @@ def _plot(
     return lines
 
 
-def _round(high: float) -> float:
-    """The smallest of 1, 2, 5, 10, ... that is not below it: a scale that seldom changes."""
+def _round_up(high: float) -> float:
+    """Return the next of 1, 2, 5, 10, ... so that the scale seldom changes."""
     power = 10.0 ** math.floor(math.log10(high))
     return next(step * power for step in (1, 2, 5, 10) if high <= step * power)
 
@@ -112,7 +127,7 @@ def _round(high: float) -> float:
 def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
     """Return a line with a mark for each goal that ended, where it did: `✓  ✓ 7   3✓ 1✗`.
 
-    The target stands behind a mark where there is room; marks that share a cell are counted.
+    The target stands after a mark if there is room; marks that share a cell are counted.
 
     Args:
         ends: The goals, the newest first.
@@ -120,20 +135,20 @@ def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
         span: How much time the line stands for, in s.
         cells: How long the line is.
     """
-    groups: list[tuple[int, list[Goal]]] = []  # the cell where each begins; from the right
+    groups: list[tuple[int, list[Goal]]] = []  # With the cell where each begins, from the right.
     for goal in ends:
         place, group = cells - 1 - int((now - goal.time) / span * cells), [goal]
         if not 0 <= place < cells:
             continue
-        while groups and place + _needed(group, groups[-1][1]) > groups[-1][0]:
+        while groups and place + _mark_width(group, groups[-1][1]) > groups[-1][0]:
             group = groups.pop()[1] + group
-            place = max(min(place, cells - len(_mark(group))), 0)
+            place = max(min(place, cells - len(_mark_text(group))), 0)
         groups.append((place, group))
     row = [" "] * cells
     for place, group in groups:
-        row[place : place + len(_mark(group))] = _mark(group)
+        row[place : place + len(_mark_text(group))] = _mark_text(group)
     for place, group in groups:
-        text = f"{_mark(group)} {_target(group[0])}".rstrip() if len(group) == 1 else ""
+        text = f"{_mark_text(group)} {_short_target(group[0])}".rstrip() if len(group) == 1 else ""
         at = min(place, cells - len(text))
         before = row[max(at - 1, 0) : place] if at < place else []
         around = before + row[place + 1 : at + len(text) + 1]
@@ -143,27 +158,27 @@ def end_marks(ends: Iterable[Goal], now: float, span: float, cells: int) -> str:
     return "".join(row[:cells])
 
 
-def _mark(group: Sequence[Goal]) -> str:
-    """A glyph, or how many there are of each: `3✓ 1✗`."""
+def _mark_text(group: Sequence[Goal]) -> str:
+    """Return a glyph, or the number of each of several glyphs: `3✓ 1✗`."""
     glyphs = Counter(_GLYPHS.get(goal.phase, "✗") for goal in group)
     if len(group) == 1:
         return next(iter(glyphs))
     return " ".join(f"{glyphs[glyph]}{glyph}" for glyph in "✓?✗" if glyphs[glyph])
 
 
-def _needed(group: Sequence[Goal], following: Sequence[Goal]) -> int:
-    """How many cells a mark takes, with the blank around a count."""
-    return len(_mark(group)) + (len(group) > 1 or len(following) > 1)
+def _mark_width(group: Sequence[Goal], following: Sequence[Goal]) -> int:
+    """Return how many cells a mark takes, with the blank around a count."""
+    return len(_mark_text(group)) + (len(group) > 1 or len(following) > 1)
 
 
-def _target(goal: Goal) -> str:
+def _short_target(goal: Goal) -> str:
     short = goal.target if goal.mine else ""
     return short if len(short) <= 8 else ""
 
 
-def _times(view: View, span: float, cells: int) -> str:
-    """`─ 11:54 ────── 11:59 ────── 12:04 `, as far apart as it shows."""
-    digits = 8 if span <= SPANS[0] else 5  # without seconds, or with them
+def _time_axis(view: View, span: float, cells: int) -> str:
+    """Return `─ 11:54 ────── 11:59 ────── 12:04 `, as far apart as the plots show."""
+    digits = 8 if span <= SPANS[0] else 5  # With seconds, or without.
     first, middle, last = (time_of_day(view.time - back)[:digits] for back in (span, span / 2, 0.0))
     gap = cells - 3 * digits - 5
     if gap < 2:
@@ -171,17 +186,17 @@ def _times(view: View, span: float, cells: int) -> str:
     return f" {first} {'─' * (gap // 2)} {middle} {'─' * (gap - gap // 2)} {last}"
 
 
-class Lines(ByLines):
-    """Rows of text, of which only those are drawn that changed."""
+class TextLines(LineWidget):
+    """Rows of text, of which only those that changed are redrawn."""
 
-    DEFAULT_CSS = "Lines { height: 1fr; width: 1fr; }"
+    DEFAULT_CSS = "TextLines { height: 1fr; width: 1fr; }"
 
     def __init__(self) -> None:
         super().__init__()
         self._lines: Sequence[Spans] = ()
 
     def show(self, lines: Sequence[Spans]) -> None:
-        """Show these instead."""
+        """Show other lines."""
         before, self._lines = self._lines, lines
         for y in range(max(len(before), len(lines))):
             if list(before[y : y + 1]) != list(lines[y : y + 1]):
@@ -195,7 +210,7 @@ class Lines(ByLines):
 
 
 class HistoryPanel(Panel, can_focus=True):
-    """Plots with one axis of time; drawn once a second, and only while it is shown.
+    """Plots with a common time axis, drawn once a second while they are visible.
 
     A reading that comes or goes is drawn at once.
     """
@@ -206,14 +221,14 @@ class HistoryPanel(Panel, can_focus=True):
     def __init__(self, robot: RobotFile) -> None:
         super().__init__()
         self._plots = plots(robot)
-        self._span = 1  # of SPANS
-        self._lines = Lines()
-        self._drawn: object = None
+        self._span = 1  # Index in SPANS.
+        self._lines = TextLines()
+        self._drawn_inputs: object = None
 
     def compose(self) -> ComposeResult:
         yield self._lines
 
-    def show(self, view: Shown) -> None:
+    def show(self, view: ScreenState) -> None:
         if not self.display:
             return
         span = SPANS[self._span]
@@ -221,16 +236,16 @@ class HistoryPanel(Panel, can_focus=True):
         latest = readings(view.snapshot, view.now)
         known = tuple(value is not None for value in latest.values())
         drawn = (view.second, self._span, self._lines.size, view.snapshot.history, known)
-        if drawn != self._drawn:
-            self._drawn = drawn
+        if drawn != self._drawn_inputs:
+            self._drawn_inputs = drawn
             is_full = self.screen.has_class("-full")
             more = "" if is_full else f": press {view.key('history')}"
             self._lines.show(history_lines(self._plots, view, span, *self._lines.size, more))
 
-    def look_back(self, by: int) -> None:
-        """Over a longer (1) or a shorter (-1) time."""
+    def change_span(self, by: int) -> None:
+        """Show a longer (1) or a shorter (-1) time."""
         self._span = min(max(self._span + by, 0), len(SPANS) - 1)
 
-    def can_look_back(self, by: int) -> bool:
-        """False at the longest and at the shortest."""
+    def can_change_span(self, by: int) -> bool:
+        """Return False if the span is the longest (1) or the shortest (-1) already."""
         return 0 <= self._span + by < len(SPANS)

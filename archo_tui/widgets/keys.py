@@ -7,7 +7,14 @@ from textual.style import Style
 
 
 def key_content(command: str, key: str, word: str, *, blocked: bool) -> Content:
-    """It can be clicked: the key is bold while it does something, else all is darker."""
+    """Return a key and its word, which can be clicked.
+
+    Args:
+        command: The id of the command.
+        key: The key, as a person reads it.
+        word: The word.
+        blocked: True if the command cannot run now: all of it is darker.
+    """
     if blocked:
         made = Content.styled(f"{key} {word}", "not bold $off")
     else:
@@ -16,5 +23,5 @@ def key_content(command: str, key: str, word: str, *, blocked: bool) -> Content:
 
 
 def click(action: str) -> Style:
-    """Of a text that does something when it is clicked: `action` is one of the app's."""
+    """Return the style of a text that runs one of the app's actions when it is clicked."""
     return Style.from_meta({"@click": f"app.{action}"})

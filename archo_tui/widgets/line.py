@@ -1,4 +1,4 @@
-"""One line of text that is redrawn only when it changes, and moves nothing around it."""
+"""A line of text that is redrawn only when it changes, and moves nothing around it."""
 
 from __future__ import annotations
 
@@ -17,50 +17,50 @@ from archo_tui.words.state import Spans
 
 
 class Line(Static):
-    """A fixed line: about 100 bytes a change, nothing when the text is the same."""
+    """A line of fixed height: a change costs about 100 bytes, an equal text nothing."""
 
     DEFAULT_CSS = "Line { height: 1; width: 1fr; text-wrap: nowrap; text-overflow: ellipsis; }"
 
     def __init__(self, **options: str) -> None:
         super().__init__("", **options)  # type: ignore[arg-type]
-        self._shown: Content | None = None
-        self._said: Spans | None = None  # what that was made of
+        self._content: Content | None = None
+        self._spans: Spans | None = None  # What the content was made of.
 
     @property
     def link_style(self) -> Style:
-        """Nothing of its own: what can be clicked looks as it is written."""
+        """Return no style: clickable text looks as written."""
         return Style()
 
     def render_lines(self, crop: Region) -> list[Strip]:
-        """As Textual's, but for what a line never has: border, padding, opacity.
+        """Render as Textual does, without border, padding and opacity, which a line never has.
 
-        That is more than half of what it costs, and lines are most of what changes.
+        They are more than half of the cost, and lines are most of what changes.
         """
         style, width = self.visual_style, self.region.width
         background = style.background
-        assert background is not None  # of a widget
+        assert background is not None  # A widget always has one.
         strips = Visual.to_strips(self, self.visual, width, 1, style)
         drawn = strips[0] if strips else Strip([])
         drawn = drawn.adjust_cell_length(width, _blank(background))
-        under = self.hover_style  # the mouse
-        if under.link_id and "@click" in under.meta:
-            drawn = drawn.style_links(under.link_id, self.link_style_hover)
+        hovered = self.hover_style  # The style under the mouse.
+        if hovered.link_id and "@click" in hovered.meta:
+            drawn = drawn.style_links(hovered.link_id, self.link_style_hover)
         for line_filter in self.get_line_filters():
             drawn = drawn.apply_filter(line_filter, background)
         whole = crop.column_span == (0, width)
         return [drawn if whole else drawn.crop(*crop.column_span)] * crop.height
 
-    def say(self, spans: Spans) -> None:
-        """Show these instead; nothing is made of what is the same."""
-        if spans != self._said:
+    def show_spans(self, spans: Spans) -> None:
+        """Show a text of spans; an equal one costs nothing."""
+        if spans != self._spans:
             self.show(content(spans))
-            self._said = spans
+            self._spans = spans
 
     def show(self, text: Content) -> None:
-        """Show this instead."""
-        self._said = None
-        if self._shown is None or not (text is self._shown or text.is_same(self._shown)):
-            self._shown = text
+        """Show a text; an equal one is not drawn."""
+        self._spans = None
+        if self._content is None or not (text is self._content or text.is_same(self._content)):
+            self._content = text
             self.update(text, layout=False)
 
 

@@ -1,4 +1,4 @@
-"""Panel 2: how the robot moves, its gauges, its commands, STOP."""
+"""Panel 2: the robot's motion, its gauges, its commands and STOP."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from archo_tui.robot_file.model import RobotFile
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.styled import aligned, content
 from archo_tui.words.state import PLAIN, STOPPED, gauge_line, motion_line, motion_word
 
 
 class MotionPanel(Panel, can_focus=True):
-    """Live count and speed, and the two buttons, far apart: the first command's and STOP."""
+    """Count, speed and state, and far apart two buttons: the first command's and STOP."""
 
     number = 2
 
@@ -43,14 +43,14 @@ class MotionPanel(Panel, can_focus=True):
         yield self._word
         with Horizontal(classes="buttons"):
             yield from (button for _, button in self._services)
-        yield from self._gauges  # below STOP: in a small terminal they are cut, and it is not
+        yield from self._gauges  # Below STOP, which a small terminal must not cut off.
 
-    def show(self, view: Shown) -> None:
+    def show(self, view: ScreenState) -> None:
         self.show_publishers(view, self._topic)
         self.show_keys(view)
         width = self._word.size.width
         line = ("", PLAIN), *motion_line(view.snapshot, view.now)
-        self._line.say(aligned(line, width))
+        self._line.show_spans(aligned(line, width))
         state = motion_word(view.snapshot, view.now, width)
         release = f" [u][@click=app.command('release')]({view.key('release')} releases)[/][/]"
         stopped = state == STOPPED
@@ -59,7 +59,7 @@ class MotionPanel(Panel, can_focus=True):
         if can_release:
             self._word.show(Content.assemble(content(state), Content.from_markup(release)))
         else:
-            self._word.say(state)
+            self._word.show_spans(state)
         for shown, reading in zip(self._gauges, view.snapshot.gauges, strict=False):
-            shown.say(aligned(gauge_line(reading, view.now), width))
-        self.grey(view, self._services)
+            shown.show_spans(aligned(gauge_line(reading, view.now), width))
+        self.dim_unavailable(view, self._services)

@@ -15,19 +15,19 @@ from archo_tui.robot.values import same, text_of
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.panel import Panel
 from archo_tui.widgets.rows import Columns, Rows, Text, column, crop, pad
+from archo_tui.widgets.screen_state import NONE_RECORDED, ScreenState
 from archo_tui.widgets.search import Search
-from archo_tui.widgets.shown import NONE_RECORDED, Shown
 
-_NODE, _NAME, _VALUE = (16, 28), 21, (8, 20)  # columns: least and most, or least
-_TYPE, _ALLOWED = (8, 9), (7, 11)
-FLASH = 0.6  # s
-_OF_EVERY_NODE = ("use_sim_time", "start_type_description_service")
-_OF_EVERY_TOPIC = "qos_overrides."
+_NODE_WIDTH, _NAME_WIDTH, _VALUE_WIDTH = (16, 28), 21, (8, 20)  # Least, or least and most, cells.
+_TYPE_WIDTH, _RANGE_WIDTH = (8, 9), (7, 11)
+FLASH = 0.6  # Seconds of a highlight.
+_STANDARD_NAMES = ("use_sim_time", "start_type_description_service")
+_STANDARD_PREFIX = "qos_overrides."
 _WAITING = "? waiting for the nodes to report their parameters"
 
 
 class ParametersPanel(Panel):
-    """A table of what the nodes reported; `*` marks what differs from the start."""
+    """The table of parameters; `*` marks those that differ from the start."""
 
     number, title_text = 4, "Parameters"
     keys = (
@@ -37,23 +37,25 @@ class ParametersPanel(Panel):
 
     def __init__(self) -> None:
         super().__init__()
-        self._shown: tuple[Parameter, ...] = ()
+        self._parameters: tuple[Parameter, ...] = ()
         self._only_changed = False
-        self._shows_ros_own = False
-        self._ros_own = 0  # how many of those are hidden, or would be
-        self.lines = 0  # that it needs for all, with the titles: a filter moves no other panel
-        self._flashing: frozenset[tuple[str, str]] = frozenset()  # changed by somebody else
+        self._shows_standard = False
+        self._standard_count = 0  # Standard parameters that the key hides or shows.
+        self.lines = 0  # Lines for everything with the titles, so that a filter moves no panel.
+        self._flashing: frozenset[tuple[str, str]] = (
+            frozenset()
+        )  # Changed by somebody else just now.
         self._rows: Rows[Parameter] = Rows(
-            self._drawn,
+            self._draw_parameter,
             lambda p: (p.node, p.name),
             id="parameters",
             empty=_WAITING,
             action="app.command('edit')",
             columns=lambda *measured: parameter_columns(*measured, both=self._only_changed),
         )
-        self.search = Search(self._rows, self._fill)
+        self.search = Search(self._rows, self._refill)
 
-        self._waiting = _WAITING  # what is said while there are none
+        self._waiting = _WAITING  # The text of an empty table.
         self._titles = Line(id="parameter-titles")
 
     def compose(self) -> ComposeResult:
@@ -62,84 +64,86 @@ class ParametersPanel(Panel):
         yield self.search.line
 
     def on_mount(self) -> None:
-        self._fill()
+        self._refill()
 
     @property
-    def operated(self) -> Widget:
+    def focus_target(self) -> Widget:
         return self._rows
 
     @property
     def shows_cursor(self) -> bool:
-        """True when a person sees which parameter is selected."""
+        """Return True once the operator has come to the list."""
         return self._rows.shows_cursor
 
     @property
     def selected(self) -> Parameter | None:
-        """The parameter under the cursor."""
+        """Return the parameter under the cursor."""
         return self._rows.item
 
-    def show(self, view: Shown) -> None:
+    def show(self, view: ScreenState) -> None:
         self.show_keys(view)
         if view.replay and self._waiting == _WAITING:
             self._waiting = NONE_RECORDED
-            self._fill()
-        if view.snapshot.parameters is not self._shown:
-            before, self._shown = self._shown, view.snapshot.parameters
+            self._refill()
+        if view.snapshot.parameters is not self._parameters:
+            before, self._parameters = self._parameters, view.snapshot.parameters
             if not view.changing:
                 self._flash(before)
-            self._fill()
-        self._show_ros_own(view)
+            self._refill()
+        self._show_standard_hint(view)
 
-    def _show_ros_own(self, view: Shown) -> None:
-        """Say in the title how many parameters of every ROS node its key shows, or hides."""
-        key, does = view.key("ros_own"), "hides" if self._shows_ros_own else "shows"
-        noun = "parameter" if self._ros_own == 1 else "parameters"
-        text = f"{key} {does} {self._ros_own} standard {noun}".lstrip()
+    def _show_standard_hint(self, view: ScreenState) -> None:
+        """Say in the title how many standard parameters of ROS a key shows or hides."""
+        key, does = view.key("ros_own"), "hides" if self._shows_standard else "shows"
+        noun = "parameter" if self._standard_count == 1 else "parameters"
+        text = f"{key} {does} {self._standard_count} standard {noun}".lstrip()
         note = f"   [not bold $quiet][@click=app.command('ros_own')]{text}[/][/]"
-        self.show_title(note if self._ros_own else "")
+        self.show_title(note if self._standard_count else "")
 
     def _flash(self, before: Sequence[Parameter]) -> None:
-        """What somebody else changed is seen by more than its new value, once."""
+        """Highlight for a moment what somebody else has changed."""
         values = {(p.node, p.name): p.value for p in before}
         names = (
-            (p.node, p.name) for p in self._shown if not same(p.value, values.get((p.node, p.name)))
+            (p.node, p.name)
+            for p in self._parameters
+            if not same(p.value, values.get((p.node, p.name)))
         )
         changed = frozenset(name for name in names if name in values)
         if changed and self.app.animation_level != "none":
             self._flashing = changed
-            self.set_timer(FLASH, self._flashed)
+            self.set_timer(FLASH, self._end_flash)
 
-    def _flashed(self) -> None:
+    def _end_flash(self) -> None:
         self._flashing = frozenset()
         self._rows.redraw()
 
-    def _drawn(self, parameter: Parameter, width: int, columns: Columns) -> list[Text]:
+    def _draw_parameter(self, parameter: Parameter, width: int, columns: Columns) -> list[Text]:
         lines = parameter_lines(parameter, width, columns, both=self._only_changed)
         if (parameter.node, parameter.name) not in self._flashing:
             return lines
         return [(text, f"{style} reverse".lstrip()) for text, style in lines]
 
     def toggle_changed(self) -> None:
-        """Only what differs from the start, or all."""
+        """Show only what differs from the start, or everything."""
         self._only_changed = not self._only_changed
-        self._rows.show(())  # what is left may be the same, and looks another way
-        self._fill()
+        self._rows.show(())  # The same rows may remain, but look different.
+        self._refill()
 
-    def toggle_ros_own(self) -> None:
-        """Hide the parameters that every node of ROS has, or show them."""
-        self._shows_ros_own = not self._shows_ros_own
-        self._fill()
+    def toggle_standard(self) -> None:
+        """Show or hide the parameters that every ROS node has."""
+        self._shows_standard = not self._shows_standard
+        self._refill()
 
-    def _fill(self) -> None:
-        shown, typed = self._shown, self.search.wanted
+    def _refill(self) -> None:
+        shown, typed = self._parameters, self.search.search_text
         empty = "nothing" if shown else self._waiting
-        others = tuple(p for p in shown if p.is_changed or not _is_ros_own(p))
-        self.lines = 1 + len(shown if self._shows_ros_own else others)
-        self._ros_own = 0
+        others = tuple(p for p in shown if p.is_changed or not _is_standard(p))
+        self.lines = 1 + len(shown if self._shows_standard else others)
+        self._standard_count = 0
         if not (self._only_changed or typed):
-            self._ros_own = len(shown) - len(others)
-            shown = shown if self._shows_ros_own else others
-            empty = "nothing but ROS's own" if self._ros_own else empty
+            self._standard_count = len(shown) - len(others)
+            shown = shown if self._shows_standard else others
+            empty = "nothing but ROS's own" if self._standard_count else empty
         if self._only_changed and shown:
             shown = tuple(p for p in shown if p.is_changed)
             empty = "nothing differs from the start"
@@ -151,7 +155,7 @@ class ParametersPanel(Panel):
         self._rows.empty = empty
         self._rows.show(shown)
         changed = "what differs from the start" if self._only_changed else ""
-        self.show_narrowed(changed, self.search.narrowed(len(shown), total))
+        self.show_narrowed(changed, self.search.summary(len(shown), total))
         self._show_titles()
 
     def on_resize(self) -> None:
@@ -163,13 +167,13 @@ class ParametersPanel(Panel):
         self._titles.show(Content.styled(titles, "bold"))
 
 
-def _is_ros_own(parameter: Parameter) -> bool:
-    """True for what every node of ROS has, whatever it is for."""
-    return parameter.name in _OF_EVERY_NODE or parameter.name.startswith(_OF_EVERY_TOPIC)
+def _is_standard(parameter: Parameter) -> bool:
+    """Return True for a parameter that every ROS node has."""
+    return parameter.name in _STANDARD_NAMES or parameter.name.startswith(_STANDARD_PREFIX)
 
 
-def _value(parameter: Parameter, both: bool) -> str:
-    """`0.5`, or with the start's `0.5 (was 0.8)`."""
+def _value_text(parameter: Parameter, both: bool) -> str:
+    """Return `0.5`, or with the value at the start `0.5 (was 0.8)`."""
     text = text_of(parameter.value)
     return f"{text} (was {text_of(parameter.initial)})" if both else text
 
@@ -177,21 +181,26 @@ def _value(parameter: Parameter, both: bool) -> str:
 def parameter_columns(
     parameters: Sequence[Parameter], width: int, *, both: bool = False
 ) -> Columns:
-    """Of nodes, names, values, types and ranges; 0 for one that has no room.
+    """Return the widths of nodes, names, values, types and ranges; 0 for one that does not fit.
 
     Name and value come first, then the node, the range, the type. A long name is cut in its middle,
-    a long range at its end, a value never: one that is longer moves its type.
+    a long range at its end, a value never: a longer one moves its type.
+
+    Args:
+        parameters: The parameters shown.
+        width: The cells available.
+        both: True if values are shown with those at the start.
     """
-    value = column((_value(p, both)[: _VALUE[1]] for p in parameters), *_VALUE)
-    room = width - value - _NAME - 3  # blanks, and the mark of a change
-    least, most = _NODE
+    value = column((_value_text(p, both)[: _VALUE_WIDTH[1]] for p in parameters), *_VALUE_WIDTH)
+    room = width - value - _NAME_WIDTH - 3  # Blanks, and the mark of a change.
+    least, most = _NODE_WIDTH
     node = least if room >= least + 2 else 0
     room -= node + 2 if node else 0
     ranges = [range_text(p) for p in parameters]
-    allowed = column(ranges, *_ALLOWED)
+    allowed = column(ranges, *_RANGE_WIDTH)
     allowed = allowed if node and room >= allowed + 2 else 0
     room -= allowed + 2 if allowed else 0
-    kind = column((p.type for p in parameters), *_TYPE)
+    kind = column((p.type for p in parameters), *_TYPE_WIDTH)
     kind = kind if allowed and room >= kind + 1 else 0
     room -= kind + 1 if kind else 0
     if allowed:
@@ -201,18 +210,18 @@ def parameter_columns(
         nodes = {p.node.lstrip("/") for p in parameters}
         node = column(nodes, least, min(most, least + max(room, 0)))
         room -= node - least
-    name = column((p.name for p in parameters), _NAME, _NAME + max(room, 0))
+    name = column((p.name for p in parameters), _NAME_WIDTH, _NAME_WIDTH + max(room, 0))
     return node, name, value, kind, allowed
 
 
 def parameter_lines(
     parameter: Parameter, _width: int, columns: Columns, *, both: bool = False
 ) -> list[Text]:
-    """`motor_controller  max_speed   0.5 *  double    0.05 .. 2`."""
+    """Return `motor_controller  max_speed   0.5 *  double    0.05 .. 2`."""
     line = _line(
         parameter.node.lstrip("/"),
         harmless(parameter.name),
-        harmless(_value(parameter, both)),
+        harmless(_value_text(parameter, both)),
         "*" if parameter.is_changed else "",
         parameter.type,
         range_text(parameter),

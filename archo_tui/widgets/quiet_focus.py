@@ -1,4 +1,4 @@
-"""A widget that is not drawn anew because the focus comes or goes."""
+"""The base of widgets that are not redrawn when the focus comes or goes."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from textual.widget import Widget
 
 
 class QuietFocus(Widget):
-    """Base of those whose `watch_has_focus` draws what changes; the last one, as ByLines."""
+    """A widget whose `watch_has_focus` redraws what changes; listed last among the bases."""
 
     def on_focus(self, event: events.Focus) -> None:
-        event.prevent_default()  # Textual draws all of it, and all that it contains
+        event.prevent_default()  # Textual would redraw the widget and its children.
         self.has_focus = True
 
     def on_blur(self, event: events.Blur) -> None:

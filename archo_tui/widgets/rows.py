@@ -1,4 +1,4 @@
-"""A list with a cursor that draws only the lines that are seen, and only those that changed."""
+"""A list with a cursor that draws only visible lines, and only those that changed."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from textual.geometry import Region, Size
 from textual.scroll_view import ScrollView
 from textual.strip import Strip
 
-from archo_tui.widgets.by_lines import ByLines
+from archo_tui.widgets.line_widget import LineWidget
 from archo_tui.widgets.quiet_focus import QuietFocus
 
 T = TypeVar("T")
-Text = tuple[str, str]  # a line and its Rich style, or QUIET
-QUIET = "quiet"  # the theme's tone of that name
-Columns = tuple[int, ...]  # their widths in cells
+Text = tuple[str, str]  # A line and its Rich style, or QUIET.
+QUIET = "quiet"  # The theme's tone of that name.
+Columns = tuple[int, ...]  # Their widths, in cells.
 
-_MEASURED = 100  # first lines whose length decides how far the list scrolls sideways
+_MAX_MEASURED = 100  # Lines whose length decides how far the list scrolls sideways.
 
 
 def pad(text: str, width: int) -> str:
-    """Text in `width` cells of a terminal, with blanks behind it, or `…` in its middle."""
+    """Return a text in exactly `width` cells, with `…` in its middle if it is cut."""
     if cell_len(text) > width:
         head = set_cell_size(text, max(width - 1, 0) // 2)
         tail = text[len(head) :]
@@ -39,24 +39,24 @@ def pad(text: str, width: int) -> str:
 
 
 def crop(text: str, width: int) -> str:
-    """Text in at most `width` cells, with `…` at its end where it is cut: no digit ends there."""
+    """Return a text in at most `width` cells, with `…` at its end if it is cut."""
     if cell_len(text) > width:
-        text = text.rstrip()  # blanks need no ellipsis
+        text = text.rstrip()  # Blanks at the end need no ellipsis.
     return text if cell_len(text) <= width else set_cell_size(text, max(width - 1, 0)) + "…"
 
 
 def column(texts: Iterable[str], least: int, most: int) -> int:
-    """The width of a column that is as wide as its texts, within bounds."""
+    """Return the width of a column as wide as its texts, within bounds."""
     return max(least, min(most, max(map(cell_len, texts), default=0)))
 
 
-class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
-    """Items by the thousand cost what the seen ones cost; the cursor stays with its item."""
+class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
+    """A list whose cost depends on the visible items only; the cursor stays with its item."""
 
     KEYS = ("up", "down", "pageup", "pagedown", "home", "end", "ctrl+home", "ctrl+end")
     BINDINGS = [Binding(key, f"press('{key}')", show=False) for key in KEYS]
 
-    without_focus = False  # the cursor is shown without it, too
+    without_focus = False  # True shows the cursor also without the focus.
 
     def __init__(
         self,
@@ -69,55 +69,62 @@ class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
         wraps: bool = False,
         columns: Callable[[Sequence[T], int], Columns] = lambda *_: (),
     ) -> None:
-        """`lines(item, width, columns)` draws an item: one line unless `wraps`.
+        """Create an empty list.
 
-        `key` tells items apart; `columns(items, width)` says how wide what is shown needs them.
-        A click on the item that has the cursor runs `action`.
+        Args:
+            lines: Draws an item; called with the item, the width and the columns' widths.
+            key: Returns what identifies an item.
+            id: The widget's id, for CSS.
+            empty: The text of an empty list.
+            action: Run when the item under the cursor is clicked; "" for none.
+            wraps: True if an item may take several lines.
+            columns: Returns the widths of columns; called with the items and the width.
         """
         super().__init__(id=id)
         self._action = action
         self._draw, self._key, self._empty, self._wraps = lines, key, empty, wraps
         self._items: Sequence[T] = ()
-        # when they wrap: what was laid out, the lines of each, and its first line
-        self._laid: Sequence[T] = ()
+        # If items wrap: the items laid out, the lines of each, and the number of its first line.
+        self._laid_out: Sequence[T] = ()
         self._lines: list[Sequence[Text]] = []
         self._starts: list[int] = []
-        self._seen: dict[int, tuple[Text, bool]] = {}  # what each line of the window shows
+        self._drawn_lines: dict[int, tuple[Text, bool]] = {}  # What each visible line shows.
         self._measure = columns
         self.columns: Columns = ()
-        self._width = 0  # that the lines were laid out for: the window's may be newer
+        self._width = 0  # The width of the layout; the widget's own may be newer.
         self.cursor = 0
-        self.shows_cursor = False  # not before a person came to the list
+        self.shows_cursor = False
 
     @property
     def items(self) -> Sequence[T]:
-        """What is shown."""
+        """Return the items shown."""
         return self._items
 
     @property
     def empty(self) -> str:
-        """What stands there when there are no items."""
+        """Return the text of an empty list."""
         return self._empty
 
     @empty.setter
     def empty(self, text: str) -> None:
+        """Return the text of an empty list."""
         if text != self._empty:
             self._empty = text
-            if not self._items:  # else it is not seen
+            if not self._items:  # Otherwise the text is not visible.
                 self.redraw()
 
     @property
     def item(self) -> T | None:
-        """The item under the cursor."""
+        """Return the item under the cursor, or None in an empty list."""
         return self._items[self.cursor] if self.cursor < len(self._items) else None
 
     @property
     def item_key(self) -> object:
-        """What tells the item under the cursor from others."""
+        """Return what identifies the item under the cursor."""
         return None if self.item is None else self._key(self.item)
 
     def show(self, items: Sequence[T]) -> None:
-        """Show these. A cursor on the first line stays there, where what is new appears."""
+        """Show other items. A cursor on the first line stays there, since new items come first."""
         if items == self._items:
             return
         here = self.item
@@ -129,82 +136,82 @@ class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
         self._lay_out()
 
     def redraw(self) -> None:
-        """Draw the seen lines that look another way now."""
+        """Redraw the visible lines that have changed."""
         top = self.scroll_offset.y
         for y in range(self.size.height):
-            if self._seen.get(y) != self._line(top + y):
+            if self._drawn_lines.get(y) != self._line_at(top + y):
                 self.refresh(Region(0, y, self.size.width, 1))
 
     def on_resize(self) -> None:
         self._lay_out()
 
     def show_cursor(self) -> None:
-        """A person came to the list: show which item is meant, whenever it has the focus."""
+        """Show the cursor from now on, because the operator has come to the list."""
         if not self.shows_cursor:
             self.shows_cursor = True
             self.redraw()
 
     def watch_has_focus(self, focused: bool) -> None:
-        """Show or hide the cursor; no style is for `:focus`, and Textual would look for some."""
+        """Show or hide the cursor, without Textual's search for `:focus` styles."""
         self.redraw()
 
     def _lay_out(self) -> None:
         before, had_bar = (self._width, self.columns), self.show_vertical_scrollbar
         self._width = self.scrollable_content_region.width
         self.columns = self._measure(self._items, self._width)
-        anew = (self._width, self.columns) != before
-        total = self._wrap(anew) if self._wraps else len(self._items)
-        size = Size(max(self._longest(), 1), total)
+        is_changed = (self._width, self.columns) != before
+        total = self._wrap(is_changed) if self._wraps else len(self._items)
+        size = Size(max(self._longest_line(), 1), total)
         if not had_bar and self._fits(size) and self._fits(self.virtual_size):
-            self.set_reactive(Rows.virtual_size, size)  # the screen need not be laid out for it
-            self._draw_again(anew)
+            self.set_reactive(Rows.virtual_size, size)  # Spares a layout of the screen.
+            self._redraw_all_or_changed(is_changed)
         elif size != self.virtual_size:
             self.virtual_size = size
-            self._keep_cursor_in_sight()
-            if self._scrolls != had_bar:  # Textual looks at this only when the size changes
+            self._scroll_to_cursor()
+            if self._is_scrollable != had_bar:  # Textual checks it on resize only.
                 self._refresh_scrollbars()
             self.refresh()
-            if self.show_vertical_scrollbar != had_bar:  # it takes a column, or gives one back
+            if self.show_vertical_scrollbar != had_bar:  # The bar takes a column.
                 self._lay_out()
         else:
-            self._draw_again(anew)
+            self._redraw_all_or_changed(is_changed)
 
-    def _draw_again(self, anew: bool) -> None:
-        if anew:  # lines that are the same may be cut elsewhere
+    def _redraw_all_or_changed(self, is_changed: bool) -> None:
+        if is_changed:  # Equal lines may be cut elsewhere.
             self.refresh()
         else:
             self.redraw()
 
     def _fits(self, size: Size) -> bool:
-        """True when nothing of it needs scrolling."""
+        """Return True if a list of this size needs no scrolling."""
         return size.width <= self._width and size.height <= self.container_size.height
 
-    def _wrap(self, anew: bool) -> int:
-        """Lay out the items that are new, or all of them; returns how many lines there are."""
-        known = {} if anew else dict(zip(map(id, self._laid), self._lines, strict=True))
-        self._lines = [known.get(id(item)) or self._drawn(item) for item in self._items]
-        self._laid = self._items  # kept, so that no other object gets one of their ids
+    def _wrap(self, is_changed: bool) -> int:
+        """Lay out new items, or all if widths changed, and return the number of lines."""
+        known = {} if is_changed else dict(zip(map(id, self._laid_out), self._lines, strict=True))
+        self._lines = [known.get(id(item)) or self._draw_item(item) for item in self._items]
+        self._laid_out = self._items  # Keeps the objects alive, whose ids are the keys above.
         *self._starts, total = accumulate(map(len, self._lines), initial=0)
         return total
 
     def _lines_of(self, number: int) -> Sequence[Text]:
-        return self._lines[number] if self._wraps else self._drawn(self._items[number])
+        return self._lines[number] if self._wraps else self._draw_item(self._items[number])
 
-    def _drawn(self, item: T) -> Sequence[Text]:
+    def _draw_item(self, item: T) -> Sequence[Text]:
         return self._draw(item, self._width, self.columns)
 
     @property
-    def _scrolls(self) -> bool:
-        """True when not all lines have room."""
+    def _is_scrollable(self) -> bool:
+        """Return True if not all lines are visible."""
         return self.virtual_size.height > self.container_size.height
 
-    def _longest(self) -> int:
-        measured = range(min(len(self._items), _MEASURED))
+    def _longest_line(self) -> int:
+        measured = range(min(len(self._items), _MAX_MEASURED))
         lines = (line for number in measured for line in self._lines_of(number))
         return max((cell_len(text) for text, _ in lines), default=0)
 
-    def _line(self, row: int) -> tuple[Text, bool]:
-        """What stands on a line of the whole list, and whether the cursor is on it."""
+    def _line_at(self, row: int) -> tuple[Text, bool]:
+        """Return the text of a line of the whole list, and True if the cursor is on it."""
         number, part = row, 0
         if self._wraps and row < self.virtual_size.height:
             number = self._number_at(row)
@@ -218,8 +225,8 @@ class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
         return bisect_right(self._starts, row) - 1 if self._wraps else row
 
     def render_line(self, y: int) -> Strip:
-        seen = self._line(self.scroll_offset.y + y)
-        self._seen[y] = seen
+        seen = self._line_at(self.scroll_offset.y + y)
+        self._drawn_lines[y] = seen
         (text, style), selected = seen
         width, left = self.size.width, self.scroll_offset.x
         text = crop(text, left + self._width)
@@ -227,23 +234,23 @@ class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
         quiet = style == QUIET
         drawn = base + Style.parse(self.app.theme_variables[QUIET] if quiet else style or "none")
         if selected:
-            base = drawn = drawn + Style(reverse=not drawn.reverse)  # what flashes still does
+            base = drawn = drawn + Style(
+                reverse=not drawn.reverse
+            )  # A highlighted row stays visible.
         return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)
-
-    # the cursor
 
     def action_press(self, key: str) -> None:
         """Move the cursor by one of KEYS; the first `down` shows it where it is."""
-        page, all_of_them = max(self.size.height - 1, 1), len(self._items)
+        page, count = max(self.size.height - 1, 1), len(self._items)
         by = {"up": -1, "down": int(self.shows_cursor), "pageup": -page, "pagedown": page}
-        way = by.get(key, -all_of_them if key.endswith("home") else all_of_them)
+        way = by.get(key, -count if key.endswith("home") else count)
         self._move(way)
 
     def _move(self, by: int) -> None:
         last = max(len(self._items) - 1, 0)
         self.shows_cursor = True
         self.cursor = min(max(self.cursor + by, 0), last)
-        self._keep_cursor_in_sight()
+        self._scroll_to_cursor()
         self.redraw()
 
     async def on_click(self, event: events.Click) -> None:
@@ -256,7 +263,7 @@ class Rows(ScrollView, ByLines, QuietFocus, Generic[T], can_focus=True):
         elif self._action:
             await self.run_action(self._action)
 
-    def _keep_cursor_in_sight(self) -> None:
+    def _scroll_to_cursor(self) -> None:
         if self.item is None:
             return
         first = self._starts[self.cursor] if self._wraps else self.cursor

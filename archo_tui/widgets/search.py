@@ -1,4 +1,4 @@
-"""A field that narrows the list above it; not there until it is opened."""
+"""A search field that narrows the list above it, hidden until it is opened."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from archo_tui.widgets.field import Field
 
 
 class SearchLine(Horizontal):
-    """`/ brake   2 of 14`: the field, and how much it leaves; not there until it is opened."""
+    """The line `/ brake   2 of 14`: the field, and how many rows it leaves."""
 
     DEFAULT_CSS = """
         SearchLine { display: none; height: 1; dock: bottom; }
@@ -24,26 +24,26 @@ class SearchLine(Horizontal):
     def __init__(self, search: Search) -> None:
         super().__init__()
         self._search = search
-        self._count = ""
+        self._count_text = ""
 
     def compose(self) -> ComposeResult:
         yield self._search
 
     def render(self) -> Content:
-        """What stands around the field."""
-        room = max(self.size.width - 1, len(self._count))
-        return Content.assemble("/", (f"{self._count:>{room}}", "$quiet"))
+        """Return the text around the field."""
+        room = max(self.size.width - 1, len(self._count_text))
+        return Content.assemble("/", (f"{self._count_text:>{room}}", "$quiet"))
 
-    def count(self, shown: int, total: int) -> None:
-        """Show how many rows the search leaves, of how many."""
+    def show_count(self, shown: int, total: int) -> None:
+        """Show how many rows of how many the search leaves."""
         count = f"{shown} of {total}"
-        if count != self._count:
-            self._count = count
+        if count != self._count_text:
+            self._count_text = count
             self.refresh()
 
 
 class Search(Field):
-    """`/` opens it, enter leaves it and keeps the filter, escape takes both away."""
+    """The search field: enter leaves it and keeps the filter, escape clears it."""
 
     def __init__(self, target: Widget, changed: Callable[[], object]) -> None:
         super().__init__(placeholder="type to search", changed=changed, submitted=self._leave)
@@ -51,22 +51,22 @@ class Search(Field):
         self.line = SearchLine(self)
 
     def open(self) -> None:
-        """Show it and type into it."""
+        """Show the field and focus it."""
         self._show(True)
         self.screen.set_focus(self)
 
     @property
-    def wanted(self) -> str:
-        """What rows must contain, harmless to show; empty: all of them are shown."""
+    def search_text(self) -> str:
+        """Return the text that rows must contain, harmless to print; "" for all rows."""
         return harmless(self.value.strip())
 
-    def narrowed(self, shown: int, total: int) -> str:
-        """Return `/ brake: 2 of 14` for the panel's title, empty when nothing is searched for."""
-        self.line.count(shown, total)
-        return f"/ {self.wanted}: {shown} of {total}" if self.wanted else ""
+    def summary(self, shown: int, total: int) -> str:
+        """Return `/ brake: 2 of 14` for the panel's title, or "" without a search."""
+        self.line.show_count(shown, total)
+        return f"/ {self.search_text}: {shown} of {total}" if self.search_text else ""
 
     def close(self) -> None:
-        """Show everything again."""
+        """Clear the search and hide the field."""
         self.clear()
         self._leave()
 
@@ -77,10 +77,10 @@ class Search(Field):
     def _show(self, is_open: bool) -> None:
         self.line.display = is_open
         for panel in self.line.ancestors:
-            if panel.has_class("panel"):  # a low one gets more rows, else nothing found is seen
+            if panel.has_class("panel"):  # CSS makes a low panel higher while its search is open.
                 self.screen.set_class(is_open, f"-search-{panel.id}")
 
     def matches(self, *texts: str) -> bool:
-        """True when one of the texts has the letters in it, small or capital."""
+        """Return True if one of the texts contains the search text, in any case."""
         wanted = self.value.strip().casefold()
         return not wanted or any(wanted in text.casefold() for text in texts)

@@ -1,4 +1,4 @@
-"""How the tones of a text look."""
+"""The styles of the tones of a text."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STYLES = {
 }
 
 
-# the bar goes on beneath its mark: its colour, or the shade that `░` makes of it
+# A mark on a bar shows the bar behind it: its colour, or the shade of `░`.
 STYLES |= {
     marked_tone(tone): f"{STYLES[tone]} reverse" for tone in (ACTIVE, STRONG, OLD, WARN, BAD)
 }
@@ -30,7 +30,7 @@ STYLES[marked_tone(EDGE)] = "$foreground on $shade"
 
 
 def aligned(spans: Spans, width: int) -> Spans:
-    """The first span at the left end of `width` cells, the numbers behind it at the right one."""
+    """Return spans with the first at the left end and the numbers at the right end."""
     (left, tone), *numbers = spans
     left, texts = left.rstrip(), [(text.strip(), of) for text, of in numbers]
     room = width - cell_len(left) - sum(cell_len(text) for text, _ in texts)
@@ -41,12 +41,12 @@ def aligned(spans: Spans, width: int) -> Spans:
 
 
 def content(spans: Spans) -> Content:
-    """A text of spans as Textual draws it."""
+    """Return spans as Textual's Content."""
     return Content.assemble(*((text, STYLES[tone]) for text, tone in spans))
 
 
 def rich_style(tone: str, variables: Mapping[str, str]) -> Style:
-    """How a tone looks to Rich, by the variables of the theme."""
+    """Return a tone as a Rich style, by the variables of the theme."""
     words = STYLES[tone].split()
     named = next((variables[word[1:]] for word in words if word.startswith("$")), None)
     colour = None if named is None else Color.parse(named).rich_color

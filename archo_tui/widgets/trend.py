@@ -1,39 +1,39 @@
-"""How the charge went, and when it will be empty or full. Pure: samples in, text out."""
+"""The charge over the last minutes, and when the battery will be empty. Pure functions."""
 
 from __future__ import annotations
 
-Samples = tuple[tuple[float, float], ...]  # (monotonic s, %), oldest first
+Samples = tuple[tuple[float, float], ...]  # Pairs of monotonic s and %, oldest first.
 
 _BARS = "▁▂▃▄▅▆▇█"
-_CELL = 5.0  # s that one bar stands for
-_LEAST_SPAN = 5.0  # % from the lowest to the highest bar, so that noise looks like noise
-_WINDOW = 30.0  # s that the estimate looks back
-_ENOUGH = 3.0  # s of samples without which there is no estimate
+_BAR_SECONDS = 5.0
+_MIN_SPAN = 5.0  # In %, from the lowest to the highest bar, so that noise looks like noise.
+_WINDOW = 30.0  # Seconds of samples for the estimate.
+_MIN_SAMPLED = 3.0  # Seconds of samples below which there is no estimate.
 
 
 def sparkline(samples: Samples, width: int) -> str:
-    """One bar for every 5 s, the newest at the right end, and between what they lie.
+    """Return a bar for every 5 s, the newest at the right end, and their range.
 
-    `     ▇▇▆▅▅▄ 18 .. 24 %` in `width` cells, with as many bars as there is room for.
+    An example is `     ▇▇▆▅▅▄ 18 .. 24 %`, with as many bars as fit into `width` cells.
     """
     cells: dict[int, float] = {}
     for at, percentage in samples:
-        cells[int(at // _CELL)] = percentage
+        cells[int(at // _BAR_SECONDS)] = percentage
     shown = [cells[cell] for cell in sorted(cells)][-(width - len(" 100 .. 100 %")) :]
     if not shown:
         return ""
     low, high = min(shown), max(shown)
-    span = max(high - low, _LEAST_SPAN)
+    span = max(high - low, _MIN_SPAN)
     bars = "".join(_BARS[int((value - low) / span * (len(_BARS) - 1))] for value in shown)
     return f"{bars} {low:.0f} .. {high:.0f} %".rjust(width)
 
 
-def end_text(samples: Samples, *, charging: bool) -> str:
-    """`empty in about 2 min`, or an empty string when that cannot be told."""
+def time_left_text(samples: Samples, *, charging: bool) -> str:
+    """Return `empty in about 2 min`, or "" if that cannot be estimated."""
     seconds = _seconds_to_end(samples, charging)
     if seconds is None:
         return ""
-    return f"{'full' if charging else 'empty'} in about {_rough(seconds)}"
+    return f"{'full' if charging else 'empty'} in about {_round_duration(seconds)}"
 
 
 def _seconds_to_end(samples: Samples, charging: bool) -> float | None:
@@ -42,14 +42,14 @@ def _seconds_to_end(samples: Samples, charging: bool) -> float | None:
     last_at, last = samples[-1]
     at, percentage = next(sample for sample in samples if last_at - sample[0] <= _WINDOW)
     gained = last - percentage if charging else percentage - last
-    if last_at - at < _ENOUGH or gained <= 0:
+    if last_at - at < _MIN_SAMPLED or gained <= 0:
         return None
     left = 100.0 - last if charging else last
     return left * (last_at - at) / gained
 
 
-def _rough(seconds: float) -> str:
-    """An estimate, no finer than it is good."""
+def _round_duration(seconds: float) -> str:
+    """Return an estimate of a duration, as coarse as it is uncertain."""
     if seconds < 100:
         return f"{max(round(seconds, -1), 10):.0f} s"
     if seconds < 5400:

@@ -112,7 +112,7 @@ async def test_tab_and_a_click_bring_the_bar_too() -> None:
             quiet = Quiet(app)
             await quiet.settle()
             if come == "click":
-                rows = app.main.parameters.operated.region
+                rows = app.main.parameters.focus_target.region
                 click(app, rows.x + 2, rows.y)
             else:
                 send(app, come)

@@ -57,7 +57,7 @@ def shown(app: ArchoApp) -> dict[str, object]:
 
 def said(line: Line) -> str:
     """Without what can be pressed there."""
-    text = "" if line._shown is None else line._shown.plain
+    text = "" if line._content is None else line._content.plain
     pressed = r"   \(a.*| \(R releases\)|, then press R to release|   n continue   k skip"
     return re.sub(pressed, "", text).rstrip()
 

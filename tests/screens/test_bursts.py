@@ -130,13 +130,13 @@ class Desk:
             main.events.next_level()
         if main.parameters._only_changed:
             main.parameters.toggle_changed()
-        if main.parameters._shows_ros_own:
-            main.parameters.toggle_ros_own()
+        if main.parameters._shows_standard:
+            main.parameters.toggle_standard()
         for rows in main.query(Rows).results():
             rows.cursor, rows.shows_cursor = 0, False
         main.goal.fields[0].clear()
-        main.goal.recalls([])
-        main.goal.board._place = 0
+        main.goal.set_typed([])
+        main.goal.board._index = 0
         main.focus_panel(4)
         main.parameters._rows.shows_cursor = False
         main._before = None
@@ -156,7 +156,7 @@ class Desk:
         """What a person sees and can go on with, and what the robot was asked for."""
         app = self.app
         standing = [s for s in app.screen_stack if not (isinstance(s, Leaving) and s.has_left)]
-        found: list[object] = [self.robot.asked[:], app.theme, app.main.goal.board._place]
+        found: list[object] = [self.robot.asked[:], app.theme, app.main.goal.board._index]
         found += [sorted(name for name in app.main.classes if name.startswith("-full"))]
         for screen in standing:
             focused = screen.focused

@@ -145,7 +145,7 @@ async def test_a_list_that_grows_shows_all_of_it_and_then_scrolls(
     async with app.run_test(size=size):
         quiet = Quiet(app)
         await quiet.settle()
-        rows = app.main.events.operated
+        rows = app.main.events.focus_target
         for number in range(2 * rows.size.height):
             event = Event(TIME + number, "WARN", "node", f"line {'x' * number}", number=number)
             events = (*events, event)

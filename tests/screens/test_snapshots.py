@@ -140,7 +140,7 @@ async def test_every_state_looks_as_accepted_in_every_size(request: pytest.Fixtu
                 # no state knows of the one before
                 app.station._board, app.station.history = AlarmBoard(), History()
                 for panel in (app.main.nodes, app.main.history, app.main.graph):
-                    panel._drawn = None
+                    panel._drawn_inputs = None
                 app.has_sent = False
                 for clock.passed in (-3.0, 0.0):  # on-delays of alarms have passed
                     robot.put(snapshot)

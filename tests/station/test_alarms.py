@@ -34,7 +34,7 @@ from archo_tui.station.alarms import (
 from archo_tui.station.history import History
 from archo_tui.station.station import View
 from archo_tui.widgets.bars import banner, header
-from archo_tui.widgets.shown import Shown
+from archo_tui.widgets.screen_state import ScreenState
 from tests.support.clock import NOW
 from tests.support.states import BATTERY, MOTOR, NORMAL, STATES
 
@@ -201,7 +201,9 @@ def test_the_board_keeps_to_the_machine(state: State) -> None:
 
 
 def shown(board: AlarmBoard) -> str:
-    view = Shown(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys={"ack": "a"})
+    view = ScreenState(
+        NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys={"ack": "a"}
+    )
     return banner(view, 80).plain.strip()
 
 
@@ -337,7 +339,7 @@ def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
     board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 0, 100)
     board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 3, 103)
     keys = {"ack": "a", "charge": "c"}
-    view = Shown(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys=keys)
+    view = ScreenState(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys=keys)
     assert "dock the robot, or press c to charge" in banner(view, 120).plain
     nobody_charges = replace(view, blocked=frozenset({"charge"}))
     assert "press c" not in banner(nobody_charges, 120).plain

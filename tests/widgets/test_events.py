@@ -63,7 +63,7 @@ async def test_page_keys_move_by_what_is_seen() -> None:
         await op.until(f"line {'x' * 59}")
         await op.press("6")
         events, places = op.app.main.events, []
-        height = events.operated.size.height
+        height = events.focus_target.size.height
         assert height > 4
         for key in ("pagedown", "pagedown", "pageup", "end", "pageup", "home"):
             await op.press(key)

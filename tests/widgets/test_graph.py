@@ -187,7 +187,7 @@ async def test_it_costs_nothing_while_nothing_in_it_changes(
         send(app, "8")
         await quiet.settle()
         drawn: list[object] = []
-        shown = app.main.graph.operated
+        shown = app.main.graph.focus_target
         monkeypatch.setattr(shown, "refresh", lambda *_, **__: drawn.append(1))
         for second in range(3):
             clock.passed += 1.0
@@ -226,7 +226,7 @@ async def test_the_lists_get_what_they_need_and_the_events_the_rest() -> None:
         assert main.parameters.region.height == 23
         send(app, "4", "slash", *"gain_7")  # moves nothing
         await quiet.settle()
-        assert len(app.main.parameters.operated.items) == 1  # type: ignore[attr-defined]
+        assert len(app.main.parameters.focus_target.items) == 1  # type: ignore[attr-defined]
         assert main.parameters.region.height == 23
 
 
@@ -238,7 +238,7 @@ async def test_who_hears_nothing_stands_below_its_topic_and_in_what_enter_opens(
         quiet = Quiet(app)
         send(app, "8")
         await quiet.settle()
-        below = app.main.graph.operated.render_line(1).text.strip()
+        below = app.main.graph.focus_target.render_line(1).text.strip()
         assert below.startswith("viewer hears nothing of lidar on /scan")
         send(app, "enter")
         await quiet.settle()

@@ -117,7 +117,7 @@ async def test_a_parameter_set_by_somebody_else_flashes_once(
         op.session.host.nodes[2].node.set_parameters([Parameter("wheel_radius", value=0.07)])
         await op.until("0.07 *")
         assert flashes()
-        op.app.main.parameters._flashed()  # its time is over
+        op.app.main.parameters._end_flash()  # its time is over
         await op.settle()
         assert not flashes()
 

@@ -1,0 +1,29 @@
+"""The state that the screen shows: the station's view, and the keys of the commands."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from archo_tui.station.station import View
+
+NONE_RECORDED = "-- none recorded"  # The text of an empty list in a replay.
+
+
+@dataclass(frozen=True)
+class ScreenState(View):
+    """The station's view, with what only a screen needs.
+
+    Attributes:
+        keys: The key of each command by its id, as a person reads it.
+        blocked: The ids of commands that cannot run now.
+        is_first: True if this user has never sent a goal.
+    """
+
+    keys: Mapping[str, str] = field(default_factory=dict)
+    blocked: frozenset[str] = frozenset()
+    is_first: bool = False
+
+    def key(self, command: str) -> str:
+        """Return the key of a command by its id, or "" if it has none."""
+        return self.keys.get(command, "")
