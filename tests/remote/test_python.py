@@ -395,6 +395,7 @@ async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
     monkeypatch.setattr(Desk, "gone", left)
     async with served(ros_args=LONG) as person:
         await typed("wait", "ready")
+        await until(has_left.is_set)
         has_left.clear()
         with reached() as program:
             request = {"id": 1, "words": ["go", "12"], "wait": True, "timeout": 60}
