@@ -349,7 +349,7 @@ class ArchoApp(KeyedApp):
             earlier = [old for old in before if old not in since]
             self.main.goal.set_typed([*earlier, *since][-recall.MOST :])
 
-    # what the station asks for (its Face)
+    # what the station asks for (its Frontend)
 
     @property
     def has_person(self) -> bool:

@@ -391,7 +391,7 @@ def _speak(options: Namespace, words: Sequence[str]) -> int:
         _complain(f"{wrong}: STOP is sent anyway")
     if options.engine != "ros2":
         return run(typed, SUBCOMMANDS, meant=meant)
-    from archo_tui.remote.once import attached
+    from archo_tui.remote.without_console import attached
     from archo_tui.session import Options, Session
 
     there = Options(engine=options.engine, namespace=options.namespace, attach=True)

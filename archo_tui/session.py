@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from archo_tui.hosting.host import Host
     from archo_tui.recording.box import BlackBox
     from archo_tui.recording.console_recorder import ConsoleRecorder
-    from archo_tui.remote.desk import Desk
+    from archo_tui.remote.request_handler import RequestHandler
     from archo_tui.remote.server import Server
     from archo_tui.robot.client import Robot
     from archo_tui.robot.state import Event
@@ -123,15 +123,15 @@ class Session:
             return None
         from archo_tui.remote.server import Server
 
-        def desk() -> Desk:
-            from archo_tui.remote.desk import Desk
+        def make_handler() -> RequestHandler:
+            from archo_tui.remote.request_handler import RequestHandler
 
-            return Desk(self.station)
+            return RequestHandler(self.station)
 
         def say(text: str) -> None:
             self.robot.note("WARN", "console", text)
 
-        return Server(desk, self._hello(), self.robot.stops, say)
+        return Server(make_handler, self._hello(), self.robot.stops, say)
 
     def _hello(self) -> dict[str, Any]:
         """Return which console this is, for other programs: docs/protocol.md."""

@@ -161,7 +161,7 @@ def parse_command(words: list[str]) -> None:
         cli.SUBCOMMANDS[name][1](made)
         made.parse_intermixed_args(rest)
     elif name and name not in ("VERB", "COMMAND"):
-        parse_verb(verbs_from_shells._Words([name, *rest]).rest)
+        parse_verb(verbs_from_shells._CommandLine([name, *rest]).rest)
 
 
 def parse_verb(words: list[str]) -> None:

@@ -1,4 +1,4 @@
-"""What an assistant may do through the socket: look, say STOP, and ask a person for a goal."""
+"""The requests of assistants: to look, to cancel a goal, and to ask a person for one."""
 
 from __future__ import annotations
 
@@ -21,22 +21,37 @@ from archo_tui.verbs.base import PATIENCE, Verb
 from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.parse import parse, schema
 
-# waits until that holds, so many seconds, or until who asks has left
+# Waits until a condition holds, the assistant has left, or so many seconds have passed.
 Until = Callable[[Asker, Callable[[], object], float], Awaitable[None]]
 _LOOKS = ("status", "events", "history", "params", "get")
-_LONGEST_TEXT = 300  # characters of a goal that a person has to read
-_LONGEST_WAIT = 50.0  # s: tools give up after a minute
-ASKED = "asked"  # in place of an outcome's code: a person has to decide
+_LONGEST_TEXT = 300  # Characters of a goal that a person has to read.
+_LONGEST_WAIT = 50.0  # Seconds: tools give up after a minute.
+ASKED = "asked"  # In place of an outcome's code: a person has to decide.
 
 
 class Assistants:
-    """Knows the requests of all; each assistant sees its own."""
+    """The handler of all assistants' requests; each assistant sees only its own.
+
+    A STOP of an assistant does not come here: it is carried out as anybody's.
+    """
 
     def __init__(self, station: Station, verbs: Mapping[str, Verb], until: Until) -> None:
+        """Make the handler.
+
+        Args:
+            station: The station that knows the robot.
+            verbs: All verbs, by id.
+            until: Waits for a condition.
+        """
         self._station, self._verbs, self._until = station, verbs, until
 
     async def obey(self, asker: Asker, request: dict[str, Any]) -> dict[str, Any]:
-        """The result. Raises ValueError for what cannot be meant, and RanOut."""
+        """Carry out a request of an assistant, and return the result.
+
+        Raises:
+            RanOut: The timeout is over.
+            ValueError: The request means nothing here.
+        """
         number = request.get("id")
         if "ask" in request:
             return {"id": number, **await self._ask(asker, request["ask"])}
@@ -60,7 +75,7 @@ class Assistants:
         return result if data is None else {**result, "data": data}
 
     def _goals(self) -> list[dict[str, Any]]:
-        """The kinds that can be asked for, each with the schema of its values by dotted path."""
+        """Return the kinds of goals, each with the JSON schema of its values by dotted path."""
         snapshot, found = self._station.robot.snapshot, []
         for verb in self._verbs.values():
             if isinstance(verb, Go):
@@ -73,6 +88,7 @@ class Assistants:
         return found
 
     async def _ask(self, asker: Asker, wanted: Any) -> dict[str, Any]:
+        """Ask a person for a goal; the result tells the number of that approval request."""
         kind = wanted.get("kind") if isinstance(wanted, dict) else None
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
         if not isinstance(verb, Go):
@@ -95,7 +111,7 @@ class Assistants:
         shown = {path: written(value) for path, value in values.items()}
         text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
         typed = [value for value in values.values() if isinstance(value, str)]
-        # else a person sees another goal
+        # Otherwise the person would see another goal than the one that is sent.
         if len(text) > _LONGEST_TEXT or harmless(text) != text or any(map(hides, typed)):
             raise ValueError(f"values: more than {_LONGEST_TEXT} characters, or some that hide")
         try:
@@ -110,7 +126,11 @@ class Assistants:
         }
 
     def _values(self, verb: Go, given: Any) -> dict[str, Any]:
-        """By dotted path, each of its type. Raises ValueError."""
+        """Return the values of a goal by dotted path, each of its field's type.
+
+        Raises:
+            ValueError: One is missing, unknown, or not of its type.
+        """
         leaves = self._station.robot.snapshot.forms.get(verb.kind.id)
         if leaves is None:
             raise ValueError(f"{verb.kind.type} is not installed here")
@@ -133,6 +153,7 @@ class Assistants:
     async def _wait(
         self, asker: Asker, words: list[str], request: Mapping[str, Any]
     ) -> dict[str, Any]:
+        """Wait until a person has decided, and an allowed goal has ended."""
         one = self._own(asker, words)
         timeout = timeout_of(request)
         seconds = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
@@ -170,6 +191,11 @@ class Assistants:
         return self._station.clock.monotonic()
 
     def _own(self, asker: Asker, words: list[str]) -> Request:
+        """Return the assistant's approval request whose number is typed.
+
+        Raises:
+            ValueError: It has none of that number.
+        """
         number = words[0] if len(words) == 1 else ""
         is_number = number.isascii() and number.isdecimal() and len(number) < 10
         one = self._station.requests.get(int(number)) if is_number else None
@@ -184,4 +210,4 @@ class Assistants:
         if all(end.done() for end in asker.ends):
             said = "no goal of this assistant runs; say stop to stop the robot"
             return Outcome(Code.REFUSED, said)
-        return await self._station.cancel()  # while it waits or runs, no other one does
+        return await self._station.cancel()  # While its goal waits or runs, no other goal does.

@@ -1,4 +1,4 @@
-"""A connection to a console. Imports nothing but what every Python has, and little of that."""
+"""A connection to a console's socket. Imports little, and only of the standard library."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 import os
 import time
 
-from archo_tui.remote import place
+from archo_tui.remote import socket_files
 from archo_tui.remote.protocol import GONE, PROTOCOL, line, message
 
 TYPE_CHECKING = False
@@ -20,51 +20,56 @@ UNANSWERED = "the console does not answer; the robot may still be moving"
 
 
 class Unreached(Exception):
-    """No console, or several."""
+    """No console is reached: none runs, several do, or it does not answer."""
 
 
 class Silent(Unreached):
-    """The console said nothing for as long as it was waited for."""
+    """The console sent nothing within the time that it was waited for."""
 
 
 class Connection:
-    """One console: first it is connected to without waiting, later requests wait for it."""
+    """A connection to one console: made without waiting, then used for requests that wait.
+
+    Attributes:
+        path: The socket.
+        card: What the console has left beside the socket; None: nothing.
+        hello: Its first message; empty: it has not come.
+        result: The result of the line that was sent on connecting; None: it has not come.
+        is_dead: True if nobody listens.
+        has_gone: True if it was connected, and is no more.
+        socket: The connected socket; None before that.
+    """
 
     def __init__(self, path: str, card: dict[str, Any] | None = None) -> None:
-        """Connects to nobody yet.
-
-        Args:
-            path: Its socket's.
-            card: What the console has left beside the socket; None where it has not.
-        """
+        """Make it without connecting."""
         self.path, self.card = path, card
-        self.hello: dict[str, Any] = {}  # empty: it has not said one
-        self.result: dict[str, Any] | None = None  # of what was sent as it was connected to
-        self.is_dead = False  # nobody listens
-        self.has_gone = False  # it was connected, and is no more
+        self.hello: dict[str, Any] = {}
+        self.result: dict[str, Any] | None = None
+        self.is_dead = False
+        self.has_gone = False
         self.socket: socket.socket | None = None
         self._rest = b""
         self._number = 0
 
-    # without waiting: `finder.py`
+    # Without waiting: see `finder.py`.
 
     def connect(self, first: bytes) -> None:
-        """Try to connect, and then send a line before anything is said."""
+        """Try to connect, and send the bytes `first` before the hello has come."""
         try:
-            self.socket = place.connect(self.path)
+            self.socket = socket_files.connect(self.path)
             if first:
-                self.socket.send(first)  # fits: nothing else waits to be read
-        except BlockingIOError:  # too many wait to be taken: the next look tries again
+                self.socket.send(first)  # It fits: the buffer is empty.
+        except BlockingIOError:  # Too many connections wait: the caller tries again.
             pass
         except (ConnectionRefusedError, FileNotFoundError) as error:
             self.is_dead = True
-            if isinstance(error, ConnectionRefusedError):  # its console was killed
-                place.forget(self.path)
+            if isinstance(error, ConnectionRefusedError):  # Its console was killed.
+                socket_files.remove(self.path)
         except OSError:
             self.has_gone = True
 
     def read(self) -> None:
-        """Take what has come; the socket is ready."""
+        """Read what has come; the socket must be ready."""
         assert self.socket is not None
         try:
             chunk = self.socket.recv(65536)
@@ -74,7 +79,7 @@ class Connection:
             chunk = b""
         self._rest += chunk
         try:
-            while not self.result and (said := self._cut()) is not None:
+            while not self.result and (said := self._next_message()) is not None:
                 if "code" in said:
                     self.result = said
                 elif not self.hello:
@@ -85,7 +90,7 @@ class Connection:
 
     @property
     def fault(self) -> str:
-        """Why no verb can be sent to it; an empty string when one can."""
+        """Why no verb can be sent to this console; empty if one can."""
         if not self.hello:
             return f"{self.called} does not answer: is it suspended?"
         spoken = self.hello.get("protocol")
@@ -101,12 +106,12 @@ class Connection:
         """The console in a few words, also while it is silent."""
         if self.who:
             return f"the console of pid {self.who['pid']}, {self.who['namespace']},"
-        pid = os.path.basename(self.path).partition(place.SUFFIX)[0].partition("-")[0]
+        pid = os.path.basename(self.path).partition(socket_files.SUFFIX)[0].partition("-")[0]
         return f"the console of pid {pid}"
 
     @property
     def who(self) -> dict[str, Any]:
-        """What it says of itself, or has said on its card; empty: neither."""
+        """The hello, or else the card; empty if there is neither, or it is not whole."""
         return next((one for one in (self.hello, self.card) if one and _is_whole(one)), {})
 
     @property
@@ -119,21 +124,22 @@ class Connection:
         where = f"{who['robot']} {who['namespace']}, {who['engine']}{domain}"
         return f"pid {who['pid']}: {where}{', watching' if who.get('watching') else ''}"
 
-    # waiting
+    # Waiting, once the hello has come.
 
     def wait(self) -> None:
-        """Let what follows wait for it; a hello is there."""
+        """Let the calls that follow wait for the console."""
         assert self.socket is not None
         self.socket.settimeout(None)
 
     def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
-        """Send it; yields all that is said to it, the result last.
+        """Send a request, and yield all replies to it, the result last.
 
         Args:
-            within: How many seconds all of it may take; None: any.
-            asked: What a request has (docs/protocol.md).
+            within: Seconds that all of it may take; None: any time.
+            asked: The request, as docs/protocol.md lists its names and values.
 
-        Raises Unreached.
+        Raises:
+            Unreached: The console has gone, or did not answer in time.
         """
         self._number += 1
         number = self._number
@@ -145,12 +151,20 @@ class Connection:
                     return
 
     def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield what else is said. Raises Unreached at its end, Silent after `within` seconds."""
+        """Yield the messages that follow.
+
+        Args:
+            within: Seconds that all of them may take; None: any time.
+
+        Raises:
+            Silent: The time is over.
+            Unreached: The console has gone.
+        """
         assert self.socket is not None
         end = None if within is None else time.monotonic() + within
         try:
             while True:
-                while (said := self._cut()) is not None:
+                while (said := self._next_message()) is not None:
                     yield said
                 self.socket.settimeout(None if end is None else max(end - time.monotonic(), 0.001))
                 chunk = self.socket.recv(65536)
@@ -159,7 +173,7 @@ class Connection:
                 self._rest += chunk
         except TimeoutError:
             raise Silent(UNANSWERED) from None
-        except (OSError, ValueError):  # as if it had ended
+        except (OSError, ValueError):  # A broken connection counts as an ended one.
             pass
         finally:
             with contextlib.suppress(OSError):
@@ -167,7 +181,11 @@ class Connection:
         raise Unreached(GONE)
 
     def send(self, said: dict[str, Any]) -> None:
-        """Say something more to what is being carried out. Raises Unreached."""
+        """Send a message.
+
+        Raises:
+            Unreached: The console has gone.
+        """
         assert self.socket is not None
         try:
             self.socket.sendall(line(said))
@@ -175,17 +193,24 @@ class Connection:
             raise Unreached(GONE) from None
 
     def close(self) -> None:
-        """Leave."""
+        """Close the connection, if there is one."""
         if self.socket is not None:
             self.socket.close()
 
     def handed_over(self) -> tuple[socket.socket, bytes]:
-        """The socket, for a caller that reads it otherwise, and what was read of it already."""
+        """Return the socket, for a caller that reads it by itself, and the unused bytes of it."""
         assert self.socket is not None
         return self.socket, self._rest
 
-    def _cut(self) -> dict[str, Any] | None:
-        """The next message of what was read; None: there is no whole one. Raises ValueError."""
+    def _next_message(self) -> dict[str, Any] | None:
+        """Take the next message out of what was read.
+
+        Returns:
+            None if there is no whole one.
+
+        Raises:
+            ValueError: It is no JSON object.
+        """
         data, found, rest = self._rest.partition(b"\n")
         if not found:
             return None
@@ -194,6 +219,6 @@ class Connection:
 
 
 def _is_whole(hello: dict[str, Any]) -> bool:
-    """True when it has what a console is called by."""
+    """Return True if a hello has the values that name a console."""
     texts = all(isinstance(hello.get(name), str) for name in ("robot", "namespace", "engine"))
     return texts and type(hello.get("pid")) is int

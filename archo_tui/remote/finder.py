@@ -1,4 +1,4 @@
-"""Which console is meant: the one search that shell, Python, assistant and `consoles` go by.
+"""The search for the console that is meant, for shell, Python, assistant and `consoles`.
 
 A verb goes to the only console that fits, and to none while one that could be meant does not
 answer. A STOP goes to every console that could be meant: it is written as each is connected to,
@@ -12,7 +12,7 @@ import selectors
 import socket
 import time
 
-from archo_tui.remote import place
+from archo_tui.remote import socket_files
 from archo_tui.remote.client import Connection, Unreached
 from archo_tui.remote.protocol import GONE, LOST, NOT_MEANT, is_meant, line
 
@@ -21,49 +21,61 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from typing import Any
 
-CHOSEN = "ARCHO_TUI_CONSOLE"  # the environment's word for `--to`
+CHOSEN = "ARCHO_TUI_CONSOLE"  # The variable that stands for `--to`.
 NOBODY = "no console runs here: start archo-tui, or archo-tui --plain"
-SOON = 1.0  # s in which a console that lives takes a connection, and says hello
-WAKES = 5.0  # s in which a STOP waits for a console that says nothing
-ANSWERS = 15.0  # s: longer than any STOP is waited for in a console that lives
-_AGAIN = 0.01  # s between two tries to connect
-_LOOK = 0.1  # s between two looks whether any was waited for long enough
+HELLO_TIMEOUT = 1.0  # Seconds in which a console that runs takes a connection and says hello.
+WAKE_TIMEOUT = 5.0  # Seconds that a STOP waits for the hello of a console.
+STOP_TIMEOUT = 15.0  # Seconds: longer than any STOP takes in a console that runs.
+_RETRY_PERIOD = 0.01  # Seconds between two tries to connect.
+_POLL_PERIOD = 0.1  # Seconds between two looks at the time.
 UNCONFIRMED = "not confirmed: the robot may be moving"
 
 
 class Nobody(Unreached):
-    """No console could be meant."""
+    """No console runs here that could be meant."""
 
 
 class Stopped:
-    """How a STOP ended at one console."""
+    """How a STOP ended at one console.
+
+    Attributes:
+        console: The console in a line.
+        code: A word of docs/protocol.md.
+        text: What the console said, or why nothing is known.
+    """
 
     def __init__(self, console: str, code: str, text: str) -> None:
+        """Make it of its three parts."""
         self.console, self.code, self.text = console, code, text
 
 
 def find(asked: Mapping[str, Any], faults: list[str] | None = None) -> list[Connection]:
-    """Return all that could be meant, those that do not answer too, by their processes.
+    """Return all consoles that could be meant, by process; also those that do not answer.
 
     Args:
         asked: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        faults: Is told why folders are not looked into.
+        faults: Gets the reason for each folder that is not looked into.
     """
     found = _candidates(asked, [] if faults is None else faults)
-    _exchange(found, b"", lambda console: bool(console.hello), SOON)
+    _exchange(found, b"", lambda console: bool(console.hello), HELLO_TIMEOUT)
     for console in found:
-        if not _could(asked, console):
+        if not _could_be(asked, console):
             console.close()
-    found = [one for one in found if not one.is_dead and _could(asked, one)]
+    found = [one for one in found if not one.is_dead and _could_be(asked, one)]
     return sorted(found, key=lambda console: int(console.who.get("pid", 0)))
 
 
 def choose(asked: Mapping[str, Any]) -> Connection:
-    """Return the one console that is meant, which has said hello.
+    """Return a connection to the one console that is meant, whose hello has come.
 
-    A console that only watches is passed over where another one of the same robot can act. Raises
-    Unreached when there is none, when there are several, and while one that could be meant does
-    not answer: else a verb would drive another robot.
+    A console that only watches is passed over where another one of the same robot can act.
+
+    Args:
+        asked: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
+
+    Raises:
+        Unreached: There is none, there are several, or one that could be meant does not answer:
+            a verb could reach another robot.
     """
     asked, faults = _with_variable(asked), []  # type: ignore[var-annotated]
     found = _able_to_act(find(asked, faults))
@@ -74,10 +86,10 @@ def choose(asked: Mapping[str, Any]) -> Connection:
     for console in found:
         console.close()
     if silent:
-        raise Unreached(_silent(asked, silent, found))
+        raise Unreached(_silent_error(asked, silent, found))
     if not found:
-        raise Nobody(nobody(asked, faults))
-    raise Unreached(_several(asked, found))
+        raise Nobody(no_console_error(asked, faults))
+    raise Unreached(_several_error(asked, found))
 
 
 def _able_to_act(found: list[Connection]) -> list[Connection]:
@@ -97,7 +109,7 @@ def _able_to_act(found: list[Connection]) -> list[Connection]:
     return chosen
 
 
-def reach(path: str, within: float = SOON) -> Connection:
+def reach(path: str, within: float = HELLO_TIMEOUT) -> Connection:
     """Return a further connection to a console that was chosen before.
 
     Args:
@@ -107,7 +119,7 @@ def reach(path: str, within: float = SOON) -> Connection:
     Raises:
         Unreached: It has gone, or says nothing.
     """
-    console = Connection(path, place.card(path))
+    console = Connection(path, socket_files.read_card(path))
     _exchange([console], b"", lambda one: bool(one.hello), within)
     if console.is_dead or console.fault:
         console.close()
@@ -125,13 +137,14 @@ def stop(
 
     Args:
         asked: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
-        notice: Is told at once what a person should know while others are waited for.
-        more: What else the request says.
+        notice: Called at once with what a person should know while other consoles are waited for.
+        more: Further names and values of the request.
 
     Returns:
-        How it ended at each console that is meant; `lost` where none knows.
+        How it ended at each console that is meant; `lost` where that is not known.
 
-    Raises Unreached when none could be meant.
+    Raises:
+        Unreached: No console could be meant.
     """
     faults: list[str] = []
     meant = _with_variable(asked)
@@ -141,7 +154,7 @@ def stop(
         if ended:
             notice(f"no console {meant['to']} runs here, which {CHOSEN} names: STOP went to all")
     if not ended:
-        raise Nobody(nobody(meant, faults))
+        raise Nobody(no_console_error(meant, faults))
     for fault in faults:
         notice(fault)
     return ended
@@ -158,14 +171,14 @@ def _stop_each(
     began = time.monotonic()
 
     def is_over(console: Connection) -> bool:
-        late = not console.hello and time.monotonic() > began + WAKES
+        late = not console.hello and time.monotonic() > began + WAKE_TIMEOUT
         return console.result is not None or late
 
-    _exchange(found, first, is_over, SOON)
+    _exchange(found, first, is_over, HELLO_TIMEOUT)
     for console in found:
         if not (console.hello or console.result or console.is_dead or console.has_gone):
             notice(f"{console.called} does not answer yet: STOP waits for it")
-    _exchange(found, first, is_over, ANSWERS - SOON)
+    _exchange(found, first, is_over, STOP_TIMEOUT - HELLO_TIMEOUT)
     ended = [_stopped(console) for console in found if not console.is_dead]
     for console in found:
         console.close()
@@ -187,28 +200,39 @@ def _stopped(console: Connection) -> Stopped:
 
 
 def _with_variable(asked: Mapping[str, Any]) -> dict[str, Any]:
-    """What is asked, and of the environment which console is meant where nothing else says so."""
+    """Return what is asked, with the console that the variable names if there is no `to`."""
     to = asked.get("to") or os.environ.get(CHOSEN, "")
     return {**asked, "to": to} if to else dict(asked)
 
 
 def _candidates(asked: Mapping[str, Any], faults: list[str]) -> list[Connection]:
-    """All sockets, but for those whose cards say that they are not meant. Raises Unreached."""
+    """Return a connection for each socket, without those whose card tells that it is not meant.
+
+    Raises:
+        Unreached: This system has no such sockets.
+    """
     if not hasattr(socket, "AF_UNIX"):
         raise Unreached("this system has no sockets for it: only Linux and macOS do")
-    made = [Connection(path, place.card(path)) for path in place.sockets(faults)]
-    return [one for one in made if _could(asked, one)]
+    made = [Connection(path, socket_files.read_card(path)) for path in socket_files.sockets(faults)]
+    return [one for one in made if _could_be(asked, one)]
 
 
-def _could(asked: Mapping[str, Any], console: Connection) -> bool:
-    """False for one that says, or whose card says, that it is another."""
+def _could_be(asked: Mapping[str, Any], console: Connection) -> bool:
+    """Return False if the console's hello, or its card, tells that it is not meant."""
     return not console.who or is_meant(asked, console.who)
 
 
 def _exchange(
     consoles: Sequence[Connection], first: bytes, is_over: Callable[[Connection], bool], s: float
 ) -> None:
-    """Connect to all, say `first` to each, and read until it `is_over` with each, or `s` passed."""
+    """Connect to all consoles at once, and read what they send.
+
+    Args:
+        consoles: Those that are connected already are only read.
+        first: Sent to each as it is connected.
+        is_over: Returns True if a console needs no more time.
+        s: Seconds that all of it may take.
+    """
     end = time.monotonic() + s
     while True:
         for console in consoles:
@@ -219,8 +243,9 @@ def _exchange(
         if not waiting or left <= 0:
             return
         is_refused = any(console.socket is None for console in waiting)
-        left = min(left, _AGAIN if is_refused else _LOOK)
-        with selectors.DefaultSelector() as selector:  # select.select takes no descriptor over 1023
+        left = min(left, _RETRY_PERIOD if is_refused else _POLL_PERIOD)
+        # `select.select` takes no descriptor over 1023.
+        with selectors.DefaultSelector() as selector:
             for console in waiting:
                 if console.socket is not None:
                     selector.register(console.socket, selectors.EVENT_READ, console)
@@ -230,8 +255,10 @@ def _exchange(
                 key.data.read()
 
 
-def _silent(asked: Mapping[str, Any], silent: Sequence[Connection], all_: Sequence[Any]) -> str:
-    """That nothing is chosen while one that could be meant does not answer."""
+def _silent_error(
+    asked: Mapping[str, Any], silent: Sequence[Connection], all_: Sequence[Any]
+) -> str:
+    """Return the error for consoles that could be meant and do not answer."""
     said = "; ".join(console.fault for console in silent)
     if asked.get("to"):
         return f"no console {asked['to']} answers here; {said}"
@@ -240,7 +267,7 @@ def _silent(asked: Mapping[str, Any], silent: Sequence[Connection], all_: Sequen
     return f"{said}; nothing is chosen while it could be meant: --to PID or --to NAMESPACE chooses"
 
 
-def _several(asked: Mapping[str, Any], found: Sequence[Connection]) -> str:
+def _several_error(asked: Mapping[str, Any], found: Sequence[Connection]) -> str:
     lines = "".join(f"\n  {console.described}" for console in found)
     if not asked.get("to"):
         return f"several consoles run here, --to PID or --to NAMESPACE chooses:{lines}"
@@ -248,8 +275,8 @@ def _several(asked: Mapping[str, Any], found: Sequence[Connection]) -> str:
     return f"--to {asked['to']} fits several consoles, the names of their sockets choose:{names}"
 
 
-def nobody(asked: Mapping[str, Any], faults: Sequence[str]) -> str:
-    """Return that no console runs that is meant, and what may be the cause."""
+def no_console_error(asked: Mapping[str, Any], faults: Sequence[str]) -> str:
+    """Return the error for no console that could be meant, with what may be the cause."""
     to, by_name = asked.get("to", ""), os.environ.get(CHOSEN, "")
     said = NOBODY
     if to:
@@ -259,8 +286,9 @@ def nobody(asked: Mapping[str, Any], faults: Sequence[str]) -> str:
         domain = asked.get("domain")
         where = asked["engine"] if domain is None else f"{asked['engine']}, domain {domain},"
         said = f"no console of {where} runs here (archo-tui consoles lists them)"
-    others = place.other_users()
+    others = socket_files.other_users()
     hints = [*faults, *(f"a console of {one} runs here: run this as {one}" for one in others)]
-    if os.environ.get(place.ONLY):
-        hints.append(f"{place.ONLY} is set: only {place.folder()} is looked into")
+    if os.environ.get(socket_files.FOLDER_VARIABLE):
+        folder = socket_files.folder()
+        hints.append(f"{socket_files.FOLDER_VARIABLE} is set: only {folder} is looked into")
     return "; ".join((said, *hints))

@@ -1,4 +1,4 @@
-"""A stream of what happens, for as long as somebody reads it."""
+"""Streams of events, of the state, and of a goal, for as long as the client is there."""
 
 from __future__ import annotations
 
@@ -9,11 +9,17 @@ from archo_tui.robot.asker import Asker
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, goal, state
 
-PERIOD = 0.2  # s between two looks: 5 a second, as the screen
+PERIOD = 0.2  # Seconds between two looks: five a second, as on the screen.
 
 
 async def follow(station: Station, tell: Callable[[dict[str, Any]], None], number: Any) -> NoReturn:
-    """Tell events and, when it changed, the state, until it is cancelled: its client has left."""
+    """Send each event, and the state when it has changed, until the task is cancelled.
+
+    Args:
+        station: The station that is followed.
+        tell: Sends a message to the client.
+        number: The `id` of its request.
+    """
     seen = {event.number: event.count for event in station.robot.snapshot.events}
     line = ""
     while True:
@@ -31,7 +37,7 @@ async def follow(station: Station, tell: Callable[[dict[str, Any]], None], numbe
 async def follow_goal(
     station: Station, asker: Asker, tell: Callable[[dict[str, Any]], None], number: Any
 ) -> NoReturn:
-    """Tell the state of the goal that is driven for `asker` whenever it changed.
+    """Send the state of the goal that is driven for `asker` whenever it has changed.
 
     Args:
         station: The station that drives it.

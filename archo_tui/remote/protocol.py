@@ -1,4 +1,4 @@
-"""What is said on the socket: one JSON object a line. See docs/protocol.md."""
+"""The messages on the socket: one JSON object a line. See docs/protocol.md."""
 
 from __future__ import annotations
 
@@ -6,18 +6,19 @@ import json
 
 from archo_tui.plain.lines import is_stop_text
 
-TYPE_CHECKING = False  # without typing, which takes longer to load than all that a client needs
+TYPE_CHECKING = False  # `typing` takes longer to load than all that a client needs.
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from typing import Any
 
 PROTOCOL = 1
-LONGEST = 64 * 1024  # bytes of a line
-LONGEST_WAIT = 1e9  # s
+LONGEST = 64 * 1024  # Bytes of a line.
+LONGEST_WAIT = 1e9  # Seconds.
 DONE, FAILED, MISUSED, UNREACHED, RAN_OUT, ENDED, INTERRUPTED = 0, 1, 2, 3, 4, 5, 130
-LOST = "lost"  # in place of an outcome's code: the console ends, or its screen was restarted
-NOT_REACHED = "unreached"  # in place of an outcome's code: a client's own word, never on a socket
-NOT_MEANT = "not_meant"  # in place of an outcome's code: this STOP is for another console
+# In place of an outcome's code:
+LOST = "lost"  # The console ends, or its screen was restarted.
+NOT_REACHED = "unreached"  # A client's own word, never on a socket.
+NOT_MEANT = "not_meant"  # This STOP is meant for another console.
 GONE = "the console is gone; the robot may still be moving"
 EXITS = {
     "done": DONE,
@@ -30,7 +31,7 @@ EXITS = {
     NOT_REACHED: UNREACHED,
     "cancelled": ENDED,
     "held": ENDED,
-}  # exit codes; of every other code it is FAILED
+}  # Exit codes; every other code has FAILED.
 
 
 def is_wait(timeout: object) -> bool:
@@ -40,17 +41,21 @@ def is_wait(timeout: object) -> bool:
 
 
 def line(said: dict[str, Any]) -> bytes:
-    """A message as it is sent."""
+    """Return a message as the line that is sent."""
     return json.dumps(said, ensure_ascii=False).encode("utf-8", "replace") + b"\n"
 
 
 def has_half(word: str) -> bool:
-    """True when half a character, a lone surrogate, is in it: bytes that are no text."""
+    """Return True if a lone surrogate, half a character, is in a word: it was no UTF-8."""
     return any("\ud800" <= char <= "\udfff" for char in word)
 
 
 def words_of(request: dict[str, Any]) -> list[str]:
-    """What is asked for. Raises ValueError when that is none."""
+    """Return the words of a request: a verb and its arguments.
+
+    Raises:
+        ValueError: It has none.
+    """
     words = request.get("words")
     if not (isinstance(words, list) and words and all(isinstance(word, str) for word in words)):
         raise ValueError('expected {"id": ..., "words": ["status"]}')
@@ -85,7 +90,11 @@ def is_meant(asked: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
 
 
 def message(data: bytes) -> dict[str, Any]:
-    """A message that was read. Raises ValueError when it is none."""
+    """Return the message of a line.
+
+    Raises:
+        ValueError: It is no JSON object.
+    """
     try:
         found = json.loads(data)
     except RecursionError:

@@ -1,10 +1,11 @@
-"""The console's socket: takes what programs of the same user send, on a thread of its own.
+"""The server of the console's socket, to which programs of the same user send requests.
 
-Requests of one client are carried out one after the other; STOP is read ahead of them, counted as
-it is read, and waits for nothing. Whoever floods or does not read delays nobody else.
+It has a thread and a loop of its own. Requests of one client are carried out one after the other;
+a STOP is counted as it is read and overtakes them. A client that floods, or does not read its
+replies, delays no other.
 
-A STOP is read also when its client has gone: sockets are read and written apart from each other,
-because asyncio's streams drop what is unread as soon as something cannot be written.
+A STOP is read also when its client has gone: sockets are read and written independently, because
+asyncio's streams drop unread data as soon as a write fails.
 """
 
 from __future__ import annotations
@@ -26,79 +27,89 @@ from itertools import islice
 from typing import Any, Protocol
 
 from archo_tui.plain import lines
-from archo_tui.remote import place
+from archo_tui.remote import socket_files
 from archo_tui.remote.protocol import NOT_MEANT, is_meant, is_stop, line, message, words_of
 from archo_tui.robot.stops import Stops
 
-MOST_CLIENTS = 16  # a further one may send STOP and nothing else
-MOST_OPEN = 64  # of these further ones the oldest goes for the next
-MOST_WAITING = 256 * 1024  # bytes of requests of one client that wait
-MOST_UNREAD = 256 * 1024  # bytes that a client has not read; then it is dropped
-APART = 0.02  # s between two requests of one client
+MAX_CLIENTS = 16  # Further clients may send STOP and nothing else.
+MAX_CONNECTIONS = 64  # Beyond them the oldest of those further clients is dropped.
+MAX_WAITING = 256 * 1024  # Bytes of waiting requests of one client.
+MAX_UNREAD = 256 * 1024  # Bytes that a client has not read; beyond them it is dropped.
+REQUEST_INTERVAL = 0.02  # Seconds between two requests of one client.
 _CHUNK = 64 * 1024
-_AT_ONCE = 256 * 1024  # bytes that are read before the hello: what a client has sent and gone
-_RETRY = 0.1  # s after which connections are taken again, where there is no descriptor for one
-_REST = 0.004  # s between two pieces of all clients: who floods leaves time for the screen
-_LONGEST_ID = 100  # characters
+_FIRST_READ = 256 * 1024  # Bytes that are read before the hello, in case the client has left.
+_RETRY = 0.1  # Seconds until connections are accepted again where no descriptor is free.
+_FLOOD_PAUSE = 0.004  # Seconds between two chunks of all clients: the screen needs time, too.
+_MAX_ID = 100  # Characters.
 
 
-class Guest(Protocol):
-    """Who is served, as the desk sees it."""
+class ClientSession(Protocol):
+    """One connected client, as the request handler sees it.
 
-    pid: int  # 0: not known
+    Attributes:
+        pid: Its process; 0: not known.
+    """
+
+    pid: int
 
     def tell(self, said: dict[str, Any]) -> None:
-        """Say something to it, from any thread."""
+        """Send a reply. Any thread."""
 
     def done(self) -> None:
-        """What it asked for has ended."""
+        """Report that its request has ended. Any thread."""
 
 
-class Desk(Protocol):
-    """What carries out what is sent; its methods are called on the server's thread."""
+class RequestHandler(Protocol):
+    """Carries out requests; its methods are called on the server's thread."""
 
-    def serve(self, client: Guest, request: dict[str, Any], stops: int) -> None:
-        """Begin to carry it out; `client.done()` is called when that has ended."""
+    def serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
+        """Begin to carry out a request, and call `client.done()` when it has ended.
 
-    def answer(self, client: Guest, answer: dict[str, Any], stops: int) -> None:
-        """What a client says while its request is carried out."""
+        Args:
+            client: Gets the replies.
+            request: What docs/protocol.md lists.
+            stops: STOPs that had been read when it was read.
+        """
 
-    def gone(self, client: Guest) -> None:
-        """It has left."""
+    def answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
+        """Take what a client sends while its request is carried out."""
+
+    def gone(self, client: ClientSession) -> None:
+        """Take note that a client has left."""
 
 
 class Client:
-    """One program that is connected."""
+    """A connected program: what it sends, and what is still to be sent to it."""
 
     def __init__(self, server: Server, connected: socket.socket, pid: int) -> None:
         self.pid = pid
         self._server, self._socket = server, connected
         self._loop = asyncio.get_running_loop()
-        self._unread = bytearray()  # what is still to be written
+        self._unread = bytearray()  # Still to be written.
         self._writing: asyncio.Task[None] | None = None
-        self._is_deaf = False  # it reads no more
+        self._is_deaf = False  # It has left, or was dropped: only a STOP of it counts.
         self._waiting: deque[tuple[bytes, int]] = deque()
-        self._size = 0  # bytes of them
+        self._size = 0  # Bytes of the waiting requests.
         self._is_busy = self._rests = self._overflows = False
 
-    # from any thread
+    # Called on any thread.
 
     def tell(self, said: dict[str, Any]) -> None:
         """Send a message; a client that does not read is dropped."""
-        with contextlib.suppress(RuntimeError):  # the loop is closed
+        with contextlib.suppress(RuntimeError):  # The loop is closed.
             self._loop.call_soon_threadsafe(self._write, line(said))
 
     def done(self) -> None:
-        """What it asked for has ended: the next may come."""
+        """Take up its next request: the one before has ended."""
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._rest)
 
-    # on the server's thread
+    # Called on the server's thread.
 
     def _write(self, data: bytes) -> None:
         if self._is_deaf:
             return
-        if len(self._unread) > MOST_UNREAD:
+        if len(self._unread) > MAX_UNREAD:
             self.drop()
             return
         self._unread += data
@@ -111,13 +122,13 @@ class Client:
                 data = bytes(self._unread[:_CHUNK])
                 await self._loop.sock_sendall(self._socket, data)
                 del self._unread[: len(data)]
-        except OSError:  # it has gone; what it has sent before is read to its end
+        except OSError:  # It has left; what it has sent before is read to its end.
             self._is_deaf = True
         finally:
             self._writing = None
 
     def take(self, data: bytes) -> None:
-        """One line that it sent."""
+        """Take one line that the client sent: at once a STOP or an answer, else in its turn."""
         stops = self._server.stops
         if data == lines.TOO_LONG:
             self.refuse(None, "misuse", "a line of more than 64 kB")
@@ -126,16 +137,14 @@ class Client:
         if request is not None and not is_meant(request, self._server.hello):
             self.refuse(data, NOT_MEANT, "this STOP is meant for another console")
         elif request is not None:
-            self._server.desk.serve(self, request, stops.register())
-        elif self._is_deaf:  # it has gone, or was dropped: but for STOP nothing of it is done
+            self._server.handler.serve(self, request, stops.register())
+        elif self._is_deaf:
             pass
         elif not self._server.takes_all_of(self):
-            self.refuse(
-                data, "refused", f"{MOST_CLIENTS} clients are connected: only stop is taken"
-            )
+            self.refuse(data, "refused", f"{MAX_CLIENTS} clients are connected: only stop is taken")
         elif self._is_busy and _is_answer(data) and not (self._rests and self._waiting):
-            self._server.desk.answer(self, _read(data) or {}, stops.count)
-        elif self._size + len(data) > MOST_WAITING:
+            self._server.handler.answer(self, _read(data) or {}, stops.count)
+        elif self._size + len(data) > MAX_WAITING:
             if not self._overflows:
                 self.refuse(data, "refused", "too many requests wait")
             self._overflows = True
@@ -147,7 +156,7 @@ class Client:
 
     def _rest(self) -> None:
         self._rests = True
-        self._loop.call_later(APART, self._next)
+        self._loop.call_later(REQUEST_INTERVAL, self._next)
 
     def _next(self) -> None:
         self._rests = False
@@ -162,56 +171,62 @@ class Client:
             self.refuse(data, "misuse", "expected a JSON object in a line, its id a number or text")
             self.done()
         else:
-            self._server.desk.serve(self, request, stops)
-        while self._waiting and _is_answer(self._waiting[0][0]):  # to this one, and no earlier
+            self._server.handler.serve(self, request, stops)
+        while self._waiting and _is_answer(self._waiting[0][0]):  # To this request.
             data, stops = self._waiting.popleft()
             self._size -= len(data)
-            self._server.desk.answer(self, _read(data) or {}, stops)
+            self._server.handler.answer(self, _read(data) or {}, stops)
 
     def leave(self) -> None:
-        """It has gone: what waits is not carried out."""
+        """Drop its waiting requests: it has left."""
         self._waiting.clear()
-        self._server.desk.gone(self)
+        self._server.handler.gone(self)
 
     def drop(self) -> None:
-        """Make it go, once what it has sent is read."""
+        """End the connection, once what the client has sent is read."""
         self._is_deaf = True
-        with contextlib.suppress(OSError):  # it has gone already
+        with contextlib.suppress(OSError):  # It has left already.
             self._socket.shutdown(socket.SHUT_RDWR)
 
     async def close(self) -> None:
-        """Close the socket, when nothing is written to it any more."""
+        """Close the socket, once nothing is being written to it."""
         self.drop()
-        if self._writing is not None:  # which now fails
+        if self._writing is not None:  # It fails now.
             await asyncio.wait([self._writing])
         self._socket.close()
 
     def refuse(self, data: bytes | None, code: str, text: str) -> None:
-        """Say why a line is not carried out."""
+        """Reply to a line that is not carried out.
+
+        Args:
+            data: The line, whose id the reply has; None: it was too long to be read.
+            code: A word of docs/protocol.md.
+            text: The reason.
+        """
         request = _read(data) if data else None
         self._write(line({"id": (request or {}).get("id"), "code": code, "text": text}))
 
 
 def _read(data: bytes) -> dict[str, Any] | None:
-    """A request, with an id that can be repeated; None when it is none."""
+    """Return the request in a line; None if there is none, or its id cannot be repeated."""
     try:
         request = message(data)
     except ValueError:
         return None
     number = request.get("id")
     is_id = number is None or isinstance(number, (int, str))
-    if is_id and len(str(number)) <= _LONGEST_ID:
+    if is_id and len(str(number)) <= _MAX_ID:
         return request
     return {**request, "id": None} if is_stop(request) else None
 
 
 def _stop_in(data: bytes, stops: Stops) -> dict[str, Any] | None:
-    """Return the request when a line is a STOP.
+    """Return the request of a line that is a STOP; None if it is none.
 
-    It may be typed and no JSON, or `call` the service of the robot's STOP.
+    A STOP may also be plain text, or a `call` of the STOP's service.
     """
     text = data.replace(b"\0", b"").lower()
-    if not any(word in text for word in (b"stop", b"call", b"\\u")):  # nearly no line has one
+    if not any(word in text for word in (b"stop", b"call", b"\\u")):  # Nearly no line has one.
         return None
     request = _read(data)
     if request is None:
@@ -233,41 +248,41 @@ def _is_answer(data: bytes) -> bool:
 
 
 class Server:
-    """Listens while it is open."""
+    """The console's socket, and its clients."""
 
     def __init__(
         self,
-        make_desk: Callable[[], Desk],
+        make_handler: Callable[[], RequestHandler],
         hello: dict[str, Any],
         stops: Stops,
         say: Callable[[str], None],
     ) -> None:
-        """Opens nothing yet.
+        """Open nothing yet.
 
         Args:
-            make_desk: Is called for the first client.
-            hello: What every client is told first, but for the name of the socket.
+            make_handler: Makes the request handler; called for the first client.
+            hello: The first message to every client, without the name of the socket.
             stops: Counts each STOP as it is read.
-            say: Is told when there can be no socket.
+            say: Called with a line if no socket can be opened.
         """
-        self._make_desk, self.stops, self._say = make_desk, stops, say
+        self._make_desk, self.stops, self._say = make_handler, stops, say
         self.hello = hello
         self._listening: socket.socket | None = None
         self._path = ""
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._open: dict[Client, None] = {}  # in the order in which they came
+        self._open: dict[Client, None] = {}  # In the order in which they came.
         self._serving: set[asyncio.Task[None]] = set()
         self._taking: asyncio.Task[None] | None = None
         self._thread = threading.Thread(target=self._run, name="socket", daemon=True)
 
     @cached_property
-    def desk(self) -> Desk:
-        """What carries out what comes."""
+    def handler(self) -> RequestHandler:
+        """The request handler, made when it is needed first."""
         return self._make_desk()
 
     def start(self) -> None:
         """Begin to listen."""
-        # a name that no console had before: in another container there may be one of our number
+        # A process in another container may have the same number: the name needs more.
         name = f"{os.getpid()}-{secrets.token_hex(4)}"
         self.hello = {**self.hello, "name": name}
         try:
@@ -281,10 +296,10 @@ class Server:
         self._thread.start()
 
     def close(self) -> None:
-        """Listen no more; the socket goes."""
-        if self._loop is None or self._taking is None:  # it never did
+        """End listening, and remove the socket."""
+        if self._loop is None or self._taking is None:  # It never listened.
             return
-        place.forget(self._path)
+        socket_files.remove(self._path)
         with contextlib.suppress(RuntimeError):
             self._loop.call_soon_threadsafe(self._taking.cancel)
         self._thread.join(1.0)
@@ -299,29 +314,29 @@ class Server:
                 loop.run_until_complete(self._taking)
         finally:
             self._listening.close()
-            for client in list(self._open):  # each is served to its end
+            for client in list(self._open):  # What each has sent is still read.
                 client.drop()
             if self._serving:
-                # a copy: the last one may be discarded before the wait begins, and none is an error
+                # A copy: the set may become empty before the wait begins, which is an error.
                 loop.run_until_complete(asyncio.wait([*self._serving], timeout=1.0))
             loop.close()
 
     def takes_all_of(self, client: Client) -> bool:
-        """False for one that comes on top of too many."""
-        return client in islice(self._open, MOST_CLIENTS)
+        """Return False for a client beyond MAX_CLIENTS, of whom only a STOP is taken."""
+        return client in islice(self._open, MAX_CLIENTS)
 
     async def _take_clients(self, listening: socket.socket) -> None:
         loop = asyncio.get_running_loop()
         while True:
             try:
                 connected, _ = await loop.sock_accept(listening)
-            except OSError:  # no descriptor is free: the client waits
+            except OSError:  # No descriptor is free: the client waits.
                 await asyncio.sleep(_RETRY)
                 continue
             serving = loop.create_task(self._serve(connected))
             self._serving.add(serving)
             serving.add_done_callback(self._serving.discard)
-            await asyncio.sleep(0)  # a flood of them delays no STOP
+            await asyncio.sleep(0)  # A flood of connections delays no STOP.
 
     async def _serve(self, connected: socket.socket) -> None:
         pid, uid = _peer(connected)
@@ -330,23 +345,23 @@ class Server:
             return
         client, cutter = Client(self, connected, pid), lines.LineCutter()
         self._open[client] = None
-        if len(self._open) > MOST_OPEN:
-            surplus = next(islice(self._open, MOST_CLIENTS, None))
+        if len(self._open) > MAX_CONNECTIONS:
+            surplus = next(islice(self._open, MAX_CLIENTS, None))
             del self._open[surplus]
             surplus.drop()
-        read, last = _read_at_once(connected), -_REST
-        self._take(client, cutter, read)  # before the hello: a STOP may be all that it had to say
+        read, last = _read_at_once(connected), -_FLOOD_PAUSE
+        self._take(client, cutter, read)  # Before the hello: it may have sent STOP and left.
         try:
             client.tell(self.hello)
             while chunk := await asyncio.get_running_loop().sock_recv(connected, _CHUNK):
                 self._take(client, cutter, chunk)
-                if time.monotonic() - last < _REST:  # a flood
-                    await asyncio.sleep(_REST * min(len(self._open), MOST_CLIENTS))
+                if time.monotonic() - last < _FLOOD_PAUSE:  # A flood.
+                    await asyncio.sleep(_FLOOD_PAUSE * min(len(self._open), MAX_CLIENTS))
                 last = time.monotonic()
         except OSError:
-            pass  # it was dropped, or has gone
+            pass  # It was dropped, or has left.
         finally:
-            for data in cutter.take(b"\n"):  # what is not ended is no request, but may be a STOP
+            for data in cutter.take(b"\n"):  # An unfinished line is no request, but may be STOP.
                 if _stop_in(data, self.stops) is not None:
                     client.take(data)
             self._open.pop(client, None)
@@ -360,42 +375,49 @@ class Server:
 
 
 def _read_at_once(connected: socket.socket) -> bytes:
-    """Return what a client has sent already."""
+    """Return what a client has sent already, without waiting."""
     connected.setblocking(False)
     read = bytearray()
-    with contextlib.suppress(OSError):  # there is no more, or it has gone
-        while len(read) < _AT_ONCE and (chunk := connected.recv(_CHUNK)):
+    with contextlib.suppress(OSError):  # There is no more, or it has left.
+        while len(read) < _FIRST_READ and (chunk := connected.recv(_CHUNK)):
             read += chunk
     return bytes(read)
 
 
 def _listening(hello: dict[str, Any]) -> tuple[socket.socket, str]:
-    """Return a socket that is ours alone from its first moment, and its path. Raises OSError."""
+    """Open a socket that only this user can connect to, from its first moment.
+
+    Returns:
+        The listening socket, and its path.
+
+    Raises:
+        OSError: There can be none here.
+    """
     if sys.platform == "win32" or not hasattr(os, "fchmod"):
         raise OSError("Windows has none that Python knows")
-    folder = place.folder()
+    folder = socket_files.folder()
     if not folder:
         raise OSError("this user has no home, and XDG_RUNTIME_DIR is not set")
-    place.make(folder)
-    path = os.path.join(folder, f"{hello['name']}{place.SUFFIX}")
-    # no other console can have this name: whoever has made the card has it
+    socket_files.make_folder(folder)
+    path = os.path.join(folder, f"{hello['name']}{socket_files.SUFFIX}")
+    # No other console can have this name: whoever has made the card has it.
     exclusively = os.O_WRONLY | os.O_CREAT | os.O_EXCL
-    card = os.open(path.removesuffix(place.SUFFIX) + place.CARD, exclusively, 0o600)
-    with os.fdopen(card, "w", encoding="utf-8") as file:
+    card = path.removesuffix(socket_files.SUFFIX) + socket_files.CARD_SUFFIX
+    with os.fdopen(os.open(card, exclusively, 0o600), "w", encoding="utf-8") as file:
         json.dump(hello, file)
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     held = os.open(folder, os.O_RDONLY)
-    # under another name until it listens: one that refuses is taken for a dead console's
+    # Under another name until it listens: clients take one that refuses for a dead console's.
     hidden = f".{hello['name']}.new"
     try:
         os.fchmod(made.fileno(), 0o600)
-        made.bind(place.short(held, os.path.join(folder, hidden)))
+        made.bind(socket_files.short_path(held, os.path.join(folder, hidden)))
         made.listen(128)
         made.setblocking(False)
         os.rename(hidden, os.path.basename(path), src_dir_fd=held, dst_dir_fd=held)
     except BaseException:
         made.close()
-        place.forget(path)
+        socket_files.remove(path)
         with contextlib.suppress(OSError):
             os.unlink(hidden, dir_fd=held)
         raise
@@ -406,18 +428,18 @@ def _listening(hello: dict[str, Any]) -> tuple[socket.socket, str]:
 
 def _link(path: str) -> None:
     """Link to a socket and its card from the user's home."""
-    folder = place.link_folder()
-    name = os.path.basename(path).removesuffix(place.SUFFIX)
-    with contextlib.suppress(OSError):  # a home that cannot be written to
+    folder = socket_files.link_folder()
+    name = os.path.basename(path).removesuffix(socket_files.SUFFIX)
+    with contextlib.suppress(OSError):  # The home cannot be written to.
         if folder:
-            place.make(folder)
-            for suffix in (place.CARD, place.SUFFIX):
-                target = path.removesuffix(place.SUFFIX) + suffix
+            socket_files.make_folder(folder)
+            for suffix in (socket_files.CARD_SUFFIX, socket_files.SUFFIX):
+                target = path.removesuffix(socket_files.SUFFIX) + suffix
                 os.symlink(target, os.path.join(folder, name + suffix))
 
 
 def _peer(connected: Any) -> tuple[int, int | None]:
-    """Process and user at the other end; 0 and None where the system does not say."""
+    """Return process and user at the other end; 0 and None where the system does not say."""
     if sys.platform == "linux":
         raw = connected.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12)
         pid, uid, _ = struct.unpack("3i", raw)

@@ -1,4 +1,4 @@
-"""`archo-tui VERB ...`: sends the words to the console that runs here, and ends as it says."""
+"""`archo-tui VERB ...`: sends a verb to the console that runs here, and exits with its result."""
 
 from __future__ import annotations
 
@@ -34,25 +34,37 @@ if TYPE_CHECKING:
         """A connection to a console, or what stands for one."""
 
         def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
-            """Yields all that is said to it, the result last."""
+            """Send a request, and yield all replies to it, the result last."""
 
         def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-            """What else is said. Raises Unreached when nothing is, for so many s."""
+            """Yield the replies that follow; `Unreached` is raised after `within` seconds."""
 
         def send(self, said: dict[str, Any]) -> None:
-            """Say something more to what is being carried out."""
+            """Send an answer, or `give_up`, to the request that is being carried out."""
 
 
-_VERBS_OF = {"--line": "status", "--follow": "events"}  # that have no others
-_CONFIRMED = 3.0  # s in which a goal that is called off is seen to end
-_ANSWERED = 2.0  # s more in which a console that lives says so
+_VERBS_OF = {"--line": "status", "--follow": "events"}  # The one verb that has the option.
+_CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of a goal that is called off.
+_ANSWER_TIMEOUT = 2.0  # Further seconds in which a console that runs reports that.
 
 
-class _Words:
-    """What is meant for us, taken out of what is meant for the console."""
+class _CommandLine:
+    """The words of a verb, with the options of this program taken out.
+
+    Attributes:
+        stops: True if the words are a STOP.
+        flags: Options without a value, as typed.
+        values: Options with a value.
+        rest: The words for the console: the verb and its arguments.
+    """
 
     def __init__(self, words: Sequence[str]) -> None:
-        """Raises ValueError with one line; not for STOP, which is a STOP whatever follows it."""
+        """Sort the words.
+
+        Raises:
+            ValueError: An option is wrong, or a word no UTF-8. Never for a STOP, which is one
+                whatever follows it.
+        """
         self.stops = is_stop({"words": list(words)})
         self.flags: set[str] = set()
         self.values: dict[str, str] = {}
@@ -76,7 +88,11 @@ class _Words:
             self._check()
 
     def _check(self) -> None:
-        """Raise ValueError for an option of other verbs; of the rest a console knows."""
+        """Check the options of this program; the console checks the rest.
+
+        Raises:
+            ValueError: An option belongs to another verb.
+        """
         verb = self.rest[0] if self.rest else ""
         for flag, its in _VERBS_OF.items():
             if flag in self.flags and verb != its:
@@ -86,7 +102,11 @@ class _Words:
 
     @property
     def timeout(self) -> float | None:
-        """Raises ValueError."""
+        """The seconds of `--timeout`; None without one, and for a STOP.
+
+        Raises:
+            ValueError: It is no time.
+        """
         text = None if self.stops else self.values.get("--timeout")
         try:
             seconds = None if text is None else float(text)
@@ -98,7 +118,7 @@ class _Words:
 
 
 class _Interrupted(Exception):
-    """ctrl+c, or SIGTERM."""
+    """SIGINT, as by ctrl+c, or SIGTERM came."""
 
 
 def run(
@@ -107,15 +127,15 @@ def run(
     attach: Callable[[], AbstractContextManager[Speaks]] | None = None,
     meant: Mapping[str, Any] | None = None,
 ) -> int:
-    """Send words to the console that is meant; returns the exit code.
+    """Send a verb to the console that is meant, and return the exit code.
 
     Args:
-        words: The verb and what stands behind it.
-        others: What is no verb, for a word that nobody knows.
-        attach: Makes what is spoken to where no console runs.
-        meant: `to`, `engine` and `domain` that stood before the verb.
+        words: The verb and its arguments.
+        others: Commands that are no verbs, to name the nearest one to a misspelled word.
+        attach: Connects to the robot itself where no console runs; None: nothing can.
+        meant: `to`, `engine` and `domain` that were typed before the verb.
     """
-    # help of STOP only when exactly that is typed: whatever else stands behind it, it stops
+    # A STOP has help only if exactly that is typed: whatever else follows it, it stops.
     if list(words[1:]) == ["--help"] or (words[0] == "wait" and "--help" in words):
         from archo_tui.remote.verb_help import own
 
@@ -128,7 +148,7 @@ def run(
             return 0
     helps = "--help" in words[1:]
     try:
-        given = _Words(words)
+        given = _CommandLine(words)
         timeout = given.timeout
         to = given.values.get("--to") or (meant or {}).get("to")
         asked = {**(meant or {}), **({"to": to} if to else {})}
@@ -136,13 +156,13 @@ def run(
             return _stop(asked, given, attach)
         try:
             console = finder.choose(asked)
-        except finder.Nobody:  # where a console is named that does not run, no other robot is meant
+        except finder.Nobody:  # If a console is named, no other robot is meant.
             if attach is None or helps or "--to" in given.values or os.environ.get(finder.CHOSEN):
                 raise
             with attach() as robot:
-                return _ask(robot, given, timeout, others)
+                return _send(robot, given, timeout, others)
         with contextlib.closing(console):
-            return _ask(console, given, timeout, others)
+            return _send(console, given, timeout, others)
     except (ValueError, ArchoError) as error:
         return _fail("misuse", str(error), words)
     except Unreached as error:
@@ -152,11 +172,7 @@ def run(
 
 
 def _fail(code: str, text: str, words: Sequence[str]) -> int:
-    """Say what did not succeed, as an object where `--json` is among the words.
-
-    Returns:
-        The exit code.
-    """
+    """Print why a command failed, as an object with `--json`, and return the exit code."""
     if "--json" in words:
         _print_json({"code": code, "text": text})
     else:
@@ -165,9 +181,9 @@ def _fail(code: str, text: str, words: Sequence[str]) -> int:
 
 
 def _unreached(words: Sequence[str], others: Iterable[str], why: str) -> int:
-    """Say what can be said without a console; returns the exit code.
+    """Print what is known without a console, and return the exit code.
 
-    A robot file may have verbs that nobody knows here: only one that is misspelled is misuse.
+    A robot file may have verbs that are not known here: only a misspelled one is misuse.
     """
     word, helps = words[0], "--help" in words[1:]
     if helps or word not in (*VERBS, "wait"):
@@ -184,13 +200,17 @@ def _unreached(words: Sequence[str], others: Iterable[str], why: str) -> int:
 
 
 def _nearest(word: str, others: Iterable[str]) -> str:
+    """Return the word that is spelled most alike; empty if none is."""
     import difflib
 
     return next(iter(difflib.get_close_matches(word.lower(), others, n=1)), "")
 
 
 def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
-    """A console's word about a verb that does not exist, which knows verbs and nothing else."""
+    """Add the nearest command to a console's error about an unknown verb.
+
+    The console knows verbs only, this program other commands, too.
+    """
     said, found, verb = text.removesuffix(")").partition(" (nearest: ")
     said = said.removesuffix(" (help lists them")
     if said != f"no command {word!r}":
@@ -200,7 +220,11 @@ def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:
 
 
 def consoles(words: Sequence[str]) -> int:
-    """List those that run here; ends with 3 where none does, or one does not answer."""
+    """Print the consoles that run here.
+
+    Returns:
+        The exit code: UNREACHED if none runs, or one does not answer.
+    """
     faults: list[str] = []
     try:
         found = finder.find({}, faults)
@@ -216,16 +240,16 @@ def consoles(words: Sequence[str]) -> int:
             _print(f"{console.described}: does not answer")
         console.close()
     if not found:
-        _complain(finder.nobody({}, faults))
+        _complain(finder.no_console_error({}, faults))
     return UNREACHED if not found or any(console.fault for console in found) else 0
 
 
 def _stop(
     asked: Mapping[str, Any],
-    given: _Words,
+    given: _CommandLine,
     attach: Callable[[], AbstractContextManager[Speaks]] | None,
 ) -> int:
-    """Say STOP to every console that could be meant; the worst answer is the exit code."""
+    """Send STOP to every console that could be meant, and return the worst result's exit code."""
     if len(given.rest) > 1:
         _complain(f"{given.rest[0]}: ignored: {' '.join(given.rest[1:])}")
     codes, unreached = [], ""
@@ -237,10 +261,10 @@ def _stop(
         text = one.text if len(ended) == 1 and one.code == "done" else f"{one.console}: {one.text}"
         codes.append(_end({"code": one.code, "text": text}, given))
     is_confirmed = any(one.code == "done" for one in ended)
-    if attach is not None and not is_confirmed and "--to" not in given.values:  # by ourselves, then
+    if attach is not None and not is_confirmed and "--to" not in given.values:
         try:
             with attach() as robot:
-                codes.append(_ask(robot, given, None, ()))
+                codes.append(_send(robot, given, None, ()))
         except (Unreached, ArchoError) as error:
             if not ended:
                 raise
@@ -250,7 +274,9 @@ def _stop(
     return max(codes)
 
 
-def _ask(console: Speaks, given: _Words, timeout: float | None, others: Iterable[str]) -> int:
+def _send(
+    console: Speaks, given: _CommandLine, timeout: float | None, others: Iterable[str]
+) -> int:
     words = given.rest[:1] if given.stops else given.rest
     asked: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
     if "--follow" in given.flags:
@@ -260,21 +286,25 @@ def _ask(console: Speaks, given: _Words, timeout: float | None, others: Iterable
     try:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, _interrupt)
-    except ValueError:  # not the main thread, which alone hears of them
+    except ValueError:  # This is not the main thread, which alone gets signals.
         pass
     try:
-        within = None if timeout is None else timeout + _CONFIRMED + _ANSWERED
+        within = None if timeout is None else timeout + _CALL_OFF_TIMEOUT + _ANSWER_TIMEOUT
         return _end(_result(console, asked, given, within), given, others)
     except _Interrupted:
-        for number in (signal.SIGINT, signal.SIGTERM):  # the next one ends it at once
+        for number in (signal.SIGINT, signal.SIGTERM):  # The next one ends the program.
             signal.signal(number, signal.SIG_DFL)
         return INTERRUPTED if asked.get("leave") else _give_up(console, given)
 
 
 def _result(
-    console: Speaks, asked: dict[str, Any], given: _Words, within: float | None
+    console: Speaks, asked: dict[str, Any], given: _CommandLine, within: float | None
 ) -> dict[str, Any]:
-    """The last thing that is said; what comes before it is printed, or answered."""
+    """Send a request, print or answer the replies, and return the result.
+
+    Raises:
+        Unreached: The console has gone, or did not answer within so many seconds.
+    """
     for said in console.request(within, **asked):
         if "code" in said:
             return said
@@ -290,8 +320,8 @@ def _result(
     raise Unreached(GONE)
 
 
-def _end(result: dict[str, Any], given: _Words, others: Iterable[str] = ()) -> int:
-    """Print the result; returns the exit code."""
+def _end(result: dict[str, Any], given: _CommandLine, others: Iterable[str] = ()) -> int:
+    """Print a result and return its exit code."""
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
     if "--json" in given.flags:
@@ -331,11 +361,11 @@ def _why_not(result: dict[str, Any], words: Sequence[str], others: Iterable[str]
     return f"{verb}: {said}"
 
 
-def _give_up(console: Speaks, given: _Words) -> int:
-    """Call off what was asked for, and wait until that is confirmed; returns the exit code."""
+def _give_up(console: Speaks, given: _CommandLine) -> int:
+    """Call off the request, wait until that is confirmed, and return the exit code."""
     try:
         console.send({"give_up": True})
-        for said in console.rest(_CONFIRMED):
+        for said in console.rest(_CALL_OFF_TIMEOUT):
             if "code" in said and "--json" in given.flags:
                 _print_json(said)
                 break
@@ -365,18 +395,18 @@ def _print(text: str) -> None:
 
 
 def _print_json(said: dict[str, Any]) -> None:
-    """Without the number of the request, which is ours."""
+    """Print a message without the request's id, which this program has made up."""
     _print(json.dumps({name: value for name, value in said.items() if name != "id"}))
 
 
 def _complain(text: str, prefix: str = "archo-tui: ") -> None:
-    with contextlib.suppress(OSError):  # nobody reads it: that changes nothing of what was done
+    with contextlib.suppress(OSError):  # Nobody reads it; the result is the same.
         if sys.stderr is not None:
             print(f"{prefix}{_safe(text)}", file=sys.stderr)
 
 
 def _safe(text: str) -> str:
-    """Lines that no terminal acts on: what a robot says is in them."""
+    """Replace what a terminal could act on: a robot's own text may be in it."""
     if text.isprintable():
         return text
     return "".join(

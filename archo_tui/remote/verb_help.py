@@ -6,8 +6,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from archo_tui.verbs.base import Verb
 
-# verbs whose line the client has itself: STOP takes no word behind it, and `wait` is no verb of
-# the console's own operator
+# Verbs whose line of help this program has itself: STOP takes no words, and `wait` is no verb of
+# the console's own operator.
 _LINES = {
     "stop": "stop: STOP: software stop, at once and latched; does not replace the hardware one",
     "wait": "wait idle|arrived|ready|stopped|battery N: Wait until it is so",

@@ -1,4 +1,4 @@
-"""What a program can wait for: `wait idle`, `arrived`, `ready`, `stopped`, `battery 50`."""
+"""The conditions of `wait`: `idle`, `arrived`, `ready`, `stopped`, `battery 50`."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from archo_tui.station.station import Station
 from archo_tui.verbs.base import Verb
 
 WAITS = "idle, arrived, ready, stopped or battery N"
-LOOK = 0.05  # s between two looks
-_Look = Callable[[], Outcome | None]  # None: not yet
+LOOK = 0.05  # Seconds between two looks.
+_Check = Callable[[], Outcome | None]  # Returns None while the condition does not hold yet.
 
 
 async def wait_for(
@@ -25,11 +25,21 @@ async def wait_for(
     request: Mapping[str, Any],
     waited: Callable[[], Outcome | None] | None = None,
 ) -> Outcome:
-    """Ends when it is so, or can no longer become so. Raises ValueError for other words.
+    """Wait until a condition holds, or can no longer become true.
 
-    `waited` tells the end of goals that are known to whoever waits.
+    Args:
+        station: The station that knows the robot.
+        verbs: All verbs, by id.
+        words: The condition, as typed behind `wait`.
+        request: Its `timeout` is kept.
+        waited: Returns the outcome of the client's own goals, None while they run; it is used in
+            place of `words`.
+
+    Raises:
+        RanOut: The timeout is over.
+        ValueError: There is no such condition.
     """
-    look = waited or _looks(station, verbs, words)
+    look = waited or _check_of(station, verbs, words)
     timeout, clock = timeout_of(request), station.clock
     end = None if timeout is None else clock.monotonic() + timeout
     while (outcome := look()) is None:
@@ -41,7 +51,11 @@ async def wait_for(
 
 
 def timeout_of(request: Mapping[str, Any]) -> float | None:
-    """How long is waited, in s; None: for ever. Raises ValueError."""
+    """Return the timeout of a request in seconds; None: none.
+
+    Raises:
+        ValueError: It is no time.
+    """
     timeout = request.get("timeout")
     if timeout is not None and not is_wait(timeout):
         raise ValueError(f"timeout: not a time in s: {str(timeout)[:40]}")
@@ -49,10 +63,15 @@ def timeout_of(request: Mapping[str, Any]) -> float | None:
 
 
 class RanOut(ValueError):
-    """The time is over."""
+    """The timeout of a request is over."""
 
 
-def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Look:
+def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) -> _Check:
+    """Return the check of a condition, as `wait_for` takes it.
+
+    Raises:
+        ValueError: There is no such condition.
+    """
     robot = station.robot
 
     def idle() -> Outcome | None:
@@ -93,7 +112,7 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
         def charged() -> Outcome | None:
             battery = robot.snapshot.battery
             charge, old = battery.percentage, battery.is_old(station.clock.monotonic())
-            if charge is None or charge < wanted or old:  # what it was says nothing about now
+            if charge is None or charge < wanted or old:  # An old charge says nothing about now.
                 return None
             return Outcome(Code.DONE, f"{charge:.1f} %")
 
@@ -102,19 +121,19 @@ def _looks(station: Station, verbs: Mapping[str, Verb], words: Sequence[str]) ->
 
 
 def _is_silent(station: Station) -> bool:
-    """True while the robot does not say how it moves, though it could."""
+    """Return True while the robot's motion is not heard, though its file names it."""
     motion, described = station.robot.snapshot.motion, station.robot.file.motion
     silent = motion.received is None or motion.is_old(station.clock.monotonic())
     return described is not None and silent
 
 
 def _may_move(station: Station) -> bool:
-    """True while the robot says that it moves, or does not say."""
+    """Return True while the robot reports that it moves, or its motion is not heard."""
     return _is_silent(station) or bool(station.robot.snapshot.motion.moving)
 
 
 def _is_held(station: Station) -> bool:
-    """Return True while the robot reports a stop; of one that cannot: while it confirmed a STOP."""
+    """Return True while the robot reports a stop; if it never does: while a STOP is confirmed."""
     snapshot, described = station.robot.snapshot, station.robot.file.motion
     if described is not None and any(kind.stopped for kind in described.types.values()):
         return snapshot.says_stopped
@@ -122,13 +141,14 @@ def _is_held(station: Station) -> bool:
 
 
 def _goes_nowhere(station: Station) -> bool:
-    """True while the robot is stopped, empty or not heard: it would refuse a goal, or be lost."""
+    """Return True while a goal makes no sense: the robot is stopped, empty or not heard."""
     names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
     is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint((CONTACT_LOST, EMPTY))
     return is_bad or _is_silent(station)
 
 
 def _same(station: Station, wanted: Goal) -> Goal | None:
+    """Return the newest state of a goal; None if it is not known any more."""
     snapshot = station.robot.snapshot
     known = (goal for goal in (snapshot.goal, *snapshot.history) if goal is not None)
     return next((goal for goal in known if goal.number == wanted.number), None)

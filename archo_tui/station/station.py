@@ -65,7 +65,7 @@ class View:
         return tuple(wanted.text for wanted in self.queue)
 
 
-class Face(Protocol):
+class Frontend(Protocol):
     """What shows the station to its operator, and runs its work: the app, or `--plain`."""
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
@@ -150,8 +150,8 @@ class Station:
         self.requests = Requests()
         self.clients: tuple[str, ...] = ()  # the programs that are connected
         self.history = History()
-        self._face: Face | None = None
-        self._loop: asyncio.AbstractEventLoop | None = None  # the face's
+        self._frontend: Frontend | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None  # the frontend's
         self._posted: deque[Callable[[], Coroutine[Any, Any, None]]] = deque()  # not begun yet
         # goals that the robot accepted, each with the number of the goal before it
         self._underway: list[tuple[QueuedGoal, int]] = []
@@ -177,18 +177,18 @@ class Station:
         """Our goal on its way to the robot, else the one that runs."""
         return self.ledger.running_goal(self.robot.snapshot)
 
-    def run_on(self, face: Face) -> None:
-        """From now on this face runs what is sent, and hears what comes of it."""
-        self._face, self._loop = face, asyncio.get_running_loop()
-        self.ledger.drop()  # what a face before it did not begin to send is not on its way
+    def run_on(self, frontend: Frontend) -> None:
+        """From now on this frontend runs what is sent, and hears what comes of it."""
+        self._frontend, self._loop = frontend, asyncio.get_running_loop()
+        self.ledger.drop()  # what a frontend before it did not begin to send is not on its way
         self._begin_posted()
 
     def run_off(self) -> None:
-        """The face ends: what is posted from now on waits for the next one."""
+        """The frontend ends: what is posted from now on waits for the next one."""
         self._loop = None
 
     def post(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Have the face run it beside all else, from any thread; the next one where none is."""
+        """Have the frontend run it beside all else, from any thread; the next one where none is."""
         self._posted.append(work)
         loop = self._loop
         if loop is not None:
@@ -196,18 +196,18 @@ class Station:
                 loop.call_soon_threadsafe(self._begin_posted)
 
     def _begin_posted(self) -> None:
-        while self._posted and self._face is not None and self._loop is not None:
-            self._face.beside(self._posted.popleft())
+        while self._posted and self._frontend is not None and self._loop is not None:
+            self._frontend.beside(self._posted.popleft())
 
     def ask_no_more(self) -> None:
         """A STOP came from another program, or another console."""
-        if self._face is not None:
-            self._face.ask_no_more()
+        if self._frontend is not None:
+            self._frontend.ask_no_more()
 
     def restart(self, why: str) -> None:
-        """End, and begin again with the same words, once there is a face; from any thread."""
-        if self._face is not None:
-            self._face.restart(why)
+        """End, and begin again with the same words, once there is a frontend; from any thread."""
+        if self._frontend is not None:
+            self._frontend.restart(why)
 
     def take(self, snapshot: Snapshot) -> list[Alarm]:
         """Something was heard. Returns the alarms that changed."""
@@ -278,7 +278,7 @@ class Station:
 
     def request(self, goal: QueuedGoal, text: str) -> Request:
         """Have a person decide on what is asked for. Raises ValueError that says why not."""
-        if self._face is None or not self._face.has_person:
+        if self._frontend is None or not self._frontend.has_person:
             raise ValueError("nobody can allow it: this console has no screen and no terminal")
         if self._busy:
             raise ValueError(f"{self._busy}: wait until it has ended")
@@ -428,13 +428,13 @@ class Station:
 
     def _drive(self, wanted: QueuedGoal, answer: asyncio.Future[Outcome] | None = None) -> None:
         """Send it; whoever waits for the answer gets it."""
-        assert self._face is not None  # nothing is due before there is one
+        assert self._frontend is not None  # nothing is due before there is one
         before = self.ledger.before
-        self._face.carry_out(partial(self._send, self._face, wanted, before, answer))
+        self._frontend.carry_out(partial(self._send, self._frontend, wanted, before, answer))
 
     async def _send(
         self,
-        face: Face,
+        frontend: Frontend,
         wanted: QueuedGoal,
         before: int,
         answer: asyncio.Future[Outcome] | None,
@@ -464,7 +464,7 @@ class Station:
             else:
                 _end(wanted, outcome)
         if answer is None:
-            face.goal_answered(wanted, outcome)
+            frontend.goal_answered(wanted, outcome)
         elif not answer.done():
             answer.set_result(outcome)
         if outcome.code == Code.TIMEOUT and (wanted.asker.waits or wanted.asker.has_left):

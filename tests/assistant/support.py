@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from mcp import Client, StdioServerParameters
 from mcp.client.stdio import stdio_client
 
-from archo_tui.remote import place
+from archo_tui.remote import socket_files
 from tests.support import warm
 from tests.support.shells import until
 from tests.support.waiting import DEADLINE
@@ -149,7 +149,7 @@ class FakeConsole:
 @asynccontextmanager
 async def fake_console(pid: int = 7) -> AsyncIterator[FakeConsole]:
     """One that listens where consoles do."""
-    folder = Path(place.folder())
+    folder = Path(socket_files.folder())
     folder.mkdir(mode=0o700, exist_ok=True)
     console = FakeConsole(pid)
     server = await asyncio.start_unix_server(console.serve, folder / f"{pid}.sock")

@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.remote import client, finder, place
-from archo_tui.remote.server import MOST_CLIENTS, MOST_OPEN
+from archo_tui.remote import client, finder, socket_files
+from archo_tui.remote.server import MAX_CLIENTS, MAX_CONNECTIONS
 from archo_tui.robot import services
 from archo_tui.robot.outcome import Code, Outcome
 from tests.robot.test_several_servers import Brake
@@ -144,7 +144,7 @@ async def test_one_that_never_reads_is_dropped_and_delays_nobody() -> None:
 
 async def test_more_than_enough_clients_may_stop_and_nothing_else() -> None:
     async with served(ros_args=FAST) as person:
-        ours = [await raw() for _ in range(MOST_CLIENTS)]
+        ours = [await raw() for _ in range(MAX_CLIENTS)]
         for one in ours:
             await one.line()
         async with guest() as late:
@@ -176,7 +176,7 @@ async def test_thousands_of_connections_leave_a_way_for_stop_and_no_descriptors(
                 held.pop(0).close()
         async with guest() as late:
             assert (await late.ask("stop"))["code"] == "done"
-        await until(lambda: len(os.listdir("/proc/self/fd")) < files + MOST_OPEN + 310)
+        await until(lambda: len(os.listdir("/proc/self/fd")) < files + MAX_CONNECTIONS + 310)
         for one in held:
             one.close()
         await until(lambda: len(os.listdir("/proc/self/fd")) < files + 10)
@@ -356,7 +356,7 @@ async def test_a_console_that_only_watches_refuses_whatever_acts() -> None:
 async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into(
     fault: str,
 ) -> None:
-    folder = Path(place.folder())
+    folder = Path(socket_files.folder())
     folder.parent.mkdir(parents=True, exist_ok=True)
     if fault == "mode":
         folder.mkdir()
@@ -365,7 +365,7 @@ async def test_a_folder_that_others_can_use_has_no_socket_and_is_not_looked_into
         folder.write_text("")
     async with operated(ros_args=FAST, remote=True) as person:
         await heard(person, "no socket for other programs: ")
-        assert not place.sockets()
+        assert not socket_files.sockets()
     said = await typed("status")
     assert said.code == 3
     assert str(folder) in said.err
@@ -394,7 +394,8 @@ async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.Mo
     listen, seen = socket.socket.listen, []
 
     def watched(made: socket.socket, *given: int) -> None:
-        seen.append(place.sockets())  # whoever looks now would take it for one of a killed console
+        # whoever looks now would take it for one of a killed console
+        seen.append(socket_files.sockets())
         listen(made, *given)
 
     monkeypatch.setattr(socket.socket, "listen", watched)
@@ -405,24 +406,24 @@ async def test_a_socket_has_its_name_only_when_it_listens(monkeypatch: pytest.Mo
 
 async def test_sockets_that_nobody_listens_on_go_when_somebody_looks() -> None:
     async with served(ros_args=FAST):
-        folder = place.folder()
+        folder = socket_files.folder()
         made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         held = os.open(folder, os.O_RDONLY)
-        made.bind(place.short(held, f"{folder}/1.sock"))
+        made.bind(socket_files.short_path(held, f"{folder}/1.sock"))
         os.close(held)
         made.close()
         listed = await typed("status", "--line")
         assert listed.code == 0
-        assert place.sockets() == [own_socket()]
+        assert socket_files.sockets() == [own_socket()]
 
 
 def _listens(name: str) -> socket.socket:
     """A console that takes connections, and no more."""
-    folder = place.folder()
+    folder = socket_files.folder()
     os.makedirs(folder, 0o700, exist_ok=True)
     made = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     held = os.open(folder, os.O_RDONLY)
-    made.bind(place.short(held, f"{folder}/{name}"))
+    made.bind(socket_files.short_path(held, f"{folder}/{name}"))
     os.close(held)
     made.listen()
     return made
@@ -431,7 +432,7 @@ def _listens(name: str) -> socket.socket:
 async def test_a_suspended_console_is_named_and_does_not_delay_the_stop_of_another(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(finder, "WAKES", 2.0)
+    monkeypatch.setattr(finder, "WAKE_TIMEOUT", 2.0)
     with _listens("1.sock"):
         said = await typed("status")
         assert said == (
@@ -483,7 +484,7 @@ async def test_a_console_that_does_not_say_which_one_it_is_holds_up_no_stop(
 async def test_of_a_suspended_console_it_is_not_said_that_it_does_not_run(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(finder, "WAKES", 1.0)
+    monkeypatch.setattr(finder, "WAKE_TIMEOUT", 1.0)
     with _listens("1.sock"):
         async with served(ros_args=FAST) as person:
             assert await typed("status", "--to", "/north") == (

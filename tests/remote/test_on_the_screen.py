@@ -11,7 +11,7 @@ import pytest
 
 from archo_tui.keyed_app import HELD
 from archo_tui.paths import journal_file
-from archo_tui.remote import place
+from archo_tui.remote import socket_files
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
 from tests.support.shells import Said, own_socket, raw, said, typed
@@ -90,7 +90,7 @@ async def test_a_shell_that_waits_is_told_how_its_goal_ends_when_the_console_qui
 
 def listening(terminal: Terminal) -> None:
     """Until programs can reach the console in it."""
-    terminal.until(lambda: place.sockets())
+    terminal.until(lambda: socket_files.sockets())
     terminal.until("wheel_radius")
 
 
@@ -123,7 +123,7 @@ def test_a_console_that_gets_a_signal_cancels_and_says_so_to_the_shell(
     assert terminal.exit_code() == 128 + signal.SIGTERM
     shell.join(5.0)
     assert told[0].code in (3, 5), told
-    assert not place.sockets()
+    assert not socket_files.sockets()
 
 
 def test_no_remote_leaves_the_socket_out(terminals: list[Terminal]) -> None:
@@ -131,4 +131,4 @@ def test_no_remote_leaves_the_socket_out(terminals: list[Terminal]) -> None:
     terminals.append(terminal)
     terminal.until("wheel_radius")
     assert said("status").code == 3
-    assert not place.sockets()
+    assert not socket_files.sockets()

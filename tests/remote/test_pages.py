@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from archo_tui.remote import place
+from archo_tui.remote import socket_files
 from archo_tui.remote.protocol import EXITS
 from tests.support import chosen
 from tests.support.console import FAST
@@ -85,12 +85,12 @@ async def test_the_client_in_six_lines_of_shell_sends_the_robot(
     netcat.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
     monkeypatch.delenv("XDG_RUNTIME_DIR", raising=False)
-    monkeypatch.delenv(place.ONLY)
+    monkeypatch.delenv(socket_files.FOLDER_VARIABLE)
     monkeypatch.setenv(variable, str(tmp_path))
     lines = _block("bash")
     assert len(lines.splitlines()) == 6
     async with served(ros_args=FAST) as person:
-        assert Path(place.folder()).is_relative_to(tmp_path)
+        assert Path(socket_files.folder()).is_relative_to(tmp_path)
         done = await asyncio.to_thread(
             subprocess.run, ["bash", "-c", lines], capture_output=True, text=True, timeout=DEADLINE
         )

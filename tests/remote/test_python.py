@@ -21,9 +21,9 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import Aborted, Cancelled, Misused, NotDone, RanOut, Refused, Unreached
 from archo_tui.errors import ArchoError
-from archo_tui.remote import api, client, finder, place
+from archo_tui.remote import api, client, finder, socket_files
 from archo_tui.remote.api import Robot
-from archo_tui.remote.desk import Desk
+from archo_tui.remote.request_handler import RequestHandler
 from tests.support import chosen, warm
 from tests.support.console import FAST, LONG
 from tests.support.plain import Typed
@@ -269,7 +269,7 @@ for line in sys.stdin:
 @pytest.fixture
 def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Processes look nowhere else."""
-    monkeypatch.setenv(place.ONLY, str(tmp_path / "sockets"))
+    monkeypatch.setenv(socket_files.FOLDER_VARIABLE, str(tmp_path / "sockets"))
 
 
 @pytest.mark.usefixtures("one_folder")
@@ -386,13 +386,13 @@ def _until(script: Script, holds: Callable[[], bool]) -> None:
 async def test_a_goal_of_a_program_that_has_gone_by_then_is_not_sent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    has_left, gone = threading.Event(), Desk.gone
+    has_left, gone = threading.Event(), RequestHandler.gone
 
-    def left(desk: Desk, client: Any) -> None:
+    def left(desk: RequestHandler, client: Any) -> None:
         gone(desk, client)
         has_left.set()
 
-    monkeypatch.setattr(Desk, "gone", left)
+    monkeypatch.setattr(RequestHandler, "gone", left)
     async with served(ros_args=LONG) as person:
         await typed("wait", "ready")
         await until(has_left.is_set)

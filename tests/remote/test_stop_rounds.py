@@ -18,7 +18,7 @@ import pytest
 
 import archo_tui
 from archo_tui.assistant.link import Link
-from archo_tui.remote import place, shell
+from archo_tui.remote import shell, socket_files
 from archo_tui.remote.api import Robot
 from archo_tui.remote.client import Unreached
 from tests.support.night import corners
@@ -114,12 +114,13 @@ class Rounds:
         asyncio.run(call())
 
     def _by_socket(self, *words: str) -> None:
-        with contextlib.suppress(OSError), place.connect(place.sockets()[0]) as console:
+        (path,) = socket_files.sockets()[:1]
+        with contextlib.suppress(OSError), socket_files.connect(path) as console:
             console.send(json.dumps({"id": 1, "words": words}).encode() + b"\n")
 
     def _by_text(self, *words: str) -> None:
         assert words == ("stop",)
-        with place.connect(place.sockets()[0]) as console:
+        with socket_files.connect(socket_files.sockets()[0]) as console:
             console.send(b"STOP!")
 
     def _by_console(self, *words: str) -> None:
@@ -166,7 +167,7 @@ class Rounds:
 
     def ready(self) -> None:
         """Wait until a goal can be sent."""
-        self._until(place.sockets)
+        self._until(socket_files.sockets)
         assert shell.run(["wait", "ready", "--timeout", str(DEADLINE)], ()) == 0
         self._robot = archo_tui.connect()
 
@@ -216,7 +217,7 @@ class Rounds:
 def test_behind_a_stop_nothing_moves_until_a_later_release(
     screen: bool, request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv(place.ONLY, str(tmp_path / "sockets"))
+    monkeypatch.setenv(socket_files.FOLDER_VARIABLE, str(tmp_path / "sockets"))
     far = request.config.getoption("--night")
     seed, rounds = (random.randrange(10**6), 1000) if far else (1, 8)
     walk = Rounds(tmp_path, seed, screen=screen)

@@ -14,7 +14,7 @@ from archo_tui.assistant.link import Link
 from archo_tui.assistant.tools import call, tools
 from archo_tui.cli import main
 from archo_tui.plain import lines
-from archo_tui.remote import place, protocol, server
+from archo_tui.remote import protocol, server, socket_files
 from archo_tui.robot.stops import Stops
 from tests.assistant.support import FakeConsole, assistant, fake_console, parameters
 from tests.assistant.test_its_connection import INITIALIZE
@@ -34,7 +34,7 @@ OTHERS = ["stopped", "stop2", "nonstop", "don't stop", "go stop", "stop_it", "st
 def _sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A folder with a short name, which asyncio takes."""
     with tempfile.TemporaryDirectory() as folder:
-        monkeypatch.setenv(place.ONLY, folder)
+        monkeypatch.setenv(socket_files.FOLDER_VARIABLE, folder)
         yield
 
 

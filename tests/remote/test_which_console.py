@@ -22,7 +22,7 @@ from archo_tui.assistant.answer import Answer
 from archo_tui.assistant.link import Link
 from archo_tui.assistant.looking import Status
 from archo_tui.assistant.stopping import Stop
-from archo_tui.remote import finder, place, server
+from archo_tui.remote import finder, server, socket_files
 from archo_tui.remote.api import Unreached
 from archo_tui.remote.client import Unreached as NotReached
 from archo_tui.remote.shell import consoles
@@ -47,8 +47,8 @@ def _places(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (runtime / str(os.getuid())).mkdir(parents=True)
     user = pwd.struct_passwd(("me", "x", os.getuid(), 0, "", str(home), "/bin/sh"))
     monkeypatch.setattr(pwd, "getpwuid", lambda _: user)
-    monkeypatch.setattr(place, "_RUNTIME", str(runtime))
-    for name in (place.ONLY, finder.CHOSEN, "XDG_RUNTIME_DIR", "XDG_STATE_HOME"):
+    monkeypatch.setattr(socket_files, "_RUNTIME", str(runtime))
+    for name in (socket_files.FOLDER_VARIABLE, finder.CHOSEN, "XDG_RUNTIME_DIR", "XDG_STATE_HOME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("HOME", str(home))
 
@@ -66,7 +66,7 @@ def listening(
         yield made, hello
     finally:
         made.close()
-        place.forget(path)
+        socket_files.remove(path)
 
 
 class Answering(FakeConsole):
@@ -150,6 +150,7 @@ class Where(NamedTuple):
 
 
 LOGIN = {"XDG_RUNTIME_DIR": "run/USER"}
+ONE_FOLDER: dict[str, str] = {socket_files.FOLDER_VARIABLE: "odd/sockets"}
 WHERE = {
     "a desktop": Where(LOGIN, LOGIN),  # type: ignore[arg-type]
     "cron": Where(LOGIN, {}),
@@ -161,7 +162,7 @@ WHERE = {
     "two runtime folders": Where({"XDG_RUNTIME_DIR": "odd"}, LOGIN),  # type: ignore[arg-type]
     "a state folder of its own": Where({"XDG_STATE_HOME": "odd"}, {}),
     "cron, and a home of no use": Where(LOGIN, {}),
-    "one folder": Where({place.ONLY: "odd/sockets"}, {place.ONLY: "odd/sockets"}),
+    "one folder": Where(ONE_FOLDER, {socket_files.FOLDER_VARIABLE: "odd/sockets"}),
 }
 
 
@@ -191,7 +192,7 @@ async def test_a_console_is_found_in_every_environment_by_every_mouth(
         assert await asyncio.to_thread(mouth) == 0, (where, mouth.__name__)
     assert console.words() == [["status"], ["status"], ["stop"], ["stop"]]
     await entered.__aexit__(None, None, None)
-    assert place.sockets() == []
+    assert socket_files.sockets() == []
 
 
 class State(NamedTuple):
@@ -218,17 +219,18 @@ STATES = {
 async def test_a_verb_goes_to_the_only_one_and_a_stop_to_all(
     state: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(finder, "SOON", 0.4)
-    monkeypatch.setattr(finder, "WAKES", 0.5)
+    monkeypatch.setattr(finder, "HELLO_TIMEOUT", 0.4)
+    monkeypatch.setattr(finder, "WAKE_TIMEOUT", 0.5)
     awake, silent, *codes = STATES[state]
-    monkeypatch.setenv("XDG_RUNTIME_DIR", f"{place._RUNTIME}/{os.getuid()}")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", f"{socket_files._RUNTIME}/{os.getuid()}")
     entered = [listening(name, 90 + n) for n, name in enumerate(silent)]
     sockets = [one.__enter__()[0] for one in entered]
     answers = [answering(name, 7 + n) for n, name in enumerate(awake)]
     running = [await one.__aenter__() for one in answers]
     killed = socket.socket(socket.AF_UNIX)  # of a console that is gone
-    Path(place.folder()).mkdir(mode=0o700, exist_ok=True)
-    killed.bind(f"/proc/self/fd/{(held := os.open(place.folder(), os.O_RDONLY))}/5-gone.sock")
+    Path(socket_files.folder()).mkdir(mode=0o700, exist_ok=True)
+    held = os.open(socket_files.folder(), os.O_RDONLY)
+    killed.bind(f"/proc/self/fd/{held}/5-gone.sock")
     os.close(held)
     killed.close()
     for mouths, code in zip((VERBS, STOPS, (by_consoles,)), codes, strict=True):
@@ -304,11 +306,11 @@ async def test_two_consoles_of_one_number_are_told_apart_and_end_apart() -> None
 
 async def test_a_name_that_another_console_has_is_not_taken() -> None:
     with listening("/") as (made, hello):
-        (path,) = place.sockets()
-        assert place.card(path) == hello
+        (path,) = socket_files.sockets()
+        assert socket_files.read_card(path) == hello
         with pytest.raises(FileExistsError):
             server._listening(hello)
-        connected = place.connect(path)
+        connected = socket_files.connect(path)
         made.setblocking(True)
         made.accept()[0].close()
         connected.close()
@@ -357,7 +359,7 @@ async def test_a_variable_that_names_no_console_holds_up_no_stop(
 async def test_who_may_not_speak_to_a_console_is_told_who_may(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    folder = Path(place._RUNTIME) / "4711" / "archo-tui"
+    folder = Path(socket_files._RUNTIME) / "4711" / "archo-tui"
     folder.mkdir(parents=True)
     (folder / "7-0.sock").touch()
     told = await typed("stop")
@@ -471,7 +473,7 @@ async def test_a_console_decides_whether_it_is_meant_before_it_counts_a_stop() -
     async with served() as person:
         one = await raw()
         hello = await one.line()
-        assert hello == place.card(own_socket())
+        assert hello == socket_files.read_card(own_socket())
         stops = person._plain._station.robot.stops
         for other in (
             {"to": "/south"},
@@ -514,7 +516,7 @@ def client(*words: str, **environ: str) -> subprocess.Popen[str]:
 @pytest.fixture
 def one_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Processes look nowhere else."""
-    monkeypatch.setenv(place.ONLY, str(tmp_path / "sockets"))
+    monkeypatch.setenv(socket_files.FOLDER_VARIABLE, str(tmp_path / "sockets"))
 
 
 @pytest.mark.usefixtures("one_folder")
@@ -558,8 +560,8 @@ def test_a_console_that_wakes_stops_though_whoever_said_so_was_killed(killed: in
 
 CRON = """
 import pwd, sys
-from archo_tui.remote import place
-place._RUNTIME, home = sys.argv[1:3]
+from archo_tui.remote import socket_files
+socket_files._RUNTIME, home = sys.argv[1:3]
 pwd.getpwuid = lambda _: pwd.struct_passwd(("me", "x", 0, 0, "", home, "/bin/sh"))
 from archo_tui.cli import main
 sys.exit(main(sys.argv[3:]))
@@ -575,9 +577,9 @@ async def test_cron_reaches_a_console_of_any_environment(
 ) -> None:
     (tmp_path / "odd").mkdir()
     chosen(monkeypatch, tmp_path, WHERE[where].console)
-    kept = ("PATH", "ARCHO_TESTS_RUN", "LC_ALL", place.ONLY)
+    kept = ("PATH", "ARCHO_TESTS_RUN", "LC_ALL", socket_files.FOLDER_VARIABLE)
     given = {name: os.environ[name] for name in kept if name in os.environ}
-    words = (place._RUNTIME, str(tmp_path / "home"), "stop")
+    words = (socket_files._RUNTIME, str(tmp_path / "home"), "stop")
     async with served() as person:
         run = await asyncio.create_subprocess_exec(
             *warm.python("-c", CRON, *words), env=given, cwd="/", stdout=-1, stderr=-1

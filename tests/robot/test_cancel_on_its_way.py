@@ -15,7 +15,7 @@ from archo_tui.robot.stops import NEVER_LEFT
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.ledger import Ledger
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.station.station import Face
+from archo_tui.station.station import Frontend
 from tests.support.archo import SHELF, go
 from tests.support.clock import seconds
 from tests.support.console import console
@@ -175,7 +175,7 @@ async def test_a_goal_that_a_screen_did_not_send_is_forgotten_by_the_next() -> N
             """Begin nothing."""
 
     station = stub_station(StubRobot(STATES["normal"]))
-    face = cast("Face", Ends())
+    face = cast("Frontend", Ends())
     station.run_on(face)
     station.drive([QueuedGoal(SHELF, {"shelf_number": 12})])
     assert station.running_goal is not None

@@ -355,7 +355,7 @@ async def test_what_an_assistant_asks_looks_as_accepted(
         await outside(lambda: not app.has_sent, "what was sent before: nothing")
         asker = Asker("AI", "assistant 4711")
         goal = QueuedGoal(SHELF, {"shelf_number": 12})
-        app.station._face = app
+        app.station._frontend = app
         app.station.requests.add(asker, goal, "go to shelf 12", NOW, 0)
         app.look()
         await rest(app, quiet)

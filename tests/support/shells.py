@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from unittest.mock import patch
 
 from archo_tui.cli import SUBCOMMANDS
-from archo_tui.remote import place, shell
+from archo_tui.remote import shell, socket_files
 from tests.support.plain import Typed, operated
 from tests.support.waiting import DEADLINE, Waited
 
@@ -58,8 +58,8 @@ async def heard(person: Typed, text: str) -> None:
 
 def own_socket() -> str:
     """Return the path of the socket of the console in this process; empty: there is none yet."""
-    own = f"{place.folder()}/{os.getpid()}-"
-    return next((path for path in place.sockets() if path.startswith(own)), "")
+    own = f"{socket_files.folder()}/{os.getpid()}-"
+    return next((path for path in socket_files.sockets() if path.startswith(own)), "")
 
 
 def reached() -> socket.socket:
@@ -67,7 +67,7 @@ def reached() -> socket.socket:
     waited = Waited(DEADLINE)
     while True:
         with contextlib.suppress(BlockingIOError):
-            return place.connect(own_socket())
+            return socket_files.connect(own_socket())
         assert not waited.too_long()
         time.sleep(0.01)
 
@@ -76,7 +76,7 @@ def reached() -> socket.socket:
 async def served(*makers: Any, robot: Path | None = None, **options: Any) -> AsyncIterator[Typed]:
     """A `--plain` that programs reach."""
     async with operated(*makers, robot=robot, remote=True, **options) as person:
-        await until(own_socket, place.folder)
+        await until(own_socket, socket_files.folder)
         yield person
 
 

@@ -59,7 +59,7 @@ def install(path: str, engine: str) -> None:
 
         setattr(owner, name, call)
 
-    traced(Stops, "read", STOP)
+    traced(Stops, "register", STOP)
     traced(MotorController, "emergency_stop", STOPPED)
     traced(MotorController, "release_emergency_stop", RELEASED)
     traced(Drive, "begin", BEGUN)  # a goal was accepted

@@ -11,8 +11,8 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Protocol
 
 from archo_tui.remote.client import UNANSWERED, Unreached
-from archo_tui.remote.desk import Desk
 from archo_tui.remote.protocol import is_stop
+from archo_tui.remote.request_handler import RequestHandler
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.station.queue import QueuedGoal
@@ -27,28 +27,48 @@ class HasStation(Protocol):
 
 
 @contextmanager
-def attached(begin: Callable[[], AbstractContextManager[HasStation]]) -> Iterator[Attached]:
-    """A robot on the graph, while the session runs. Raises Unreached when none is there."""
+def attached(
+    begin: Callable[[], AbstractContextManager[HasStation]],
+) -> Iterator[InProcessConnection]:
+    """Run a session for one verb, and connect to it.
+
+    Args:
+        begin: Begins the session, which runs inside its context.
+
+    Raises:
+        Unreached: No robot is on the graph.
+    """
     with begin() as session:
-        found = Attached(session.station)
+        found = InProcessConnection(session.station)
         try:
             yield found
         finally:
             found.close()
 
 
-_TICK = 1.0  # s
-_LOOK = 0.05  # s between two looks for the robot
-_END = 5.0  # s for the loop to end
+_TICK = 1.0  # Seconds between two ticks of the station.
+_FIND_PERIOD = 0.05  # Seconds between two looks for the robot.
+_END_TIMEOUT = 5.0  # Seconds that the loop may take to end.
 
 
-class Attached:
-    """As a connection to a console, of a station in this process."""
+class InProcessConnection:
+    """A connection as that to a console, to a station in this process.
+
+    It is the client of a request handler and the station's front end at once. The station runs on
+    a loop in a thread of its own; what is public here is called from another thread.
+    """
 
     def __init__(self, station: Station) -> None:
-        """The session that it belongs to runs. Raises Unreached when no robot is on the graph."""
+        """Start the loop, and wait until a robot is found.
+
+        Args:
+            station: Its session runs already.
+
+        Raises:
+            Unreached: No robot is on the graph.
+        """
         self.pid = os.getpid()
-        self._station, self._desk = station, Desk(station)
+        self._station, self._handler = station, RequestHandler(station)
         self._said: queue.Queue[dict[str, Any]] = queue.Queue()
         self._number = 0
         self._loop = asyncio.new_event_loop()
@@ -62,17 +82,25 @@ class Attached:
             raise Unreached(f"no console runs here, and no robot is {station.unseen}")
 
     def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
-        """Yields all that is said to it, the result last; `within` as in `rest`."""
+        """Send a request, and yield all replies to it, the result last.
+
+        Args:
+            within: Seconds that each reply may take; None: any time.
+            asked: The request, as docs/protocol.md lists its names and values.
+
+        Raises:
+            Unreached: No reply came in time.
+        """
         self._number += 1
         stops = self._station.robot.stops
         if stops.is_stop_call(asked["words"]):
             asked["words"] = ["stop"]
         request = {"id": self._number, **asked}
-        self._desk.serve(self, request, stops.register() if is_stop(asked) else stops.count)
+        self._handler.serve(self, request, stops.register() if is_stop(asked) else stops.count)
         yield from self.rest(within)
 
     def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """What is said until the result. Raises Unreached when nothing is said for so many s."""
+        """Yield the replies that are still to come, as `request` does."""
         said: dict[str, Any] = {}
         while "code" not in said:
             try:
@@ -82,46 +110,46 @@ class Attached:
             yield said
 
     def send(self, said: dict[str, Any]) -> None:
-        """Say something more to what is being carried out."""
-        self._desk.answer(self, said, self._station.robot.stops.count)
+        """Send an answer, or `give_up`, to the request that is being carried out."""
+        self._handler.answer(self, said, self._station.robot.stops.count)
 
     def close(self) -> None:
-        """Leave."""
+        """End the loop, and what is still being carried out with it."""
         self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join(_END)
+        self._thread.join(_END_TIMEOUT)
 
-    # as a client of the desk, on the loop
+    # The client of the request handler, on the loop.
 
     def tell(self, said: dict[str, Any]) -> None:
-        """Something is said to us."""
+        """Take a reply."""
         self._said.put(said)
 
     def done(self) -> None:
-        """What was asked for has ended."""
+        """Do nothing: the result tells that the request has ended."""
 
-    # as the station's face
+    # The station's front end.
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin it."""
+        """Begin work that the operator wants."""
         self._begin(work())
 
     def beside(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin it."""
+        """Begin work that nobody waits for."""
         self._begin(work())
 
     def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """Whoever waits for it is told."""
+        """Do nothing: whoever waits for the goal is told."""
 
     @property
     def has_person(self) -> bool:
-        """Who allows something sits at a console."""
+        """False: a person who could allow something sits at a console."""
         return False
 
     def ask_no_more(self) -> None:
-        """Whoever is asked here said STOP."""
+        """Do nothing: the only one who could be asked is the one who sent the STOP."""
 
     def restart(self, why: str) -> None:
-        """Nothing of the user's own runs here."""
+        """Do nothing: no node of the user's own runs here."""
 
     def _begin(self, work: Coroutine[Any, Any, None]) -> None:
         task = self._loop.create_task(work)
@@ -144,7 +172,7 @@ class Attached:
         station.run_on(self)
         station.robot.subscribe(self._take)
         while not station.robot.snapshot.nodes:
-            await asyncio.sleep(_LOOK)
+            await asyncio.sleep(_FIND_PERIOD)
         found.set()
         while True:
             await asyncio.sleep(_TICK)

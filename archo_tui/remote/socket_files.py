@@ -13,11 +13,12 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-ONLY = "ARCHO_TUI_SOCKETS"  # names a folder that is used in the place of all others
+FOLDER_VARIABLE = "ARCHO_TUI_SOCKETS"  # Names a folder that is used in the place of all others.
 SUFFIX = ".sock"
-CARD = ".json"  # of the file beside a socket: the hello of its console, for when that is silent
-LONGEST = 107  # bytes of a socket's name that Linux takes
-_RUNTIME = "/run/user"  # systemd has a folder there for each user who is logged in
+# Of the "card", a file beside the socket with its console's hello, for when that is silent.
+CARD_SUFFIX = ".json"
+MAX_PATH = 107  # Bytes of a socket's path that Linux takes: unix(7), sun_path.
+_RUNTIME = "/run/user"  # systemd makes a folder there for each user who is logged in.
 
 
 def folder() -> str:
@@ -26,7 +27,7 @@ def folder() -> str:
     It is `archo-tui` in XDG_RUNTIME_DIR where that is a folder of this user, else `archo-tui/run`
     in the state folder: never one that others can write to. Empty: this user has no home either.
     """
-    only, runtime = os.environ.get(ONLY, ""), os.environ.get("XDG_RUNTIME_DIR", "")
+    only, runtime = os.environ.get(FOLDER_VARIABLE, ""), os.environ.get("XDG_RUNTIME_DIR", "")
     if only:
         return os.path.abspath(only)
     if os.path.isabs(runtime) and os.path.isdir(runtime) and _owner(runtime) in (None, _user()):
@@ -40,7 +41,7 @@ def folders() -> list[str]:
     The variables of whoever looks and of the console may differ: cron, `su -` and systemd set
     neither XDG_RUNTIME_DIR nor XDG_STATE_HOME.
     """
-    if os.environ.get(ONLY, ""):
+    if os.environ.get(FOLDER_VARIABLE, ""):
         return [folder()]
     found = [folder()]
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
@@ -57,7 +58,7 @@ def link_folder() -> str:
     So a console is found by clients that have another XDG_RUNTIME_DIR. Empty: nowhere.
     """
     own, last = folder(), (_in_states() or [""])[-1]
-    return "" if os.environ.get(ONLY, "") or last == own else last
+    return "" if os.environ.get(FOLDER_VARIABLE, "") or last == own else last
 
 
 def _in_states() -> list[str]:
@@ -87,7 +88,7 @@ def _owner(path: str) -> int | None:
     return os.stat(path).st_uid if hasattr(os, "getuid") else None
 
 
-def fault(path: str) -> str:
+def folder_fault(path: str) -> str:
     """Return why a folder is not one for sockets; an empty string when it is."""
     try:
         found = os.lstat(path)
@@ -106,7 +107,7 @@ def fault(path: str) -> str:
 def other_users() -> list[str]:
     """Return the names of other users of whom consoles are to be seen; mostly root sees any."""
     found = []
-    if not os.environ.get(ONLY, ""):
+    if not os.environ.get(FOLDER_VARIABLE, ""):
         for user in _listed(_RUNTIME):
             path = os.path.join(_RUNTIME, user, "archo-tui")
             if user.isdecimal() and int(user) != _user() and any(map(_is_socket, _listed(path))):
@@ -144,7 +145,7 @@ def sockets(faults: list[str] | None = None) -> list[str]:
     for path in folders():
         if not os.path.lexists(path):
             continue
-        wrong = fault(path)
+        wrong = folder_fault(path)
         if wrong:
             if faults is not None:
                 faults.append(wrong)
@@ -154,33 +155,33 @@ def sockets(faults: list[str] | None = None) -> list[str]:
     return [*found.values()]
 
 
-def card(path: str) -> dict[str, Any] | None:
+def read_card(path: str) -> dict[str, Any] | None:
     """Return what the console of a socket says of itself; None where it left no such file."""
     try:
-        with open(path.removesuffix(SUFFIX) + CARD, "rb") as file:
+        with open(path.removesuffix(SUFFIX) + CARD_SUFFIX, "rb") as file:
             found = json.loads(file.read())
     except (OSError, ValueError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
 
 
-def make(path: str) -> None:
+def make_folder(path: str) -> None:
     """Make a folder for sockets. Raises OSError when that fails, or others could listen there."""
     parent = os.path.dirname(path)
     os.makedirs(os.path.dirname(parent), exist_ok=True)
     for one in (parent, path):  # the state folder holds a journal, too
         with contextlib.suppress(FileExistsError):
             os.mkdir(one, 0o700)
-    wrong = fault(path)
+    wrong = folder_fault(path)
     if wrong:
         raise OSError(wrong)
 
 
-def forget(path: str) -> None:
+def remove(path: str) -> None:
     """Remove the socket of a console that has gone, its card, and the links to both."""
     name = os.path.basename(path).removesuffix(SUFFIX)
     for each in {os.path.dirname(path), *folders()}:
-        for suffix in (SUFFIX, CARD):
+        for suffix in (SUFFIX, CARD_SUFFIX):
             with contextlib.suppress(OSError):  # there is none, or another one did it
                 os.unlink(os.path.join(each, name + suffix))
 
@@ -200,7 +201,7 @@ def connect(path: str) -> socket.socket:
     try:
         made.setblocking(False)
         held = os.open(os.path.dirname(path), os.O_RDONLY)
-        made.connect(short(held, path))
+        made.connect(short_path(held, path))
     except BaseException:
         made.close()
         raise
@@ -210,12 +211,12 @@ def connect(path: str) -> socket.socket:
     return made
 
 
-def short(held: int, path: str) -> str:
+def short_path(held: int, path: str) -> str:
     """Return the socket's path, through its folder's open descriptor where it would be too long.
 
     Raises OSError where there is no such way.
     """
-    if len(os.fsencode(path)) <= LONGEST:
+    if len(os.fsencode(path)) <= MAX_PATH:
         return path
     if not os.path.isdir("/proc/self/fd"):
         raise OSError(f"{path} is too long for a socket's name")

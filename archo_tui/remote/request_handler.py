@@ -1,0 +1,425 @@
+"""The handler of requests that come through the socket; it works on the console's loop."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError, in_one_line
+from archo_tui.remote.assistants import Assistants
+from archo_tui.remote.follow import follow, follow_goal
+from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
+from archo_tui.remote.server import ClientSession
+from archo_tui.remote.waits import LOOK, RanOut, timeout_of, wait_for
+from archo_tui.robot import messages
+from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
+from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of
+from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
+from archo_tui.station.station import CALLED_OFF, Station
+from archo_tui.verbs import as_data, verbs
+from archo_tui.verbs.base import Question, Verb
+from archo_tui.verbs.called import choose_verb
+from archo_tui.verbs.goals import SendGoal
+from archo_tui.verbs.parse import YES, named, parse
+from archo_tui.verbs.services import TIMEOUT, Call
+from archo_tui.verbs.speak import speak
+
+_MAX_STOPS = 1000  # STOPs that are answered: of a flood the last ones.
+_ANSWER_TIMEOUT = 60.0  # Seconds for a person at a shell to answer a question.
+_CALL_OFF_TIMEOUT = 3.0  # Seconds for the end of work that was called off.
+RAN_OUT = "ran_out"  # In place of an outcome's code: the client's timeout is over.
+
+
+class RequestHandler:
+    """The handler of one console's requests, for all clients."""
+
+    def __init__(self, station: Station) -> None:
+        """Make the handler of a station, whose loop carries out the requests."""
+        self._station, self._robot = station, station.robot
+        self.verbs: Mapping[str, Verb] = verbs(self._robot.file, self._robot.snapshot.forms)
+        self._assistants = Assistants(station, self.verbs, self._until)
+        self._clients: dict[ClientSession, _ClientWork] = {}
+        self._late_cancels: set[asyncio.Future[None]] = set()  # Of work that ran out of time.
+        # Clients whose STOP has not left yet, each with its request's id and whether it is an
+        # assistant; and whether a task will send one for all of them.
+        self._stops: deque[tuple[ClientSession, Any, bool]] = deque(maxlen=_MAX_STOPS)
+        self._stop_is_due = False
+        self._rate_limit = RateLimit()
+
+    # Called on the server's thread.
+
+    def serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
+        """Begin to carry out a request; a STOP goes before all others.
+
+        Args:
+            client: Gets the replies.
+            request: What docs/protocol.md lists.
+            stops: STOPs that had been read when it was read.
+        """
+        if is_stop(request):
+            is_assistant = request.get("assistant") is True
+            self._stops.append((client, request.get("id"), is_assistant))
+            if not self._stop_is_due:  # One task for all: a flood would be as many tasks.
+                self._stop_is_due = True
+                self._station.post(self._stop)
+        else:
+            self._station.post(partial(self._serve, client, request, stops))
+
+    def answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
+        """Take what a client sends while its request is carried out."""
+        self._station.post(partial(self._answered, client, answer))
+
+    def gone(self, client: ClientSession) -> None:
+        """Call off what a client waits for that has left."""
+        self._station.post(partial(self._leave, client))
+
+    # Called on the console's loop.
+
+    async def _stop(self) -> None:
+        """Send one STOP for all that have come by then, without waiting for the one before."""
+        clock = self._station.clock
+        now: list[tuple[ClientSession, Any, bool]] = []
+        try:
+            due = clock.monotonic() + self._rate_limit.delay(clock.monotonic())
+            while clock.monotonic() < due and not self._robot.stops.superseded:
+                await clock.sleep(LOOK)
+            self._stop_is_due = False
+            now = [self._stops.popleft() for _ in range(len(self._stops))]
+            if not now:  # Another task has sent one for them.
+                return
+            self._rate_limit.record(clock.monotonic())
+            self._station.ask_no_more()
+            with asked_by(self._asker(*now[0][::2])):
+                outcome = await self._send_stop()
+        except asyncio.CancelledError:  # The screen ends: the next one sends it and answers.
+            self._stops.extendleft(reversed(now))
+            self._stop_is_due = True
+            self._station.post(self._stop)
+            raise
+        for client, number, _ in now:
+            client.tell(_result(number, outcome))
+
+    def _asker(self, client: ClientSession, is_assistant: bool) -> Asker:
+        session = self._clients.get(client)
+        return _asker(client, assistant=is_assistant) if session is None else session.asker
+
+    async def _send_stop(self) -> Outcome:
+        try:
+            return await self.verbs["stop"].run(self._station, {})
+        except Exception as error:  # Whatever failed, the client gets a reply.
+            return Outcome(Code.REFUSED, in_one_line(error))
+
+    def _work_of(self, client: ClientSession) -> _ClientWork:
+        if client not in self._clients:
+            self._clients[client] = _ClientWork(client)
+            self._list_clients()
+        return self._clients[client]
+
+    def _list_clients(self) -> None:
+        self._station.clients = tuple(session.asker.source for session in self._clients.values())
+        self._station.look()
+
+    async def _leave(self, client: ClientSession) -> None:
+        session = self._clients.pop(client, None)
+        if session is None:  # It requested nothing.
+            return
+        session.has_gone = True
+        self._list_clients()
+        await self._call_off(session)
+
+    async def _call_off(self, session: _ClientWork) -> None:
+        """Take a client's goals out of the queue, and cancel the running one.
+
+        That ends what the client waits for. A client that does not wait keeps its goals, unless
+        it is an assistant that has left.
+        """
+        if session.asked is not None and not session.asked.done():
+            session.asked.set_result(False)
+        ends_with_it = session.is_assistant and session.has_gone
+        if session.task is not None and session.only_looks:
+            session.is_off = True
+            session.task.cancel()
+        elif session.is_waiting and not session.leaves:
+            ends_with_it = True
+        if ends_with_it:
+            session.asker.has_left = True
+            await self._station.call_off(session.asker)
+
+    async def _answered(self, client: ClientSession, answer: dict[str, Any]) -> None:
+        session = self._work_of(client)
+        if answer.get("give_up") and session.task is None:
+            client.tell(_result(None, Outcome(Code.DONE, "it had ended")))
+        elif answer.get("give_up"):
+            asker = session.asker
+            if not (asker.ends or session.is_assistant):  # Nothing was sent; nothing will be.
+                asker.has_left = True
+            await self._call_off(session)
+            # Nothing takes back a request that a service has: only the waiting ends.
+            if session.calls and session.task is not None:
+                session.is_off = True
+                session.task.cancel()
+        elif session.asked is not None and not session.asked.done():
+            session.asked.set_result(answer.get("answer") is True)
+
+    async def _serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
+        session, number = self._work_of(client), request.get("id")
+        session.begin(request)
+        if session.is_assistant:
+            self._list_clients()
+        session.task = asyncio.current_task()
+        try:
+            with self._robot.stops.typed_at(stops), asked_by(session.asker):
+                result = await self._obey_in_time(session, request)
+        except Void:
+            result = _result(number, Outcome(Code.CANCELLED, NOT_SENT))
+        except _Declined as error:
+            result = _result(number, Outcome(Code.CANCELLED, str(error)))
+        except RanOut as error:
+            result = {"id": number, "code": RAN_OUT, "text": str(error)}
+        except (ArchoError, ValueError) as error:
+            result = _result(number, Outcome(Code.MISUSE, str(error)))
+        except Exception as error:  # Whatever failed, the console goes on.
+            said = in_one_line(error)
+            self._robot.note("ERROR", "console", f"{session.asker.source}: {said}")
+            result = _result(number, Outcome(Code.REFUSED, said))
+        except asyncio.CancelledError:
+            said = NOT_TAKEN_BACK if session.calls else CALLED_OFF
+            result = _result(number, Outcome(Code.CANCELLED, said))
+            if not session.is_off:  # The screen ends or restarts: the console keeps the goal.
+                result = {"id": number, "code": LOST, "text": GONE}
+        finally:
+            session.task, session.is_waiting = None, False
+            client.tell(result)
+            client.done()
+
+    async def _obey_in_time(self, session: _ClientWork, request: dict[str, Any]) -> dict[str, Any]:
+        """Carry out a request within its timeout, and return the result.
+
+        Raises:
+            RanOut: The timeout is over. What was sent is cancelled, unless the client `leaves`.
+        """
+        words, timeout = request.get("words"), timeout_of(request)
+        waits = isinstance(words, list) and words[:1] == ["wait"]  # Keeps the timeout itself.
+        if timeout is None or waits or session.is_assistant:
+            return await self._obey(session, request)
+        work, clock = asyncio.ensure_future(self._obey(session, request)), self._station.clock
+        over = f"not within {timeout:g} s"
+        try:
+            with suppress(TimeoutError):
+                return await clock.wait_for(asyncio.shield(work), timeout)
+            if session.only_looks:
+                raise RanOut(f"{timeout:g} s are over")
+            if session.leaves:
+                work.add_done_callback(_retrieve_exception)
+                raise RanOut(f"{over}; what was sent goes on")
+            if session.calls:  # Nothing takes back a request that a service has.
+                raise RanOut(f"{over}: the robot may still do it")
+            return await self._call_off_late(session, work, over)
+        finally:
+            if not session.leaves:
+                work.cancel()
+
+    async def _call_off_late(
+        self, session: _ClientWork, work: asyncio.Future[dict[str, Any]], over: str
+    ) -> dict[str, Any]:
+        """Call off work whose time is over, and return its result if that is good after all.
+
+        Clients wait for `_CALL_OFF_TIMEOUT` and little more, so this ends then, also while the
+        robot has not answered the cancel.
+
+        Raises:
+            RanOut: The work did not end well; the text is `over`, and how it ended.
+        """
+        session.is_waiting = session.asker.has_left = True
+        cancel = asyncio.ensure_future(self._call_off(session))
+        self._late_cancels.add(cancel)  # The loop holds tasks weakly.
+        cancel.add_done_callback(self._late_cancels.discard)
+        try:
+            with suppress(TimeoutError):
+                result = await self._station.clock.wait_for(asyncio.shield(work), _CALL_OFF_TIMEOUT)
+                if result["code"] in ("done", "arrived"):  # At the last moment.
+                    return result
+                raise RanOut(f"{over}: {result['text']}")
+        except _Declined:
+            raise RanOut(f"{over}: nobody has answered") from None
+        raise RanOut(f"{over}; what was sent may still be done")
+
+    async def _obey(self, session: _ClientWork, request: dict[str, Any]) -> dict[str, Any]:
+        """Carry out a request, however long it takes, and return the result."""
+        number = request.get("id")
+        if session.is_assistant:
+            return await self._assistants.obey(session.asker, request)
+        if request.get("follow"):
+            if words_of(request) != ["events"]:
+                raise ValueError("only events, and nothing behind it, can be followed")
+            await follow(self._station, session.client.tell, number)
+        word, *rest = words_of(request)
+        if word == "wait":
+            if request.get("wait"):
+                raise ValueError("wait has no --wait")
+            sent = session.sent if rest == ["arrived"] else []
+            waited = self._all_arrived(sent) if sent else None
+            return _result(number, await wait_for(self._station, self.verbs, rest, request, waited))
+        if "--help" in rest:
+            verb = named(self.verbs, word)
+            return {**_result(number, Outcome(Code.DONE, verb.explained)), "data": verb.options}
+        verb, rest = choose_verb(self.verbs, self._station, word, rest)
+        if request.get("wait") is True and not verb.has_goals:
+            raise ValueError(f"{word} has no --wait: it sends no goals")
+        values, yes = parse(verb, self._station, rest)
+        session.calls = isinstance(verb, Call)
+        if session.calls:
+            values = {**values, TIMEOUT: timeout_of(request)}
+        person = request.get("person") is True
+        ask = None if yes else partial(self._ask, session, number, person)
+        asker = session.asker
+        outcome = await speak(self._station, verb, values, partial(self._until, asker), ask)
+        self._station.look()
+        if asker.ends:
+            session.sent = asker.ends
+        if session.is_waiting and outcome.ok and asker.ends:
+            session.client.tell({"id": number, "said": outcome.text})
+            feedback = request.get("feedback") is True
+            outcome = await self._wait_for_ends(session, number, feedback=feedback)
+        result = {**_result(number, outcome), "tells": verb.tells}
+        told = verb.data(self._station, values) if outcome.ok else None
+        answer = answer_of(outcome)
+        if answer is not None and word == "call":
+            told = await in_daemon(messages.as_data, answer)  # A map has a million values.
+        if session.is_waiting and asker.goal is not None:
+            told = as_data.goal(asker.goal, self._station.clock.monotonic())
+            if isinstance(verb, SendGoal) and asker.goal.result is not None:
+                told["result"] = await in_daemon(messages.as_data, asker.goal.result)
+                result["tells"] = True
+        return result if told is None else {**result, "data": told}
+
+    async def _wait_for_ends(self, session: _ClientWork, number: Any, *, feedback: bool) -> Outcome:
+        """Wait until all goals of a client have ended; with `feedback`, tell it their states."""
+        if not feedback:
+            return await _ended(session.asker.ends)
+        work = follow_goal(self._station, session.asker, session.client.tell, number)
+        following = asyncio.ensure_future(work)
+        try:
+            return await _ended(session.asker.ends)
+        finally:
+            following.cancel()
+
+    @staticmethod
+    def _all_arrived(ends: list[asyncio.Future[Outcome]]) -> Callable[[], Outcome | None]:
+        """Return a function that returns the outcome of all goals; None while one runs."""
+        return lambda: _outcome(ends) if all(end.done() for end in ends) else None
+
+    async def _ask(
+        self, session: _ClientWork, number: Any, person: bool, question: Question
+    ) -> None:
+        """Ask the person at the shell.
+
+        Args:
+            session: The client that is asked.
+            number: The id of its request.
+            person: Whether a person can answer there.
+            question: What is asked.
+
+        Raises:
+            ArchoError: No person is there.
+            _Declined: The answer is not yes, or none came in time.
+        """
+        text = " ".join(question.text.split())
+        if not person:
+            raise ArchoError(f"{text} (add {YES} to do it)")
+        session.asked = asyncio.get_running_loop().create_future()
+        session.client.tell({"id": number, "ask": text, "safe": question.safe, "go": question.go})
+        try:
+            answer = await self._station.clock.wait_for(session.asked, _ANSWER_TIMEOUT)
+        except TimeoutError:
+            answer = False
+        finally:
+            session.asked = None
+        if not answer:
+            raise _Declined(question.safe.lower())
+
+    async def _until(self, asker: Asker, holds: Callable[[], object], seconds: float) -> None:
+        """Wait until `holds()` is true, the client has left, or so many seconds have passed."""
+        clock = self._station.clock
+        end = clock.monotonic() + seconds
+        while not (holds() or asker.has_left) and clock.monotonic() < end:
+            await clock.sleep(LOOK)
+
+
+class _Declined(ArchoError):
+    """The person who was asked did not say yes."""
+
+
+class _ClientWork:
+    """What is being carried out for one client.
+
+    Attributes:
+        sent: The ends of the goals that it sent last.
+        asked: Set to the person's answer to a question; None if none is asked.
+        task: Carries out its request; None between requests.
+        asker: The client as events and goals name it.
+        is_assistant: True from the first request on that says so.
+        has_gone: True once it has left.
+        is_waiting: True while it waits for the end of its goals.
+        leaves: True if its goals go on when it leaves.
+        calls: True while it waits for the answer of a service.
+        only_looks: True for a request that commands nothing.
+        is_off: True once its request was called off.
+    """
+
+    def __init__(self, client: ClientSession) -> None:
+        self.client = client
+        self.sent: list[asyncio.Future[Outcome]] = []
+        self.asked: asyncio.Future[bool] | None = None
+        self.task: asyncio.Task[None] | None = None
+        self.is_assistant = self.has_gone = False
+        self.begin({})
+
+    def begin(self, request: Mapping[str, Any]) -> None:
+        """Take in the next request of the client."""
+        words = request.get("words")
+        if not self.is_assistant:
+            self.is_assistant = request.get("assistant") is True
+            self.asker = _asker(self.client, assistant=self.is_assistant)
+        # Before its goals are sent: it may have left by then.
+        self.is_waiting = request.get("wait") is True
+        self.leaves = request.get("leave") is True
+        self.asker.waits = self.is_assistant or (self.is_waiting and not self.leaves)
+        waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"])
+        self.calls = False
+        self.only_looks = waits or bool(request.get("follow"))
+        self.is_off = False
+
+
+def _retrieve_exception(work: asyncio.Future[Any]) -> None:
+    """Retrieve the exception of work that nobody waits for: asyncio warns of others."""
+    if not work.cancelled():
+        work.exception()
+
+
+def _asker(client: ClientSession, *, assistant: bool = False) -> Asker:
+    number = str(client.pid) if client.pid else "unknown"
+    return Asker("AI", f"{ASSISTANT} {number}") if assistant else Asker("SHELL", f"pid {number}")
+
+
+async def _ended(ends: list[asyncio.Future[Outcome]]) -> Outcome:
+    """Wait for all goals, and return their outcome. A held goal that goes on has another end."""
+    while waited := [end for end in ends if not end.done()]:
+        await asyncio.wait(waited[:1])  # Cancels no end when this is cancelled.
+    return _outcome(ends)
+
+
+def _outcome(ends: list[asyncio.Future[Outcome]]) -> Outcome:
+    """Return the outcome of the first goal that did not arrive, else of the last."""
+    outcomes = [end.result() for end in ends]
+    bad = [outcome for outcome in outcomes if outcome.code != Code.ARRIVED]
+    return bad[0] if bad else outcomes[-1]
+
+
+def _result(number: Any, outcome: Outcome) -> dict[str, Any]:
+    return {"id": number, "code": outcome.code.value, "text": outcome.text}
