@@ -363,8 +363,13 @@ class AlarmBoard:
         board._pause = self._pause
         return board
 
-    def update(self, found: dict[str, str], monotonic: float, now: float) -> list[Alarm]:
-        """Take the conditions that hold now (`conditions`); `now` is a Unix time."""
+    def update(
+        self, found: dict[str, str], monotonic: float, now: float, known_over: Iterable[str] = ()
+    ) -> list[Alarm]:
+        """Take the conditions that hold now (`conditions`); `now` is a Unix time.
+
+        While contact is lost, alarms by what the robot said stay, but for those in `known_over`.
+        """
         changed: list[Alarm] = []
         self._pause = self._pause.look(monotonic)
         just_resumed = monotonic - self._pause.resumed < LEAST_SILENCE
@@ -395,7 +400,8 @@ class AlarmBoard:
                 if self._stands(EMPTY):
                     changed += self._change(alarm, Change.REPLACED, now)
                 continue
-            if CONTACT_LOST in found and _kind(alarm.name) in _HEARD:
+            is_heard = _kind(alarm.name) in _HEARD and alarm.name not in known_over
+            if CONTACT_LOST in found and is_heard:
                 text = alarm.text.removesuffix(_LAST_KNOWN) + _LAST_KNOWN
                 self._alarms[alarm.name] = alarm._replace(text=text)
                 continue

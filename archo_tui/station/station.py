@@ -20,7 +20,7 @@ from archo_tui.robot.asker import YOU, Asker, asked_by, asking
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Goal, Hosted, Snapshot
 from archo_tui.robot.stops import NEVER_LEFT, NOT_SENT
-from archo_tui.station.alarms import Alarm, AlarmBoard, Ringer, conditions
+from archo_tui.station.alarms import STOPPED, Alarm, AlarmBoard, Ringer, conditions
 from archo_tui.station.history import History
 from archo_tui.station.ledger import RELEASE, Ledger
 from archo_tui.station.queue import GoalQueue, QueuedGoal
@@ -229,7 +229,9 @@ class Station:
         now = self.clock.monotonic()
         troubles = self._journal.failure, self.recorder.trouble, self.unseen
         found = conditions(self._snapshot, now, self.host.states(), *troubles)
-        changed = self._board.update(found, now, self.clock.now())
+        # a release that was confirmed, also of a robot that is not heard, ends what it said
+        known_over = () if self._snapshot.is_at_rest else (STOPPED,)
+        changed = self._board.update(found, now, self.clock.now(), known_over)
         self._record(changed)
         self._look_at_ends()
         self._advance()

@@ -45,7 +45,7 @@ class Base(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("base", **options)
-        self.is_moving = False
+        self.is_moving = self.is_silent = False
         self.status = self.create_publisher(MotorStatus, "motor_status", 10)
         self.create_timer(0.1, self.tell)
         for name in ("e_stop", "e_release"):
@@ -53,7 +53,8 @@ class Base(Node):
         self.server = ActionServer(self, MoveToShelf, "move_to_shelf", self.execute)
 
     def tell(self) -> None:
-        self.status.publish(MotorStatus(moving=self.is_moving))
+        if not self.is_silent:
+            self.status.publish(MotorStatus(moving=self.is_moving))
 
     def obey(self, _: Any, response: Any) -> Any:
         response.success = True
@@ -194,6 +195,20 @@ async def test_another_consoles_stop_is_not_over_by_an_answer_to_what_left_befor
         made[0].executor.create_task(lambda: made[0].awake.set_result(True))
         assert (await ended(release)).ok
         assert it.snapshot.latch is Latch.HELD
+
+
+async def test_its_alarm_ends_with_the_release_of_a_robot_that_is_not_heard(file: Path) -> None:
+    made: list[Any] = []
+    async with operated(making(made, Base), robot=file) as typed:
+        station = typed._plain._station
+        await until(lambda: {"e_stop", "e_release"} <= station.robot.snapshot.offered)
+        await until(lambda: station.robot.snapshot.motion.period is not None)
+        typed.type("stop\n")
+        await typed.until("alarm unacknowledged: STOPPED")
+        made[0].is_silent = True
+        await typed.until("alarm unacknowledged: CONTACT LOST")
+        typed.type("release --yes\n")
+        await typed.until("alarm over, unacknowledged: stopped")
 
 
 async def test_a_program_that_waits_for_ready_is_told_so_after_the_release_only(

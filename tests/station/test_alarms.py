@@ -263,6 +263,15 @@ def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
     assert (stopped.state, stopped.text, stopped.since) == (State.ACKNOWLEDGED, "stop", 100)
 
 
+def test_a_stop_that_is_known_to_be_over_is_not_kept_as_last_known() -> None:
+    board = AlarmBoard()
+    board.update({STOPPED: "stop"}, 0, 100)
+    for time, over, is_over in ((2, (), False), (3, (STOPPED,), True)):
+        board.update({CONTACT_LOST: "lost"}, time, 100 + time, over)
+        stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
+        assert stopped.is_over == is_over
+
+
 def test_a_goal_that_says_nothing_is_an_alarm_unless_the_motor_is_silent() -> None:
     moving = STATES["motor moving"]
     goal = moving.goal._replace(phase=Phase.LOST, heard=NOW - 6)  # type: ignore[union-attr]
