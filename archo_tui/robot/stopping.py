@@ -183,12 +183,17 @@ class Stopping:
     def stopped_elsewhere(self, console: str) -> None:
         """Take another console's word that the robot has confirmed its STOP.
 
-        Of a robot that does not report a stop itself nothing else tells of it here.
+        It ends the goals from before it, as one of ours does. Of a robot that does not report a
+        stop itself nothing else tells of it here.
         """
-        if self._stop is None or self._reports:
+        if self._stop is None:
+            return
+        now = self._clock.monotonic()
+        self._answered = now, now
+        if self._reports:
             return
         self._theirs = self._services.turn()
-        self._unheeded = self._clock.monotonic()  # it is to come to rest from now on
+        self._unheeded = now  # it is to come to rest from now on
         if self.latch is not Latch.HELD:
             self._hold()
             self._by = console

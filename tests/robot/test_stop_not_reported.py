@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from archo_interfaces.action import MoveToShelf
 from archo_interfaces.msg import MotorStatus
-from rclpy.action import ActionServer
+from rclpy.action import ActionServer, CancelResponse
 from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import Trigger
@@ -17,7 +17,7 @@ from std_srvs.srv import Trigger
 from archo_tui.remote.waits import RanOut, wait_for
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
-from archo_tui.robot.state import Latch
+from archo_tui.robot.state import Latch, Phase
 from archo_tui.robot.stops import HOLDS, UNCERTAIN
 from archo_tui.station.alarms import UNCERTAIN as NOT_CERTAIN
 from archo_tui.station.alarms import conditions
@@ -78,6 +78,24 @@ class Slow(Base):
         await self.awake
         response.success = True
         return response
+
+
+class Driver(Base):
+    """Drives until it is told to cancel, whatever STOP says."""
+
+    def __init__(self, **options: Any) -> None:
+        self.over: Future[bool] = Future()
+        super().__init__(**options)
+        self.server.register_cancel_callback(self.cancel)
+
+    def cancel(self, _: Any) -> CancelResponse:
+        self.over.set_result(True)
+        return CancelResponse.ACCEPT
+
+    async def execute(self, goal: Any) -> Any:
+        await self.over
+        goal.canceled()
+        return MoveToShelf.Result()
 
 
 @pytest.fixture
@@ -178,6 +196,18 @@ async def test_another_consoles_stop_holds_here_until_one_of_the_two_releases_it
         await until(lambda: it.snapshot.latch is Latch.HELD)
         assert (await ended(it.release_emergency_stop())).ok
         assert (await ended(go(it))).ok
+
+
+async def test_another_consoles_stop_cancels_a_goal_that_goes_on_behind_it(file: Path) -> None:
+    made: list[Any] = []
+    peers: list[Any] = []
+    async with robot(making(made, Driver), making(peers, Peer), nodes=1, robot=file) as it:
+        await until(lambda: it.snapshot.consoles and it.snapshot.motion.received is not None)
+        await until(lambda: "move_to_shelf" in it.snapshot.offered)
+        assert (await ended(go(it))).ok
+        await while_passes(0.5)
+        peers[0].tell("stop")
+        await until(lambda: it.snapshot.goal and it.snapshot.goal.phase is Phase.CANCELLED)
 
 
 async def test_another_consoles_stop_is_not_over_by_an_answer_to_what_left_before_it(
