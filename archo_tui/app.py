@@ -110,8 +110,8 @@ class ArchoApp(KeyedApp):
         self.station.tick()
         self._show()
 
-    def look(self) -> None:
-        """Something changed in this process: show it."""
+    def update_screen(self) -> None:
+        """Show a change of this process at once, instead of with the next message of the robot."""
         self.station.look()
         self._show()
 
@@ -123,7 +123,7 @@ class ArchoApp(KeyedApp):
         self.view = self._view()
         if not (self.is_running and self.main.is_mounted):  # before or after the screen's life
             return
-        blocked = frozenset(c.id for c in self.registry if self.blocked(c))
+        blocked = frozenset(c.id for c in self.registry if self.disabled_reason(c))
         self.view = replace(self.view, blocked=blocked)
         footer = [
             FooterKey(
@@ -158,18 +158,20 @@ class ArchoApp(KeyedApp):
             if not counted:
                 self.stops.register()
             self.ask_no_more()
-        if command.once and (self.repeated or self._waits(name)):
+        if command.waits_for_answer and (self.repeated or self._waits(name)):
             return
         given = self._sent.get(name)
-        held = given is not None and self.station.clock.monotonic() - given.at < command.every
+        held = (
+            given is not None and self.station.clock.monotonic() - given.at < command.resend_after
+        )
         # pressed anew it is given anew: something may be in between
-        if held and self.repeated and not (command.insists and self.stops.superseded):
+        if held and self.repeated and not (command.always_tried and self.stops.superseded):
             return
-        reason = self.blocked(command)
+        reason = self.disabled_reason(command)
         if reason:
-            if not command.insists or reason == WATCHING:
+            if not command.always_tried or reason == WATCHING:
                 self.notify(reason, severity="warning", markup=False)
-            if reason == WATCHING or not (command.runs_blocked or command.insists):
+            if reason == WATCHING or not (command.runs_disabled or command.always_tried):
                 return
         work = command.run(self)  # at once: the next key may be for what this one focused
         if work is not None:
@@ -203,17 +205,17 @@ class ArchoApp(KeyedApp):
 
     # what a command may do with the console (commands/base.py)
 
-    def blocked(self, command: Command) -> str:
-        """Why a command cannot run now, or an empty string."""
-        return command.blocked(self)
+    def disabled_reason(self, command: Command) -> str:
+        """Return why a command cannot run now, or ""."""
+        return command.disabled_reason(self)
 
-    def speak(self, verb: Verb, values: Values) -> Work | None:
-        """Ask what the verb asks; returns what then waits for the robot, or nothing yet."""
+    def run_verb(self, verb: Verb, values: Values) -> Work | None:
+        """Ask the verb's question, or return a coroutine that runs the verb."""
 
         async def now() -> None:
             outcome = await verb.run(self.station, values)
-            self.look()
-            self.tell(outcome)
+            self.update_screen()
+            self.report_failure(outcome)
 
         question = verb.asks(self.station, values)
         if question is None:
@@ -243,7 +245,7 @@ class ArchoApp(KeyedApp):
         if shut:
             self.closed_by_stop("STOP kept the dialog from opening")
             self.station.robot.note("YOU", "console", f"{title.lower()}: {NOT_SENT}")
-            self.tell(Outcome(Code.CANCELLED, NOT_SENT))
+            self.report_failure(Outcome(Code.CANCELLED, NOT_SENT))
         return shut
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
@@ -272,13 +274,13 @@ class ArchoApp(KeyedApp):
 
         self.show_dialog(Confirm(title, question, (safe, *answers), answered))
 
-    def tell(self, outcome: Outcome) -> None:
-        """Say it when a command failed; what it did is seen on the screen."""
+    def report_failure(self, outcome: Outcome) -> None:
+        """Show the outcome of a command that failed; one that succeeded shows elsewhere."""
         if not outcome.ok:
             self.notify(outcome.text, severity="error", markup=False)
 
-    def say(self, text: str, title: str = "") -> None:
-        """Say something that is not visible otherwise."""
+    def show_message(self, text: str, title: str = "") -> None:
+        """Show a notification of something that is not visible otherwise."""
         self.notify(text, title=title, markup=False)
 
     def copy(self, text: str) -> None:
@@ -287,15 +289,15 @@ class ArchoApp(KeyedApp):
 
     @property
     def screens(self) -> Sequence[Screen[Any]]:
-        """The main screen and the dialogs over it."""
+        """Return the main screen and the dialogs over it."""
         return self.screen_stack
 
-    def picture(self) -> None:
-        """Save the screen as SVG, without what asked for it."""
+    def write_screenshot(self) -> None:
+        """Save the screen as SVG, without the palette that asked for it."""
         self.call_after_refresh(self.deliver_screenshot)
 
     def copy_selection(self) -> bool:
-        """Copy what is selected; False when nothing is."""
+        """Copy the selected text, and return False if there is none."""
         focused = self.focused
         text = focused.selected_text if isinstance(focused, Input) else None
         text = text or self.screen.get_selected_text()
@@ -311,7 +313,7 @@ class ArchoApp(KeyedApp):
 
     async def _leave(self) -> None:
         if self.unanswered:
-            self.say("Ending, as soon as the robot has answered.")
+            self.show_message("Ending, as soon as the robot has answered.")
         try:
             await self.station.clock.wait_for(self.wait_for_answers(), LONGEST)
         except TimeoutError:  # a disk that hangs: each request to a robot ends by itself

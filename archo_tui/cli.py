@@ -501,7 +501,7 @@ def _replay(options: Namespace) -> int:
     from archo_tui.terminal import themes
     from archo_tui.terminal.stderr import guarded_stderr, log_file
 
-    keys, _ = keymap.load(config_file("keymap.yaml"), registry(robot))
+    keys, _ = keymap.load_keymap(config_file("keymap.yaml"), registry(robot))
     heed_signals()
     import_the_rest(OF_THE_SCREEN)
     clock = Clock()
@@ -590,14 +590,14 @@ def _keys(options: Namespace) -> int:
     path = config_file("keymap.yaml")
     robot = load.load(Path(options.robot) if options.robot else load.default_path())
     commands = registry(robot)
-    keys, others = keymap.load(path, commands)
+    keys, others = keymap.load_keymap(path, commands)
     print(_safe(f"# {path}"))
     for command in commands:
-        key, place = keys[command.id], command.place
+        key, place = keys[command.id], command.where_text
         line = f"{command.id}: {key}" if key else f"# {command.id}:"
         if not key:
             place = "in the palette only"
-            taker = keymap.who_has(command, command.key, keys, commands)
+            taker = keymap.key_owner(command, command.key, keys, commands)
             place += f", {command.key} is the key of {taker}" if taker else ""
         print(_safe(f"{line:<{len(command.id) + 18}} # {place}: {command.help}"))
     if others:
@@ -720,7 +720,7 @@ def _plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     if options.robot:  # its keys are not used here, and no more wrong than elsewhere
         from archo_tui.commands import keymap, registry
 
-        keymap.robots_keys(registry(session.file))
+        keymap.default_keys(registry(session.file))
     heed_signals()
     sys.stdout.flush()  # later it would wait for a reader that stalls
     sys.stdout = NodeOutput(sys.stdout, session.robot.note)
@@ -744,7 +744,7 @@ def _console(session: Session, stdin: TextIO | None) -> int:
 
     station, clock = session.station, session.station.clock
     commands = registry(session.file)
-    keys, others = keymap.load(config_file("keymap.yaml"), commands)
+    keys, others = keymap.load_keymap(config_file("keymap.yaml"), commands)
     heed_signals()
     session.start()
     if others:

@@ -15,7 +15,7 @@ from textual.widgets import Input
 
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Command
-from archo_tui.commands.keymap import shown_keys
+from archo_tui.commands.keymap import readable_keys
 from archo_tui.robot.state import Snapshot
 from archo_tui.screens.leaving import Leaving
 from archo_tui.screens.main import MainScreen
@@ -55,7 +55,7 @@ class KeyedApp(TerminalApp):
         self.registry = self.commands(snapshot)
         self.main = self.main_screen(snapshot)
         self._keys = {c.id: keys.get(c.id, c.key) for c in self.registry}
-        self._shown_keys = shown_keys(self._keys)
+        self._shown_keys = readable_keys(self._keys)
         self.stop_key = self._keys["stop"]
         self._bind_commands()
         self._early: list[tuple[events.Event, bool]] = []  # typed before what it is for was there

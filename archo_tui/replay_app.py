@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from archo_tui.app import ArchoApp
 from archo_tui.commands.base import Command
-from archo_tui.commands.replay import of_replay
+from archo_tui.commands.replay import replay_commands
 from archo_tui.replay.recorded_station import RecordedStation
 from archo_tui.robot.state import Snapshot
 from archo_tui.screens.main import MainScreen
@@ -27,7 +27,7 @@ class ReplayApp(ArchoApp):
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
         """Those that act are not there."""
-        return of_replay(self._player, super().commands(snapshot))
+        return replay_commands(self._player, super().commands(snapshot))
 
     def main_screen(self, snapshot: Snapshot) -> MainScreen:
         """With the time line over the footer."""
@@ -41,7 +41,7 @@ class ReplayApp(ArchoApp):
         while True:
             whole = self._player.is_complete  # a jump may begin to read another hour
             if self._player.is_playing or not (whole and showed_all):
-                self.look()
+                self.update_screen()
             showed_all = whole
             await self.station.clock.sleep(_FRAME)
 

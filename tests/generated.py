@@ -17,7 +17,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
-from archo_tui.commands.keymap import readable
+from archo_tui.commands.keymap import readable_key
 from archo_tui.remote.verb_help import archos_verbs
 from archo_tui.robot_file import model
 from archo_tui.robot_file.load import default_path, load
@@ -192,9 +192,9 @@ def keys() -> str:
         does = command.help
         if does[1].islower():
             does = does[0].lower() + does[1:]
-        key = readable(command.key).replace("^", "ctrl+")
+        key = readable_key(command.key).replace("^", "ctrl+")
         key = f"`{key}`" if key else "palette"
-        rows.append(f"| {key} | {does} | {command.place} |")
+        rows.append(f"| {key} | {does} | {command.where_text} |")
     leaves = "out of a field, a dialog or the full screen, to where the focus was; clears a filter"
     return "\n".join((*rows, f"| esc | {leaves} | everywhere |", ""))
 

@@ -16,8 +16,8 @@ import pytest
 
 from archo_tui import cli
 from archo_tui.commands import keymap, registry
-from archo_tui.commands.keymap import readable
-from archo_tui.commands.replay import of_replay
+from archo_tui.commands.keymap import readable_key
+from archo_tui.commands.replay import replay_commands
 from archo_tui.embedded import parameter_files
 from archo_tui.remote import shell as verbs_from_shells
 from archo_tui.robot_file.load import default_path, load
@@ -232,8 +232,8 @@ def test_the_lines_of_the_page_are_commands_of_plain() -> None:
 @each_page
 def test_every_key_that_is_named_is_one(page: Path) -> None:
     there: Any = None  # the player, which no key asks for
-    every = (*registry(ARCHO), *of_replay(there, registry(ARCHO)))
-    known = {readable(command.key).replace("^", "ctrl+") for command in every}
+    every = (*registry(ARCHO), *replay_commands(there, registry(ARCHO)))
+    known = {readable_key(command.key).replace("^", "ctrl+") for command in every}
     known |= {"tab", "esc"}
     for row in read(page).rows:
         for code in codes(row.get("key", "")) if "value" not in row else ():
@@ -343,7 +343,7 @@ def test_a_parameter_file_of_a_page_is_read(text: str, tmp_path: Path) -> None:
 def test_a_keymap_of_a_page_is_read(text: str, tmp_path: Path) -> None:
     file = tmp_path / "keymap.yaml"
     file.write_text(text)
-    keys, others = keymap.load(file, registry(ARCHO))
+    keys, others = keymap.load_keymap(file, registry(ARCHO))
     assert (keys["stop"], others) == ("f6", "")
 
 

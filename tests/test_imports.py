@@ -11,7 +11,11 @@ from archo_tui import engine
 engine.activate("embedded", hosting=True)
 import archo_tui.app
 from archo_tui.imports import OF_THE_SCREEN, import_the_rest
-dialogs = "archo_tui.screens.confirm", "archo_tui.screens.help", "archo_tui.commands.choices"
+dialogs = (
+    "archo_tui.screens.confirm",
+    "archo_tui.screens.help",
+    "archo_tui.commands.palette_choices",
+)
 print([name in sys.modules for name in dialogs])
 import_the_rest(OF_THE_SCREEN)
 print([name in sys.modules for name in dialogs])

@@ -1,13 +1,13 @@
-"""The one registry of commands: keys, footer, `?`, palette, buttons, docs/keys.md come from it."""
+"""The registry of commands: keys, footer, `?`, palette, buttons and docs/keys.md use it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
 from archo_tui.commands import (
-    anything,
     console,
     events,
+    generic,
     graph,
     history,
     nodes,
@@ -16,7 +16,7 @@ from archo_tui.commands import (
     recordings,
     robot,
 )
-from archo_tui.commands.base import Command, Speak
+from archo_tui.commands.base import Command, VerbCommand
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs import verbs as vocabulary
 from archo_tui.verbs.base import Verb
@@ -25,9 +25,11 @@ from archo_tui.verbs.services import Give
 
 
 def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> tuple[Command, ...]:
-    """Every command of the console for the robot that a file describes.
+    """Return every command of the console for a robot.
 
-    `spoken` are its verbs; without them no command can be run, and each has its key and words.
+    Args:
+        described: The robot.
+        spoken: The robot's verbs by word; None makes verbs for keys and help texts only.
     """
     verbs = vocabulary(described, {}) if spoken is None else spoken
     goals = [verb for verb in verbs.values() if isinstance(verb, Go)]
@@ -43,50 +45,50 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         "Graph",
     )
     return (
-        robot.Go(goals[0] if goals else None),
-        robot.Cancel(verbs["cancel"]),
-        robot.CancelAll(verbs["cancel"]),
-        robot.Continue(verbs["continue"]),
-        robot.Skip(verbs["skip"]),
-        robot.StopNow(verbs["stop"]),
-        Speak(verbs["give_up_stop"]),
-        robot.Release(verbs["release"]),
-        *(robot.Give(on, off) for on, off in _given(verbs)),
-        *(robot.SendGoal(goal) for goal in goals[1:]),
-        anything.AnyGoal(verbs["send_goal"]),
-        anything.AnyService(verbs["call"]),
-        anything.KeepRobot(),
-        console.Acknowledge(verbs["ack"]),
+        robot.GoKey(goals[0] if goals else None),
+        robot.CancelKey(verbs["cancel"]),
+        robot.CancelAllKey(verbs["cancel"]),
+        robot.ContinueKey(verbs["continue"]),
+        robot.SkipKey(verbs["skip"]),
+        robot.StopKey(verbs["stop"]),
+        VerbCommand(verbs["give_up_stop"]),
+        robot.ReleaseKey(verbs["release"]),
+        *(robot.GiveKey(on, off) for on, off in _given(verbs)),
+        *(robot.FormGoalKey(goal) for goal in goals[1:]),
+        generic.AnyGoal(verbs["send_goal"]),
+        generic.AnyService(verbs["call"]),
+        generic.KeepRobot(),
+        console.AcknowledgeKey(verbs["ack"]),
         console.ShowAlarms(),
-        *(console.Panel(number, title) for number, title in enumerate(titles, 1)),
+        *(console.PanelKey(number, title) for number, title in enumerate(titles, 1)),
         parameters.Edit(),
-        parameters.Restore(),
-        parameters.Switch(),
-        parameters.OnlyChanged(),
-        parameters.RosOwn(),
-        parameters.Filter(),
-        parameters.Undo(verbs["undo"]),
-        parameters.Save(verbs["save"]),
-        parameters.Load(verbs["load"]),
+        parameters.EditWithInitial(),
+        parameters.SwitchBoolean(),
+        parameters.ToggleOnlyChanged(),
+        parameters.ToggleStandard(),
+        parameters.FilterParameters(),
+        parameters.UndoKey(verbs["undo"]),
+        parameters.SaveKey(verbs["save"]),
+        parameters.LoadKey(verbs["load"]),
         nodes.StartStop(),
-        nodes.Copy(),
-        nodes.Details(),
-        events.Level(),
-        events.Search(),
+        nodes.CopyNode(),
+        nodes.ShowNode(),
+        events.NextLevel(),
+        events.SearchEvents(),
         events.CopyCommand(),
-        events.FullScreen(),
-        events.WholeEvent(),
+        events.ToggleFullScreen(),
+        events.ShowEvent(),
         events.SaveEvents(),
         history.ShowHistory(),
         history.LookBack(-1),
         history.LookBack(1),
-        graph.Resource(),
+        graph.ShowResource(),
         console.ShowHelp(),
         console.ShowHelpEverywhere(),
-        palette.Palette(),
-        console.Keep(verbs["keep"]),
+        palette.OpenPalette(),
+        console.KeepKey(verbs["keep"]),
         recordings.ShowRecordings(),
-        console.Quiet(),
+        console.ToggleQuiet(),
         console.Suspend(),
         console.Quit(),
         console.QuitEverywhere(),
@@ -94,7 +96,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
 
 
 def _given(verbs: Mapping[str, Verb]) -> Iterator[tuple[Give, Give | None]]:
-    """The commands of the robot file, each with its other way where it is a toggle."""
+    """Yield each command of the robot file, with the verb that switches a toggle off."""
     for verb in verbs.values():
         if isinstance(verb, Give) and verb.id == verb.given.id:
             off = verbs.get(verb.given.off_word)

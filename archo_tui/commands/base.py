@@ -1,4 +1,4 @@
-"""What a command is, and the few things that it may do with the console."""
+"""The base of commands, and the part of the app that they use."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from archo_tui.terminal.stop_marks import InputTime
 from archo_tui.verbs.base import Values, Verb
 from archo_tui.widgets.screen_state import ScreenState
 
-Work = Coroutine[Any, Any, None]  # what may wait for the robot
-Answers = Mapping[str, Callable[[], Work | None]]  # what each answer does, by its words
+Work = Coroutine[Any, Any, None]  # May wait for the robot.
+Answers = Mapping[str, Callable[[], Work | None]]  # What each answer does, by its words.
 EVERYWHERE, NOT_TYPING, IN_PANEL = "everywhere", "not while typing", "in the panel"
 PARAMETERS, NODES, EVENTS, GRAPH, TIME = 4, 5, 6, 8, 9
-_PANELS = {  # that have own commands
+_PANELS = {  # The panels with commands of their own.
     PARAMETERS: "Parameters",
     NODES: "Nodes",
     EVENTS: "Events",
@@ -36,87 +36,102 @@ _PANELS = {  # that have own commands
 
 
 class Console(Protocol):
-    """The console, as its commands see it; the app is one."""
+    """The app, as far as commands use it. Event loop only."""
 
     station: Station
     verbs: Mapping[str, Verb]
-    view: ScreenState  # what is shown now
+    view: ScreenState  # The state that is shown now.
     main: MainScreen
-    theme: str  # its name
-    repeated: bool  # the key of the command is being held down
-    input: InputTime | None  # when the key or click that is being done was read
-    typed: dict[str, dict[str, str]]  # what was last typed into each form, by path
-    used: RobotFile  # the robot's file, with what was sent and called without it
+    theme: str  # The name of the theme.
+    repeated: bool  # True while the command's key is held down.
+    input: InputTime | None  # When the key or click that is being handled was read.
+    typed: dict[str, dict[str, str]]  # What was last typed into each form, by path.
+    used: RobotFile  # The robot file, with the goals and services used besides.
 
     @property
     def registry(self) -> Sequence[Command]:
-        """Every command."""
+        """Return every command."""
 
     @property
     def screen(self) -> Screen[Any]:
-        """The dialog in front, or the main screen."""
+        """Return the dialog in front, or the main screen."""
 
     @property
     def is_stuck(self) -> bool:
-        """True while the terminal does not show what was drawn."""
+        """Return True while the terminal does not show what was drawn."""
 
-    def blocked(self, command: Command) -> str:
-        """Why a command cannot run now, or an empty string."""
+    def disabled_reason(self, command: Command) -> str:
+        """Return why a command cannot run now, or ""."""
 
-    def look(self) -> None:
-        """Something changed in this process: show it."""
+    def update_screen(self) -> None:
+        """Show a change of this process at once, instead of with the next message of the robot."""
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog."""
 
     def opening(self) -> AbstractContextManager[None]:
-        """Hold the keys meanwhile: they are for what is about to be opened."""
+        """Return a context in which keys wait for the dialog that is about to be opened."""
 
-    def speak(self, verb: Verb, values: Values) -> Work | None:
-        """Ask what the verb asks, then do it."""
+    def run_verb(self, verb: Verb, values: Values) -> Work | None:
+        """Ask the verb's question if it has one, then run the verb."""
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Put a question now; `safe` is the answer that changes nothing."""
+        """Show a question.
 
-    def tell(self, outcome: Outcome) -> None:
-        """Say it when a command failed."""
+        Args:
+            title: The title of the dialog.
+            question: The question.
+            safe: The answer that changes nothing.
+            answers: What each other answer does, by its words.
+        """
+
+    def report_failure(self, outcome: Outcome) -> None:
+        """Show the outcome of a command that failed; one that succeeded shows elsewhere."""
 
     def dialog_gone(self, why: str) -> None:
-        """A dialog went by itself: the keys that were for it act nowhere else."""
+        """Drop the keys typed for a dialog that closed by itself, and say why it did."""
 
-    def say(self, text: str, title: str = "") -> None:
-        """Say something that is not visible otherwise."""
+    def show_message(self, text: str, title: str = "") -> None:
+        """Show a notification of something that is not visible otherwise."""
 
     def copy(self, text: str) -> None:
         """Put a text on the clipboard."""
 
     def copy_selection(self) -> bool:
-        """Copy what is selected; False when nothing is."""
+        """Copy the selected text, and return False if there is none."""
 
     @property
     def screens(self) -> Sequence[Screen[Any]]:
-        """The main screen and the dialogs over it."""
+        """Return the main screen and the dialogs over it."""
 
     @property
     def available_themes(self) -> Mapping[str, Theme]:
-        """Textual's and ours, by name."""
+        """Return all themes by name."""
 
-    def picture(self) -> None:
+    def write_screenshot(self) -> None:
         """Save the screen as SVG."""
 
     def action_command(self, name: str) -> None:
-        """Run a command of the registry, or say why it cannot run."""
+        """Run a command by its id, or say why it cannot run."""
 
     def action_suspend_process(self) -> None:
         """Suspend to the shell."""
 
     def leave(self) -> None:
-        """End the console, when every command that was given has its answer."""
+        """End the console when every command has its answer."""
 
 
 def write_file(console: Console, text: str, what: str) -> Callable[[Path], Awaitable[str]]:
-    """What a file dialog does to save a text: asks before it replaces a file, and says `what`."""
-    warned: set[Path] = set()  # existing files that the operator was warned about
+    """Return the function with which a file dialog saves a text.
+
+    It asks before it replaces a file, and returns "" or what to show instead of closing the dialog.
+
+    Args:
+        console: The console.
+        text: The text to save.
+        what: The action, for the event that tells of it.
+    """
+    warned: set[Path] = set()  # Existing files that the operator was warned about.
 
     async def write(path: Path) -> str:
         if path not in warned and await in_daemon(os.path.exists, path):
@@ -127,54 +142,71 @@ def write_file(console: Console, text: str, what: str) -> Callable[[Path], Await
         except ArchoError as error:
             return str(error)
         console.station.robot.note("YOU", "console", f"{what}: saved to {path}")
-        console.say(f"Saved to {path}.")
+        console.show_message(f"Saved to {path}.")
         return ""
 
     return write
 
 
 class Command:
-    """One thing the operator can do."""
+    """An action of the operator with a key, a word in the footer, or a line in the palette.
+
+    Attributes:
+        id: Its name in keymaps, unique.
+        key: Textual's name of its default key; "" for none.
+        help: One sentence for `?`, the palette and docs/keys.md.
+        footer: Its word in the footer; "" keeps it out of the footer.
+        footer_key: The key shown in the footer if that stands for several commands.
+        where: Where the key works: EVERYWHERE, NOT_TYPING or IN_PANEL.
+        panel: The panel's number, for IN_PANEL.
+        runs_disabled: True if `run` is called also while the command is disabled, after saying why.
+        always_tried: True if the command runs although it seems disabled, which may be over by now.
+        waits_for_answer: True if it does not run again before its answer or for a held key.
+        resend_after: Seconds after which a held key runs it again.
+        verbs: The words of the verbs that it runs.
+        gives_way: True if a robot file or a keymap may take its key.
+        from_file: The place in the robot file (`FILE:LINE`) that defines it, or "".
+    """
 
     id: str
-    key: str = ""  # Textual's name of the key, when the keymap names no other; empty: none
-    help: str  # one sentence for `?`, the palette and docs/keys.md
-    footer: str = ""  # one word; empty: not in the footer
-    footer_key: str = ""  # the key in the footer where it stands for several
+    key: str = ""
+    help: str
+    footer: str = ""
+    footer_key: str = ""
     where: str = NOT_TYPING
-    panel: int = 0  # the panel's number, for IN_PANEL
-    runs_blocked: bool = False  # says why, and does its harmless part all the same
-    insists: bool = False  # tried in any case: what is in the way may be over
-    once: bool = False  # a held key gives it once; not again before the answer
-    every: float = 0.0  # s until it is sent again while there is no answer
-    verbs: tuple[str, ...] = ()  # that it speaks
-    yields: bool = False  # its key is newer than 0.1.0: a robot file or a keymap may take it
-    from_file: str = ""  # file and line of the robot file that it comes from
+    panel: int = 0
+    runs_disabled: bool = False
+    always_tried: bool = False
+    waits_for_answer: bool = False
+    resend_after: float = 0.0
+    verbs: tuple[str, ...] = ()
+    gives_way: bool = False
+    from_file: str = ""
 
     @property
-    def place(self) -> str:
-        """Where the key works, in words."""
+    def where_text(self) -> str:
+        """Return where the key works, in words."""
         return f"in {_PANELS[self.panel]}" if self.where == IN_PANEL else self.where
 
-    def blocked(self, console: Console) -> str:
-        """Why the command cannot run now, or an empty string."""
+    def disabled_reason(self, console: Console) -> str:
+        """Return why the command cannot run now, or ""."""
         return ""
 
     def run(self, console: Console) -> Work | None:
-        """Do it or ask at once, or return a coroutine that may wait for the robot."""
+        """Act at once, or return a coroutine if the robot must be waited for."""
         raise NotImplementedError
 
 
-class Speak(Command):
-    """A verb with a key."""
+class VerbCommand(Command):
+    """A command that runs a verb."""
 
     def __init__(self, verb: Verb) -> None:
         self.verb = verb
         self.id, self.verbs = verb.id, (verb.id,)
         self.help = verb.help
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return self.verb.refusal(console.station)
 
     def run(self, console: Console) -> Work | None:
-        return console.speak(self.verb, {})
+        return console.run_verb(self.verb, {})

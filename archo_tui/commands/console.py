@@ -1,4 +1,4 @@
-"""Commands of the console itself."""
+"""The console's own commands: alarms, panels, help, quitting."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from archo_tui.commands.base import (
     Answers,
     Command,
     Console,
-    Speak,
+    VerbCommand,
     Work,
 )
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from archo_tui.screens.help import Entry
 
 
-class Acknowledge(Speak):
+class AcknowledgeKey(VerbCommand):
     key = "a"
 
     def __init__(self, verb: Verb) -> None:
@@ -42,20 +42,22 @@ class ShowAlarms(Command):
         from archo_tui.screens.request import AnswerRequest
 
         station, waiting = console.station, console.station.requests.waiting
-        if waiting and not is_grave(console.view.alarms):  # which are looked at first
+        if waiting and not is_grave(console.view.alarms):  # Alarms of high priority come first.
             told = partial(_answer, console), console.dialog_gone
             seen = (lambda: console.is_stuck), (lambda: console.input)
             console.open(AnswerRequest(waiting[0], console.view, *seen, *told))
             return
-        console.open(AlarmList(console.view, station.acknowledge, station.shelve, console.look))
+        console.open(
+            AlarmList(console.view, station.acknowledge, station.shelve, console.update_screen)
+        )
 
 
 def _answer(console: Console, number: int, allowed: bool) -> None:
-    console.tell(console.station.answer(number, allowed=allowed))
-    console.look()
+    console.report_failure(console.station.answer(number, allowed=allowed))
+    console.update_screen()
 
 
-# the verbs that tell in words what a panel shows, by its number
+# The verbs that print what a panel shows, by its number.
 _SHOWN = {
     1: ("status",),
     4: ("params", "get"),
@@ -65,7 +67,7 @@ _SHOWN = {
 }
 
 
-class Panel(Command):
+class PanelKey(Command):
     def __init__(self, number: int, title: str) -> None:
         self.number = number
         self.id, self.key = f"panel_{number}", str(number)
@@ -73,7 +75,7 @@ class Panel(Command):
         self.verbs = _SHOWN.get(number, ())
         if number == 1:
             self.footer, self.footer_key = "Panels", "1-8"
-        self.yields = number == GRAPH
+        self.gives_way = number == GRAPH
 
     def run(self, console: Console) -> None:
         console.main.focus_panel(self.number)
@@ -95,8 +97,8 @@ class ShowHelp(Command):
 def _entries(console: Console) -> list[Entry]:
     from archo_tui.screens.help import Entry
 
-    entries = [_entry(console, c) for c in console.registry if not isinstance(c, Panel)]
-    panels = sum(isinstance(command, Panel) for command in console.registry)
+    entries = [_entry(console, c) for c in console.registry if not isinstance(c, PanelKey)]
+    panels = sum(isinstance(command, PanelKey) for command in console.registry)
     entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", ""))
     first = EVERYWHERE.capitalize()
     return sorted(entries, key=lambda entry: (entry.section != first, not entry.key))
@@ -106,8 +108,10 @@ def _entry(console: Console, command: Command) -> Entry:
     from archo_tui.screens.help import Entry
 
     key = console.view.key(command.id)
-    place = f"{command.place[0].upper()}{command.place[1:]}" if key else "In the palette only"
-    return Entry(place, key, command.help, console.blocked(command))
+    place = (
+        f"{command.where_text[0].upper()}{command.where_text[1:]}" if key else "In the palette only"
+    )
+    return Entry(place, key, command.help, console.disabled_reason(command))
 
 
 class ShowHelpEverywhere(ShowHelp):
@@ -116,19 +120,19 @@ class ShowHelpEverywhere(ShowHelp):
     where = EVERYWHERE
 
 
-class Keep(Speak):
+class KeepKey(VerbCommand):
     def run(self, console: Console) -> None:
-        console.say(f"{console.station.recorder.keep().text.capitalize()}.")
+        console.show_message(f"{console.station.recorder.keep().text.capitalize()}.")
 
 
-class Quiet(Command):
+class ToggleQuiet(Command):
     id = "quiet_alarms"
     help = "Silence the bell and the desktop notice of new alarms, or turn them on again"
 
     def run(self, console: Console) -> None:
         station = console.station
         station.quiet = not station.quiet
-        console.say(f"New alarms are {'silent' if station.quiet else 'rung again'}.")
+        console.show_message(f"New alarms are {'silent' if station.quiet else 'rung again'}.")
 
 
 class Suspend(Command):
@@ -136,7 +140,7 @@ class Suspend(Command):
     help = "Suspend to the shell (fg brings it back); nodes started here pause meanwhile"
     where = EVERYWHERE
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return "" if CAN_SUSPEND else "this system cannot suspend a program"
 
     def run(self, console: Console) -> None:
@@ -155,7 +159,8 @@ class Quit(Command):
     def run(self, console: Console) -> Work | None:
         goal, station = console.station.running_goal, console.station
         if goal is None:
-            return self._end(console, station.on_disconnect)  # one may be on its way to the robot
+            # A goal may be on its way to the robot, so the choice still matters.
+            return self._end(console, station.on_disconnect)
         if not goal.mine:
             self._leave_another(console)
             return None
@@ -171,7 +176,7 @@ class Quit(Command):
         console.leave()
 
     def _leave_another(self, console: Console) -> None:
-        """Another client's goal is not ours to end, but our nodes may be driving it."""
+        """Ask before quitting while another client's goal runs, which our nodes may be driving."""
         station = console.station
         nodes = "the nodes of this console would end with it"
         what = "it keeps running" if station.attached else nodes

@@ -1,4 +1,4 @@
-"""Commands of the events' panel."""
+"""The commands of the Events panel."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ class _InEvents(Command):
     where, panel = IN_PANEL, EVENTS
 
 
-class Level(_InEvents):
+class NextLevel(_InEvents):
     id, key = "level", "l"
     help = "Show events of another level and above"
 
@@ -18,7 +18,7 @@ class Level(_InEvents):
         console.main.events.next_level()
 
 
-class Search(_InEvents):
+class SearchEvents(_InEvents):
     id, key = "search", "slash"
     help = "Show only events whose source or text contains what you type"
 
@@ -30,7 +30,7 @@ class CopyCommand(_InEvents):
     id, key = "copy_command", "y"
     help = "Copy the ros2 command of the selected event, or its text if it has none"
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return "" if console.main.events.selected else "no event is selected"
 
     def run(self, console: Console) -> None:
@@ -38,10 +38,10 @@ class CopyCommand(_InEvents):
         assert event is not None
         console.copy(event.command or event.text)
         what = "the command" if event.command else "the text: this event has no command"
-        console.say(event.command or event.text, title=f"Copied {what}")
+        console.show_message(event.command or event.text, title=f"Copied {what}")
 
 
-class FullScreen(_InEvents):
+class ToggleFullScreen(_InEvents):
     id, key = "full_screen", "e"
     help = "Show the events on the full screen, and back"
 
@@ -53,7 +53,7 @@ class SaveEvents(_InEvents):
     id, key = "save_events", "ctrl+s"
     help = "Save the events that are shown to a file"
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return "" if console.main.events.shown else "no event is shown"
 
     def run(self, console: Console) -> None:
@@ -64,11 +64,11 @@ class SaveEvents(_InEvents):
         console.open(AskPath("Save the events that are shown", "Text file", "events.txt", write))
 
 
-class WholeEvent(_InEvents):
+class ShowEvent(_InEvents):
     id, key = "whole_event", "enter"
     help = "Show the selected event in full"
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return "" if console.main.events.selected else "no event is selected"
 
     def run(self, console: Console) -> None:

@@ -1,15 +1,15 @@
-"""Commands of the graph's panel."""
+"""The commands of the Graph panel."""
 
 from __future__ import annotations
 
 from archo_tui.commands.base import GRAPH, IN_PANEL, Command, Console
 
 
-class Resource(Command):
+class ShowResource(Command):
     id, key, where, panel = "resource", "enter", IN_PANEL, GRAPH
     help = "Show the type of the selected topic, service or action in full, and all its nodes"
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return "" if console.main.graph.selected else "nothing is selected"
 
     def run(self, console: Console) -> None:

@@ -1,4 +1,4 @@
-"""Commands of the history."""
+"""The commands of the History panel."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class ShowHistory(Command):
 
 
 class LookBack(Command):
-    """By one of the spans that can be looked back."""
+    """A command that shows the next longer (1) or shorter (-1) time."""
 
     def __init__(self, by: int) -> None:
         self._by = by
@@ -23,7 +23,7 @@ class LookBack(Command):
         self.key = "right_square_bracket" if by > 0 else "left_square_bracket"
         self.help = f"Show a {self._word} time in the history: 1 min, 10 min or an hour"
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         history = console.main.history
         if not history.display:
             return f"the history is not shown: press {console.view.key('history')}"
@@ -31,4 +31,4 @@ class LookBack(Command):
 
     def run(self, console: Console) -> None:
         console.main.history.change_span(self._by)
-        console.look()
+        console.update_screen()

@@ -1,4 +1,4 @@
-"""Keys of the operator's own choice: `keymap.yaml` in the configuration folder, `command: key`."""
+"""The operator's own keys: `keymap.yaml` in the configuration folder, with lines `command: key`."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from archo_tui.commands.base import EVERYWHERE, IN_PANEL, Command
 from archo_tui.errors import ArchoError
 from archo_tui.yaml_text import bounded_yaml
 
-_OTHER = "choose another"
-_SHOWN = 20  # characters of a wrong name that are shown
+_CHOOSE_ANOTHER = "choose another"
+_SHOWN = 20  # Characters of a wrong key that an error quotes.
 _RESERVED = (
     *("tab", "shift+tab", "escape", "up", "down", "left", "right", "enter"),
     *("backspace", "delete", "home", "end"),
 )
-# what terminals send, by the names that Textual gives it
-_SENT = {
+# The keys that terminals send, by Textual's names.
+_TERMINAL_KEYS = {
     key.value for keys in ANSI_SEQUENCES_KEYS.values() if isinstance(keys, tuple) for key in keys
 }
-_SENT_AS = {
+_INDISTINGUISHABLE = {
     "ctrl+i": "tab",
     "ctrl+m": "enter",
     "ctrl+h": "backspace",
@@ -33,72 +33,85 @@ _SENT_AS = {
 }
 
 
-def load(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
-    """The key of every command by its id, and a line about those that this robot does not have.
+def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str], str]:
+    """Read a keymap.
 
-    One keymap serves several robots. A command that yields has no key when another took it.
-    Raises ArchoError that names the line.
+    One keymap serves several robots, so unknown commands are no error.
+
+    Args:
+        path: The file; a missing one is empty.
+        commands: The commands of this robot.
+
+    Returns:
+        The key of every command by its id, "" for none; and a line about commands that this robot
+        does not have, or "".
+
+    Raises:
+        ArchoError: A key is not valid or taken twice; the message names the line.
     """
     commands = list(commands)
-    keys = robots_keys(commands)
+    keys = default_keys(commands)
     known = {command.id: command for command in commands}
     lines: dict[str, int] = {}
     others: list[str] = []
-    for line, name, key in _entries(path):
+    for line, name, key in _read_entries(path):
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f", nearest: {near[0]}" if near else ""
             others.append(f"{name} (line {line}{hint})")
             continue
-        keys[name] = _checked(f"{path}:{line}", known[name], key)
+        keys[name] = _checked_key(f"{path}:{line}", known[name], key)
         lines[name] = line
-    yielding = [command for command in commands if command.yields and command.id not in lines]
+    yielding = [command for command in commands if command.gives_way and command.id not in lines]
     for command in yielding:
-        if who_has(command, keys[command.id], keys, commands):
+        if key_owner(command, keys[command.id], keys, commands):
             keys[command.id] = ""
     for name, line in lines.items():
-        other = who_has(known[name], keys[name], keys, commands)
+        other = key_owner(known[name], keys[name], keys, commands)
         if other:
             raise ArchoError(f"{path}:{line}: {keys[name]} is already the key of {other}")
-    said = f"{path}: this robot has no command {', '.join(others)}: left out" if others else ""
-    return keys, said
+    note = f"{path}: this robot has no command {', '.join(others)}: left out" if others else ""
+    return keys, note
 
 
-def robots_keys(commands: Sequence[Command]) -> dict[str, str]:
-    """The keys that commands come with; those of a robot file are checked, and take no other's.
+def default_keys(commands: Sequence[Command]) -> dict[str, str]:
+    """Return the key of every command without a keymap.
 
-    Raises ArchoError that names the robot file's line.
+    Raises:
+        ArchoError: A key of the robot file is not valid or taken; the message names the line.
     """
     keys = {command.id: command.key for command in commands if not command.from_file}
-    core = {c.key: c.id for c in commands if c.key and not c.from_file and not c.yields}
+    core = {c.key: c.id for c in commands if c.key and not c.from_file and not c.gives_way}
     for command in commands:
         if not command.from_file:
             continue
-        keys[command.id] = command.key and _checked(command.from_file, command, command.key)
+        keys[command.id] = command.key and _checked_key(command.from_file, command, command.key)
         owner = core.get(keys[command.id])
         if owner:
-            raise ArchoError(f"{command.from_file}: {command.key} is the key of {owner}: {_OTHER}")
+            raise ArchoError(
+                f"{command.from_file}: {command.key} is the key of {owner}: {_CHOOSE_ANOTHER}"
+            )
         if keys[command.id]:
             core[keys[command.id]] = command.id
     return keys
 
 
-def who_has(
+def key_owner(
     command: Command, key: str, keys: Mapping[str, str], commands: Iterable[Command]
 ) -> str:
-    """The id of another command that has the key where this one would get it; empty: none has."""
-    others = (c.id for c in commands if c is not command and _meet(command, c))
+    """Return the id of another command that has the key where this one works, or ""."""
+    others = (c.id for c in commands if c is not command and _overlap(command, c))
     return next((name for name in others if key and keys[name] == key), "")
 
 
-def readable(key: str) -> str:
-    """A key as a person reads it: `^x`, `?`, `enter`."""
+def readable_key(key: str) -> str:
+    """Return a key as a person reads it: `^x`, `?`, `enter`."""
     if key in ("", "enter"):
         return key
     return format_key(key).replace("ctrl+", "^")
 
 
-def _entries(path: Path) -> Iterable[tuple[int, str, str]]:
+def _read_entries(path: Path) -> Iterable[tuple[int, str, str]]:
     try:
         root = bounded_yaml.compose(bounded_yaml.read(path), path)
     except (FileNotFoundError, NotADirectoryError):
@@ -118,15 +131,17 @@ def _entries(path: Path) -> Iterable[tuple[int, str, str]]:
         yield line, name.value, key.value
 
 
-def _checked(where: str, command: Command, key: str) -> str:
+def _checked_key(where: str, command: Command, key: str) -> str:
     name = _character_to_key(key) if len(key) == 1 else key.lower()
-    types = _types_text(name)
-    if name in _SENT_AS:
-        raise ArchoError(f"{where}: a terminal sends {key} as {_SENT_AS[name]}: {_OTHER}")
-    if not types and name not in _SENT:
+    types = _types_a_character(name)
+    if name in _INDISTINGUISHABLE:
+        raise ArchoError(
+            f"{where}: a terminal sends {key} as {_INDISTINGUISHABLE[name]}: {_CHOOSE_ANOTHER}"
+        )
+    if not types and name not in _TERMINAL_KEYS:
         raise ArchoError(f"{where}: no key {key[:_SHOWN]!r}: like x, ctrl+x, f5, question_mark")
     if name in _RESERVED and (command.key != name or command.from_file):
-        raise ArchoError(f"{where}: {key} is needed in fields and dialogs: {_OTHER}")
+        raise ArchoError(f"{where}: {key} is needed in fields and dialogs: {_CHOOSE_ANOTHER}")
     if types and command.where == EVERYWHERE:
         raise ArchoError(
             f"{where}: {command.id} must work while typing too: "
@@ -135,16 +150,16 @@ def _checked(where: str, command: Command, key: str) -> str:
     return name
 
 
-def _types_text(name: str) -> bool:
-    return name == "space" or (len(format_key(name)) == 1 and name not in _SENT)
+def _types_a_character(name: str) -> bool:
+    return name == "space" or (len(format_key(name)) == 1 and name not in _TERMINAL_KEYS)
 
 
-def _meet(one: Command, other: Command) -> bool:
-    """True when there is a place where both would get the key."""
-    both = one.where == other.where == IN_PANEL
-    return not both or one.panel == other.panel
+def _overlap(first: Command, second: Command) -> bool:
+    """Return True if there is a place in which both commands would get their key."""
+    both = first.where == second.where == IN_PANEL
+    return not both or first.panel == second.panel
 
 
-def shown_keys(keys: Mapping[str, str]) -> dict[str, str]:
-    """Every command's key as a person reads it."""
-    return {command: readable(key) for command, key in keys.items()}
+def readable_keys(keys: Mapping[str, str]) -> dict[str, str]:
+    """Return every command's key as a person reads it."""
+    return {command: readable_key(key) for command, key in keys.items()}

@@ -1,4 +1,4 @@
-"""Commands of the nodes' panel."""
+"""The commands of the Nodes panel."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _GONE = "? not on the graph any more"
 
 class _InNodes(Command):
     where, panel = IN_PANEL, NODES
-    once = True
+    waits_for_answer = True
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         row = console.main.nodes.selected
         if row is None:
             return "no node is selected"
@@ -28,11 +28,11 @@ class _InNodes(Command):
         return console.verbs[self.verbs[0]].refusal(console.station)
 
     def speak(self, console: Console, verb: str, hosted: Hosted) -> Work | None:
-        """Do it to that node."""
-        return console.speak(console.verbs[verb], {"node": hosted.name})
+        """Run a verb on a node."""
+        return console.run_verb(console.verbs[verb], {"node": hosted.name})
 
     def _selected(self, console: Console) -> Hosted:
-        """The selected node of this process: without one the command is blocked."""
+        """Return the selected node of this process; without one the command is disabled."""
         row = console.main.nodes.selected
         assert row is not None
         assert row.hosted is not None
@@ -48,7 +48,7 @@ class StartStop(_InNodes):
         return self.speak(console, "halt" if hosted.life.is_running else "start", hosted)
 
 
-class Copy(_InNodes):
+class CopyNode(_InNodes):
     id, key, verbs = "copy", "plus", ("copy",)
     help = "Run another copy of the selected node"
 
@@ -56,13 +56,13 @@ class Copy(_InNodes):
         return self.speak(console, "copy", self._selected(console))
 
 
-class Details(Command):
+class ShowNode(Command):
     where, panel = IN_PANEL, NODES
     id, key = "details", "enter"
     help = "Show the selected node: its topics, services and log level; after a crash, why"
     verbs = ("log_level",)
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return "" if console.main.nodes.selected else "no node is selected"
 
     def run(self, console: Console) -> None:
@@ -72,7 +72,7 @@ class Details(Command):
 
 
 def show(console: Console, row: NodeRow) -> None:
-    """What is known about a node."""
+    """Open the dialog with everything about a node."""
     from archo_tui.screens.node import NodeDialog
 
     def tell(view: View) -> str:

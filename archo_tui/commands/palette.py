@@ -1,4 +1,4 @@
-"""The command palette."""
+"""The command that opens the palette."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from functools import partial
 from archo_tui.commands.base import EVERYWHERE, Command, Console
 
 
-class Palette(Command):
+class OpenPalette(Command):
     id, key = "palette", "ctrl+p"
     help = "Open the command palette: every command, parameter and node, and the themes"
     where = EVERYWHERE
 
     def run(self, console: Console) -> None:
-        from archo_tui.commands.choices import Commands, choices
+        from archo_tui.commands.palette_choices import Commands, palette_choices
 
         if not any(isinstance(screen, Commands) for screen in console.screens):
-            console.open(Commands("Commands", partial(choices, console)))
+            console.open(Commands("Commands", partial(palette_choices, console)))

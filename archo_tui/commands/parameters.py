@@ -1,4 +1,4 @@
-"""Commands of the parameters' panel."""
+"""The commands of the Parameters panel."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, Speak, Work
+from archo_tui.commands.base import IN_PANEL, PARAMETERS, Command, Console, VerbCommand, Work
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Parameter
@@ -18,20 +18,20 @@ _DEFAULT_FILE = "archo_params.yaml"
 class _InParameters(Command):
     where, panel = IN_PANEL, PARAMETERS
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return "" if console.view.snapshot.parameters else NOBODY
 
 
 class _Sets(_InParameters):
-    """Sets the selected one."""
+    """A command that sets the selected parameter."""
 
     verbs = ("set",)
 
-    def blocked(self, console: Console) -> str:
-        return console.verbs["set"].refusal(console.station) or super().blocked(console)
+    def disabled_reason(self, console: Console) -> str:
+        return console.verbs["set"].refusal(console.station) or super().disabled_reason(console)
 
     async def set(self, console: Console, parameter: Parameter, value: Any) -> Outcome:
-        """To a value of its type."""
+        """Set a parameter to a value of its type."""
         given = {"node": parameter.node, "name": parameter.name, "value": value}
         return await console.verbs["set"].run(console.station, given)
 
@@ -41,24 +41,24 @@ class Edit(_Sets):
     help = "Edit the selected parameter"
 
     def run(self, console: Console) -> None:
-        console.main.parameters.take_focus()  # from now on it is seen which one is meant
+        console.main.parameters.take_focus()  # Shows the cursor, so that the parameter is visible.
         parameter = console.main.parameters.selected
         if parameter is not None:
             self.open(console, parameter)
 
     def open(self, console: Console, parameter: Parameter) -> None:
-        """Open the dialog."""
+        """Open the dialog for a parameter."""
         from archo_tui.screens.edit_parameter import EditParameter
 
         send = partial(self.set, console, parameter)
         console.open(EditParameter(parameter, send, self.offered(parameter)))
 
     def offered(self, parameter: Parameter) -> Any:
-        """What stands in the field at first."""
+        """Return the value with which the field is filled."""
         return parameter.value
 
 
-class Restore(Edit):
+class EditWithInitial(Edit):
     id, key = "restore", "backspace"
     help = "Edit the selected parameter, with the value that it had at the start"
 
@@ -66,31 +66,31 @@ class Restore(Edit):
         return parameter.initial
 
 
-class Switch(_Sets):
+class SwitchBoolean(_Sets):
     id, key = "switch", "space"
     help = "Switch the selected boolean parameter"
-    once = True
+    waits_for_answer = True
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         if not console.main.parameters.shows_cursor:
             return "no parameter is selected: choose one with ↑ ↓ first"
         selected = console.main.parameters.selected
         if selected is None or not isinstance(selected.value, bool):
             return "the selected parameter is not a boolean"
         read_only = f"{selected.name} is read-only" if selected.read_only else ""
-        return super().blocked(console) or read_only
+        return super().disabled_reason(console) or read_only
 
     def run(self, console: Console) -> Work | None:
         selected = console.main.parameters.selected
         assert selected is not None
 
         async def switch() -> None:
-            console.tell(await self.set(console, selected, not selected.value))
+            console.report_failure(await self.set(console, selected, not selected.value))
 
         return switch()
 
 
-class OnlyChanged(_InParameters):
+class ToggleOnlyChanged(_InParameters):
     id, key = "only_changed", "d"
     help = "Show only parameters that differ from the start, with both values; or all again"
 
@@ -98,17 +98,17 @@ class OnlyChanged(_InParameters):
         console.main.parameters.toggle_changed()
 
 
-class RosOwn(_InParameters):
+class ToggleStandard(_InParameters):
     id, key = "ros_own", "full_stop"
     help = "Show the parameters that every ROS node has, too; or hide them again"
-    yields = True
+    gives_way = True
 
     def run(self, console: Console) -> None:
         console.main.parameters.toggle_standard()
-        console.look()
+        console.update_screen()
 
 
-class Filter(_InParameters):
+class FilterParameters(_InParameters):
     id, key = "filter", "slash"
     help = "Show only parameters whose node, name or value contains what you type"
 
@@ -116,23 +116,23 @@ class Filter(_InParameters):
         console.main.parameters.search.open()
 
 
-class Undo(Speak):
+class UndoKey(VerbCommand):
     where, panel = IN_PANEL, PARAMETERS
     key = "u"
-    once = True
+    waits_for_answer = True
 
     def run(self, console: Console) -> Work | None:
-        return console.speak(self.verb, {CHANGE: console.station.edits.last})
+        return console.run_verb(self.verb, {CHANGE: console.station.edits.last})
 
 
-class Save(Speak):
+class SaveKey(VerbCommand):
     where, panel = IN_PANEL, PARAMETERS
     key = "ctrl+s"
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.ask_path import AskPath
 
-        warned: set[Path] = set()  # existing files that the operator was warned about
+        warned: set[Path] = set()  # Existing files that the operator was warned about.
 
         async def save(path: Path) -> str:
             station = console.station
@@ -142,13 +142,13 @@ class Save(Speak):
                 return f"{path} already exists: press enter again to overwrite"
             outcome = await self.verb.run(station, values)
             if outcome.ok:
-                console.say(f"Saved to {path}.")
+                console.show_message(f"Saved to {path}.")
             return "" if outcome.ok else outcome.text
 
         console.open(AskPath("Save parameters", "ROS parameter file", _DEFAULT_FILE, save))
 
 
-class Load(Speak):
+class LoadKey(VerbCommand):
     where, panel = IN_PANEL, PARAMETERS
     key = "ctrl+o"
 
@@ -160,10 +160,10 @@ class Load(Speak):
                 values = await self.verb.prepare(console.station, {"file": str(path)})
             except ArchoError as error:
                 return str(error)
-            if dialog.has_left:  # nobody wants it any more
+            if dialog.has_left:  # The operator has closed it meanwhile.
                 return ""
-            dialog.dismiss()  # before the question, which would else be under it
-            console.speak(self.verb, values)  # which asks: there is nothing to wait for
+            dialog.dismiss()  # Before the question, which would be beneath it.
+            console.run_verb(self.verb, values)  # It asks a question: there is nothing to wait for.
             return ""
 
         dialog = AskPath("Load parameters", "ROS parameter file", _DEFAULT_FILE, load)

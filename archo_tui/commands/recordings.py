@@ -1,4 +1,4 @@
-"""The recordings of the black box, on the screen."""
+"""The command that lists recordings."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ShowRecordings(Command):
         def copy(recording: Recording) -> None:
             command = f"archo-tui replay {recording.name}"
             console.copy(command)
-            console.say(command, title="Copied the command")
+            console.show_message(command, title="Copied the command")
 
         def ask(recording: Recording) -> None:
             question = f"Delete {recording.name}? It is gone then."
@@ -48,7 +48,7 @@ class ShowRecordings(Command):
         try:
             await in_daemon(store.delete, recording)
         except OSError as error:
-            console.tell(Outcome(Code.REFUSED, f"not deleted: {error.strerror or error}"))
+            console.report_failure(Outcome(Code.REFUSED, f"not deleted: {error.strerror or error}"))
         else:
             console.station.robot.note("YOU", "console", f"recording {recording.name} deleted")
         found = await _found(console)
@@ -57,7 +57,7 @@ class ShowRecordings(Command):
 
 
 async def _found(console: Console) -> list[Recording] | None:
-    """The newest first; None, and said, where they cannot be read."""
+    """Return the recordings, newest first, or None after showing why they cannot be read."""
     from archo_tui.recording import store
 
     folder = state_file("recordings")
@@ -65,5 +65,5 @@ async def _found(console: Console) -> list[Recording] | None:
         return (await in_daemon(store.list_recordings, folder))[::-1]
     except OSError as error:
         said = f"{error.filename or folder}: {error.strerror or error}"
-        console.tell(Outcome(Code.REFUSED, said))
+        console.report_failure(Outcome(Code.REFUSED, said))
         return None

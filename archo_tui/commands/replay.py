@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, TIME, Command, Console, Work
-from archo_tui.commands.console import Panel
-from archo_tui.commands.console import Quit as QuitConsole
+from archo_tui.commands.console import PanelKey, Quit
 from archo_tui.replay.player import Player
 from archo_tui.replay.recorded_station import NOTHING_STOPPED
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.screens.text import ShowText
 from archo_tui.words.alarm import timeline
 
-# of all others none does anything in a replay
-_SHOW = frozenset(
+# The console's commands that change nothing; a replay has no others of them.
+_HARMLESS = frozenset(
     (
         *("only_changed", "ros_own", "filter", "save", "details", "level", "search"),
         *("copy_command", "full_screen", "whole_event", "save_events", "history", "shorter"),
@@ -22,60 +21,60 @@ _SHOW = frozenset(
 )
 
 
-def of_replay(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
-    """Those of the console's `commands` that only show, and the replay's own."""
-    shown = [command for command in commands if command.id in _SHOW]
+def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Command, ...]:
+    """Return those of the console's commands that only show, and the replay's own."""
+    shown = [command for command in commands if command.id in _HARMLESS]
     panels = next(command for command in shown if command.footer == "Panels")
     panels.footer_key = "1-9"
     return (
         Play(player),
-        Step(player, "back", "left", -1.0),
-        Step(player, "on", "right", 1.0, "1 s"),
-        Step(player, "back_ten", "shift+left", -10.0),
-        Step(player, "on_ten", "shift+right", 10.0),
+        StepSeconds(player, "back", "left", -1.0),
+        StepSeconds(player, "on", "right", 1.0, "1 s"),
+        StepSeconds(player, "back_ten", "shift+left", -10.0),
+        StepSeconds(player, "on_ten", "shift+right", 10.0),
         Begin(player),
         End(player),
-        Beside(player, "message_before", "comma", -1),
-        Beside(player, "message_after", "full_stop", 1),
+        StepMessage(player, "message_before", "comma", -1),
+        StepMessage(player, "message_after", "full_stop", 1),
         Speed(player, "slower", "left_curly_bracket", -1),
         Speed(player, "faster", "right_curly_bracket", 1, "Speed"),
-        ToMark(player, "next_mark", "n", 1, "Mark"),
-        ToMark(player, "mark_before", "N", -1),
+        StepMark(player, "next_mark", "n", 1, "Mark"),
+        StepMark(player, "mark_before", "N", -1),
         *shown,
-        Panel(TIME, "Time line"),
+        PanelKey(TIME, "Time line"),
         NothingStopped(),
         CopySelection(),
         Alarms(player),
-        Quit(),
-        QuitEverywhere(),
+        QuitReplay(),
+        QuitReplayEverywhere(),
     )
 
 
-class _OfTime(Command):
+class _TimeLineCommand(Command):
     where, panel = IN_PANEL, TIME
 
     def __init__(self, player: Player) -> None:
         self.player = player
 
     def run(self, console: Console) -> Work | None:
-        self.act(console)
-        console.look()
+        self.move(console)
+        console.update_screen()
         return None
 
-    def act(self, console: Console) -> None:
-        """Move it."""
+    def move(self, console: Console) -> None:
+        """Move the position, or change how it moves."""
         raise NotImplementedError
 
 
-class Play(_OfTime):
+class Play(_TimeLineCommand):
     id, key, footer = "play", "space", "Play"
     help = "Play, or pause"
 
-    def act(self, console: Console) -> None:
+    def move(self, console: Console) -> None:
         self.player.play(on=not self.player.is_playing)
 
 
-class Step(_OfTime):
+class StepSeconds(_TimeLineCommand):
     def __init__(
         self, player: Player, name: str, key: str, seconds: float, footer: str = ""
     ) -> None:
@@ -84,58 +83,60 @@ class Step(_OfTime):
         self.footer_key = "←→" if footer else ""
         self.help = f"{abs(seconds):g} s {'back' if seconds < 0 else 'on'}"
 
-    def act(self, console: Console) -> None:
+    def move(self, console: Console) -> None:
         self.player.go_to(self.player.position + self._seconds)
 
 
-class Begin(_OfTime):
+class Begin(_TimeLineCommand):
     id, key = "begin", "home"
     help = "To the beginning of the recording"
 
-    def act(self, console: Console) -> None:
+    def move(self, console: Console) -> None:
         self.player.go_to(self.player.start)
 
 
-class End(_OfTime):
+class End(_TimeLineCommand):
     id, key = "end", "end"
     help = "To the end of the recording"
 
-    def act(self, console: Console) -> None:
+    def move(self, console: Console) -> None:
         self.player.play(on=False)
         self.player.go_to(self.player.end)
 
 
-class Beside(_OfTime):
+class StepMessage(_TimeLineCommand):
     def __init__(self, player: Player, name: str, key: str, step: int) -> None:
         super().__init__(player)
         self.id, self.key, self._step = name, key, step
         self.help = f"To the {'next message' if step > 0 else 'message before'}"
 
-    def act(self, console: Console) -> None:
+    def move(self, console: Console) -> None:
         self.player.step_message(self._step)
 
 
-class Speed(_OfTime):
+class Speed(_TimeLineCommand):
     def __init__(self, player: Player, name: str, key: str, step: int, footer: str = "") -> None:
         super().__init__(player)
         self.id, self.key, self._step, self.footer = name, key, step, footer
         self.footer_key = "{}" if footer else ""
         self.help = f"Play {name}: 0.25 to 16 times as fast as it was"
 
-    def act(self, console: Console) -> None:
+    def move(self, console: Console) -> None:
         self.player.change_speed(self._step)
 
 
-class ToMark(_OfTime):
+class StepMark(_TimeLineCommand):
     def __init__(self, player: Player, name: str, key: str, step: int, footer: str = "") -> None:
         super().__init__(player)
         self.id, self.key, self._step, self.footer = name, key, step, footer
         where = "next mark" if step > 0 else "mark before"
         self.help = f"To the {where}: an alarm, a command, the end of a goal"
 
-    def act(self, console: Console) -> None:
+    def move(self, console: Console) -> None:
         if self.player.step_mark(self._step) is None:
-            console.say(f"There is no mark {'after' if self._step > 0 else 'before'} this moment.")
+            console.show_message(
+                f"There is no mark {'after' if self._step > 0 else 'before'} this moment."
+            )
 
 
 class NothingStopped(Command):
@@ -143,7 +144,7 @@ class NothingStopped(Command):
     help = "Says that nothing is stopped: this is a recording"
 
     def run(self, console: Console) -> None:
-        console.tell(Outcome(Code.REFUSED, NOTHING_STOPPED))
+        console.report_failure(Outcome(Code.REFUSED, NOTHING_STOPPED))
 
 
 class CopySelection(Command):
@@ -152,7 +153,7 @@ class CopySelection(Command):
 
     def run(self, console: Console) -> None:
         if not console.copy_selection():
-            console.say(f"Nothing is selected. Press {console.view.key('quit')} to quit.")
+            console.show_message(f"Nothing is selected. Press {console.view.key('quit')} to quit.")
 
 
 class Alarms(Command):
@@ -164,7 +165,7 @@ class Alarms(Command):
 
     def run(self, console: Console) -> None:
         if self._player.is_reading:
-            console.say("This moment is still being read.")
+            console.show_message("This moment is still being read.")
             return
         lines = [
             f"{alarm.priority.value}  {timeline(alarm)}\n   {alarm.text}"
@@ -173,14 +174,14 @@ class Alarms(Command):
         console.open(ShowText("Alarms", "\n\n".join(lines) or "No alarms."))
 
 
-class Quit(QuitConsole):
+class QuitReplay(Quit):
     help = "Quit the replay"
 
     def run(self, console: Console) -> None:
         console.leave()
 
 
-class QuitEverywhere(Quit):
+class QuitReplayEverywhere(QuitReplay):
     id, key, footer = "quit_everywhere", "ctrl+q", ""
     help = "Quit the replay, also while typing"
     where = EVERYWHERE

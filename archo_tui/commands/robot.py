@@ -1,4 +1,4 @@
-"""Verbs of the robot, with their keys."""
+"""The commands that drive the robot: verbs with keys."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from archo_tui.commands.base import EVERYWHERE, Command, Console, Speak, Work
+from archo_tui.commands.base import EVERYWHERE, Command, Console, VerbCommand, Work
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Phase
 from archo_tui.screens.leaving import Leaving
@@ -14,14 +14,18 @@ from archo_tui.verbs import goals, services
 from archo_tui.verbs.base import Verb
 
 
-class Go(Command):
-    """The first goal of the robot file, whose form is on the screen."""
+class GoKey(Command):
+    """The command for the first goal of the robot file, whose form is on the screen."""
 
     id, key, footer, verbs = "go", "g", "Go", ("go",)
-    runs_blocked = True  # what is typed next is meant for the field, not for the panels
+    runs_disabled = True  # The next keys are meant for the field, not for the panels.
 
     def __init__(self, verb: goals.Go | None) -> None:
-        """None: the robot file has no goals."""
+        """Create the command.
+
+        Args:
+            verb: The verb of the goal; None if the robot file has no goals.
+        """
         self._verb = verb
         kind = None if verb is None else verb.kind
         labels = [] if kind is None else [given.label or p for p, given in kind.form.items()]
@@ -30,17 +34,17 @@ class Go(Command):
         does = "enter sends the robot there" if kind and kind.noun else "enter sends it"
         self.help = f"{title}: type the {what}; {does}" if labels else title
 
-    def blocked(self, console: Console) -> str:
+    def disabled_reason(self, console: Console) -> str:
         return "" if self._verb is None else self._verb.refusal(console.station)
 
     def run(self, console: Console) -> None:
         console.main.focus_panel(3)
 
 
-class SendGoal(Speak):
-    """A goal of the robot file beside the first one."""
+class FormGoalKey(VerbCommand):
+    """A command for one of the other goals of the robot file, which opens a form."""
 
-    once = True
+    waits_for_answer = True
 
     def __init__(self, verb: goals.Go) -> None:
         super().__init__(verb)
@@ -52,7 +56,7 @@ class SendGoal(Speak):
 
         kind = self._go.kind
         if not kind.form:
-            return console.speak(self._go, {goals.GOALS: [{}]})
+            return console.run_verb(self._go, {goals.GOALS: [{}]})
         leaves, typed = console.view.snapshot.forms[kind.id], console.typed.setdefault(kind.id, {})
 
         async def send(values: Mapping[str, Any]) -> Outcome:
@@ -61,17 +65,17 @@ class SendGoal(Speak):
             except ValueError as error:
                 return Outcome(Code.MISUSE, str(error))
             outcome = await self._go.run(console.station, given)
-            console.look()  # it may wait in the queue
+            console.update_screen()  # The goal may wait in the queue.
             return outcome
 
         console.open(MessageForm(kind.title, leaves, send, typed, kind.form))
         return None
 
 
-class Cancel(Speak):
+class CancelKey(VerbCommand):
     key, footer = "ctrl+c", "Cancel"
     where = EVERYWHERE
-    every = 0.5
+    resend_after = 0.5
 
     def __init__(self, verb: Verb) -> None:
         super().__init__(verb)
@@ -89,26 +93,26 @@ class Cancel(Speak):
                 return None
             if not console.copy_selection():
                 keys = f"{console.view.key('quit')} (or {console.view.key('quit_everywhere')})"
-                console.say(f"No goal is running. Press {keys} to quit.")
+                console.show_message(f"No goal is running. Press {keys} to quit.")
             return None
-        return console.speak(self.verb, {goals.RUNNING: running})
+        return console.run_verb(self.verb, {goals.RUNNING: running})
 
 
-class CancelAll(Speak):
+class CancelAllKey(VerbCommand):
     def __init__(self, verb: Verb) -> None:
         super().__init__(verb)
         self.id = "cancel_all"
         self.help = "Cancel every goal of the robot's actions, whoever sent it (asks first)"
 
     def run(self, console: Console) -> Work | None:
-        return console.speak(self.verb, {"--all": True})
+        return console.run_verb(self.verb, {"--all": True})
 
 
-class StopNow(Speak):
+class StopKey(VerbCommand):
     key = "ctrl+x"
     where = EVERYWHERE
-    insists = True  # never dropped: the robot may only just have been found
-    every = 0.5
+    always_tried = True  # The robot may have been found just now.
+    resend_after = 0.5
 
     def __init__(self, verb: Verb) -> None:
         super().__init__(verb)
@@ -117,30 +121,30 @@ class StopNow(Speak):
     def run(self, console: Console) -> Work | None:
         stops = console.station.robot.stops
         if console.repeated and console.view.snapshot.says_stopped and not stops.superseded:
-            return None  # the key is held, and the robot has stopped
+            return None  # The key is held, and the robot has stopped.
         return super().run(console)
 
 
-class Release(Speak):
+class ReleaseKey(VerbCommand):
     key = "R"
-    once = True
+    waits_for_answer = True
 
 
-class Continue(Speak):
+class ContinueKey(VerbCommand):
     key = "n"
 
 
-class Skip(Speak):
+class SkipKey(VerbCommand):
     key = "k"
 
 
-class Give(Speak):
-    """A command of the robot file; a toggle inverts what the robot says of itself.
+class GiveKey(VerbCommand):
+    """A command of the robot file; a toggle inverts what the robot reports.
 
-    Where the robot does not say it, a person says which way: a guess could be the wrong one.
+    If the robot does not report it, a question asks which way: a guess could be the wrong one.
     """
 
-    once = True
+    waits_for_answer = True
 
     def __init__(self, on: services.Give, off: services.Give | None) -> None:
         super().__init__(on)
@@ -154,26 +158,26 @@ class Give(Speak):
 
     def run(self, console: Console) -> Work | None:
         if self._off is None:
-            return console.speak(self._on, {})
+            return console.run_verb(self._on, {})
         (name,) = self._on.given.toggle.values()
         is_on = _reading(console, name)
         if is_on is None:
             self._ask(console, name, self._off)
             return None
-        return console.speak(self._off if is_on else self._on, {})
+        return console.run_verb(self._off if is_on else self._on, {})
 
     def _ask(self, console: Console, reading: str, off: services.Give) -> None:
         title = self._on.given.title
         question = f"The robot does not report {reading}: {title} or {off.title}?"
-        answers = {verb.title: partial(console.speak, verb, {}) for verb in (self._on, off)}
+        answers = {verb.title: partial(console.run_verb, verb, {}) for verb in (self._on, off)}
         console.confirm(title, question, "Leave it", answers)
 
 
 def _reading(console: Console, name: str) -> bool | None:
-    """Return what a toggle inverts, None when nobody reports it.
+    """Return the reading that a toggle inverts, or None if it is not reported.
 
     Args:
-        console: Shows what was heard last.
+        console: Shows what was received last.
         name: `battery.charging`, `motion.moving` or `motion.stopped`.
     """
     topic, _, reading = name.partition(".")

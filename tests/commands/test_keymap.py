@@ -22,17 +22,17 @@ COMMANDS = registry(ARCHO)
 def load(tmp_path: Path, text: str) -> dict[str, str]:
     file = tmp_path / "keymap.yaml"
     file.write_text(text)
-    return keymap.load(file, COMMANDS)[0]
+    return keymap.load_keymap(file, COMMANDS)[0]
 
 
 def test_without_a_file_the_registry_decides(tmp_path: Path) -> None:
-    keys, _ = keymap.load(tmp_path / "none.yaml", COMMANDS)
+    keys, _ = keymap.load_keymap(tmp_path / "none.yaml", COMMANDS)
     assert keys == {command.id: command.key for command in COMMANDS}
 
 
 def test_keys_are_chosen_by_name_or_character(tmp_path: Path) -> None:
     keys = load(tmp_path, "# mine\nstop: F5\nreset: '*'\nfilter: f\nsearch: f\ngo: x\n")
-    shown = keymap.shown_keys(keys)
+    shown = keymap.readable_keys(keys)
     assert keys["stop"] == "f5"
     assert (shown["reset"], shown["filter"], shown["search"], shown["go"]) == ("*", "f", "f", "x")
 
@@ -73,7 +73,7 @@ def test_a_mistake_names_its_line(tmp_path: Path, text: str, line: int, said: st
 def test_ids_that_this_robot_lacks_are_left_out_and_said(tmp_path: Path) -> None:
     file = tmp_path / "keymap.yaml"
     file.write_text("stop: f5\nundock: f6\nstpo: f7\n")
-    keys, others = keymap.load(file, COMMANDS)
+    keys, others = keymap.load_keymap(file, COMMANDS)
     assert keys["stop"] == "f5"
     assert others == (
         f"{file}: this robot has no command undock (line 2, nearest: undo), "
@@ -98,13 +98,13 @@ def test_the_consoles_own_keys_are_not_a_robot_files_to_take(
     beep = replace(charge, id="beep", where="mine.yaml:7", key=key)
     robot = replace(ARCHO, commands=(charge, beep))
     with pytest.raises(ArchoError) as caught:
-        keymap.load(tmp_path / "none.yaml", registry(robot))
+        keymap.load_keymap(tmp_path / "none.yaml", registry(robot))
     assert str(caught.value) == f"mine.yaml:7: {said}"
 
 
 class Replay(Command):
     id, key, help = "replay", "v", "Replay a recording"
-    yields = True
+    gives_way = True
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_a_new_key_yields_to_a_robot_files_and_a_keymaps(
     file = config_file("keymap.yaml")
     file.parent.mkdir(parents=True)
     file.write_text(text)
-    assert keymap.load(file, commands)[0]["replay"] == key
+    assert keymap.load_keymap(file, commands)[0]["replay"] == key
     monkeypatch.setattr("archo_tui.commands.registry", lambda _: commands)
     assert main(["keys"]) == 0
     line = next(line for line in capsys.readouterr().out.splitlines() if "replay:" in line)
@@ -148,7 +148,7 @@ def test_a_new_key_that_a_keymap_names_is_kept_or_refused(tmp_path: Path) -> Non
     file = tmp_path / "keymap.yaml"
     file.write_text("reset: v\nreplay: v\n")
     with pytest.raises(ArchoError, match=":1: v is already the key of replay"):
-        keymap.load(file, (*COMMANDS, Replay()))
+        keymap.load_keymap(file, (*COMMANDS, Replay()))
 
 
 async def test_a_command_that_yielded_is_in_the_helps_palette_only_part(tmp_path: Path) -> None:

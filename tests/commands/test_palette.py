@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from archo_tui.commands.choices import choices
+from archo_tui.commands.palette_choices import palette_choices
 from archo_tui.keyed_app import HELD
 from archo_tui.screens.choose import Found
 from archo_tui.screens.find import Fit, fit
@@ -97,7 +97,7 @@ async def test_each_entry_is_found_by_three_words_that_people_type() -> None:
 
 async def test_each_kind_of_entry_has_its_words_in_the_table() -> None:
     async with console(*FAST) as op:
-        titles = [one.title for one in choices(op.app)]
+        titles = [one.title for one in palette_choices(op.app)]
         named = [t for t in titles if not t.startswith(("Theme", "Set", "Node"))]
         assert [t for t in named if not t.startswith(tuple(TYPED))] == []
         assert [title for title in TYPED if not any(t.startswith(title) for t in titles)] == []

@@ -14,7 +14,7 @@ from archo_tui import screens
 from archo_tui.app import ArchoApp
 from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, NOT_TYPING, Command
-from archo_tui.commands.keymap import readable
+from archo_tui.commands.keymap import readable_key
 from archo_tui.keyed_app import HELD
 from archo_tui.widgets.field import INTEGER
 from tests.support.archo import ARCHO
@@ -89,7 +89,7 @@ KEYS = {
 def test_every_key_stands_in_the_table_once() -> None:
     found: dict[str, dict[str, str]] = {}
     for command in COMMANDS:
-        there = found.setdefault(command.place, {})
+        there = found.setdefault(command.where_text, {})
         assert command.key not in there
         if command.key:
             there[command.key] = command.id
@@ -138,7 +138,7 @@ def works(command: Command, place: str, panel: int) -> bool:
     if command.where == EVERYWHERE:
         return True
     if place == "shelf field":  # a number: letters are commands while it is empty
-        is_text = len(readable(command.key)) > 1 or readable(command.key) in INTEGER
+        is_text = len(readable_key(command.key)) > 1 or readable_key(command.key) in INTEGER
         return command.where == NOT_TYPING and not is_text
     main = place.startswith("panel") or place == "full screen"
     return main and (command.where == NOT_TYPING or command.panel == panel)

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 from textual.widgets import Input
 
 from archo_tui.app import ArchoApp
-from archo_tui.commands.console import Panel
+from archo_tui.commands.console import PanelKey
 from archo_tui.paths import config_file
 from archo_tui.station import recall
 from archo_tui.terminal import themes
@@ -121,7 +121,7 @@ async def test_help_lists_every_command_with_its_key() -> None:
         await op.press("question_mark")
         await op.until("Keys")
         for command in op.app.registry:
-            if not isinstance(command, Panel):
+            if not isinstance(command, PanelKey):
                 assert command.help.split(" (")[0][:30] in op.text
         assert "1-8  Go to a panel" in op.text
         at = {place: (op.line(place).index(place), op.text.index(place)) for place in PLACES}

@@ -11,7 +11,7 @@ from textual.geometry import Size
 from textual.widgets import Input
 from textual.widgets._toast import Toast
 
-from archo_tui.commands.choices import Commands
+from archo_tui.commands.palette_choices import Commands
 from archo_tui.screens.alarms import AlarmList
 from archo_tui.screens.choose import Found
 from archo_tui.screens.help import Help
@@ -27,7 +27,7 @@ async def stop_works(op: Console) -> None:
 
 async def read_something(op: Console) -> Toast:
     """A toast that has just come."""
-    op.app.say("something to read")
+    op.app.show_message("something to read")
     await op.until(lambda: op.app.screen.query(Toast))
     return op.app.screen.query_one(Toast)
 

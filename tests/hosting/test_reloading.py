@@ -53,7 +53,7 @@ async def save(op: Console, file: Path, text: str) -> None:
     """Save it, and have it reloaded at once, as it soon would be."""
     file.write_text(text)
     await asyncio.to_thread(op.session._watch.watched[0].reload)
-    op.app.look()
+    op.app.update_screen()
 
 
 @pytest.fixture(autouse=True)

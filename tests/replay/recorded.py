@@ -77,7 +77,7 @@ class Watcher:
 
     async def settle(self) -> None:
         await self._quiet.settle()
-        self.app.look()
+        self.app.update_screen()
         await self._quiet.settle()
 
     async def show(self, time: float) -> None:

@@ -11,7 +11,7 @@ from textual.widgets import Button
 
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
-from archo_tui.commands.choices import choices
+from archo_tui.commands.palette_choices import palette_choices
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
 from tests.replay.recorded import Watcher, replay, written
@@ -132,7 +132,7 @@ async def test_every_command_only_shows_or_is_not_there(drive: Path) -> None:
         assert "Reset" not in watcher.text
         await watcher.show(watcher.player.end)
         assert watcher.app.view.snapshot.parameters
-        titles = [choice.title for choice in choices(watcher.app)]
+        titles = [choice.title for choice in palette_choices(watcher.app)]
         assert "Play, or pause" in titles
         assert not any(title.startswith("Set ") for title in titles)
         await watcher.press("escape", "question_mark")

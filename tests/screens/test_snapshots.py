@@ -357,7 +357,7 @@ async def test_what_an_assistant_asks_looks_as_accepted(
         goal = QueuedGoal(SHELF, {"shelf_number": 12})
         app.station._frontend = app
         app.station.requests.add(asker, goal, "go to shelf 12", NOW, 0)
-        app.look()
+        app.update_screen()
         await rest(app, quiet)
         if name == "request opened":
             send(app, "A")

@@ -94,7 +94,10 @@ class Console:
     async def press(self, *keys: str) -> None:
         """Press keys one after the other; the same again only when it was let go."""
         # what a person must let go before it acts again
-        once = {"enter", *(command.key for command in self.app.registry if command.once)}
+        once = {
+            "enter",
+            *(command.key for command in self.app.registry if command.waits_for_answer),
+        }
         for key in keys:
             if key == self._last and key in once:
                 # since the console took it, which on a loaded machine is after it was sent

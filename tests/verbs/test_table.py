@@ -10,7 +10,7 @@ import pytest
 from archo_tui.app import ArchoApp
 from archo_tui.clock import Clock
 from archo_tui.commands import registry
-from archo_tui.commands.base import Command, Speak
+from archo_tui.commands.base import Command, VerbCommand
 from archo_tui.plain.plain import help_text
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import WATCHING, Hosted, OpenStop, Phase, Snapshot
@@ -73,7 +73,7 @@ def test_every_verb_is_listed_by_help_with_what_it_takes() -> None:
 
 def test_what_a_command_says_of_itself_is_what_its_verb_does() -> None:
     for command in COMMANDS:
-        if isinstance(command, Speak):
+        if isinstance(command, VerbCommand):
             assert command.verb.id in command.verbs
 
 
@@ -97,12 +97,12 @@ async def by_key(snapshot: Snapshot, watching: bool) -> dict[str, str]:
 
 
 def _answer(app: ArchoApp, command: Command, verb: str, asked: list[str]) -> str:
-    if not isinstance(command, Speak):
+    if not isinstance(command, VerbCommand):
         return VERBS[verb].refusal(app.station)
-    reason = app.blocked(command)
+    reason = app.disabled_reason(command)
     if reason:
         return reason
-    work = app.speak(VERBS[verb], {})
+    work = app.run_verb(VERBS[verb], {})
     if work is not None:
         work.close()
     return asked[0] if asked else ""
@@ -126,7 +126,7 @@ async def test_a_key_and_a_line_are_refused_and_asked_alike(situation: str, watc
     compared = 0
     for verb, said in keys.items():
         if verb == "stop" or verb in ("start", "halt", "copy", "go"):
-            continue  # STOP insists; those of a node are asked of a real one elsewhere
+            continue  # STOP always_tried; those of a node are asked of a real one elsewhere
         line = await by_line(snapshot, watching, verb)
         assert line.removesuffix(" (add --yes to do it)") == said, verb
         compared += 1

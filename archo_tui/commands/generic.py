@@ -1,4 +1,4 @@
-"""Commands for what no robot file names: any goal, any service."""
+"""Commands for any goal and any service, those that no robot file names included."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from archo_tui.commands.base import Command, Console, Speak, Work, write_file
-from archo_tui.commands.robot import SendGoal
+from archo_tui.commands.base import Command, Console, VerbCommand, Work, write_file
+from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot_file.dump import dump, without
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from archo_tui.screens.choose import Choice
 
 
-class _AnyOf(Speak):
-    """Lists what is on the graph, then makes a form of its type."""
+class _AnyOf(VerbCommand):
+    """A command that lists actions or services, and opens a form for the chosen one."""
 
     def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        """Names with their types."""
+        """Return the names, each with its types."""
         raise NotImplementedError
 
     def run(self, console: Console) -> None:
@@ -39,7 +39,7 @@ class _AnyOf(Speak):
         console.open(Choose(self.help, choices))
 
     def choices(self, console: Console, name: str) -> list[Choice]:
-        """Return the rows of one name."""
+        """Return the rows of the list for one name."""
         from archo_tui.screens.choose import Choice
 
         types = ", ".join(self.found(console)[name])
@@ -51,12 +51,12 @@ class _AnyOf(Speak):
         try:
             kind = type_of("one", name, self.found(console))
         except ValueError as error:
-            console.say(str(error))
+            console.show_message(str(error))
             return
-        with console.opening():  # reads files: not on this thread
+        with console.opening():  # Message classes are read from disk, on another thread.
             leaves = await in_daemon(console.station.robot.form, kind)
         if leaves is None:
-            console.say(not_installed(name, kind))
+            console.show_message(not_installed(name, kind))
             return
         typed = console.typed.setdefault(name, {})
         send = partial(self.send, console, name, kind)
@@ -65,7 +65,7 @@ class _AnyOf(Speak):
     async def send(
         self, console: Console, name: str, kind: str, values: Mapping[str, Any]
     ) -> Outcome:
-        """What is done with the values."""
+        """Send the values of the form, and return the outcome."""
         raise NotImplementedError
 
 
@@ -78,7 +78,7 @@ class AnyGoal(_AnyOf):
             await super()._form(console, name)
             return
         go = next(v for v in console.verbs.values() if isinstance(v, Go) and v.kind == kind)
-        work = SendGoal(go).run(console)  # the robot file has a form of its own
+        work = FormGoalKey(go).run(console)  # The robot file has a form of its own.
         if work is not None:
             await work
 
@@ -91,7 +91,7 @@ class AnyGoal(_AnyOf):
         short = name.rpartition("/")[2]
         goal = GoalKind(id=_id(console, name), title=short, action=name, type=kind)
         outcome = await self.verb.run(console.station, {KIND: goal, GOALS: [values]})
-        console.look()  # it may wait in the queue
+        console.update_screen()  # The goal may wait in the queue.
         if outcome.ok:
             known = [old for old in console.used.goals if old.action != name]
             used = replace(goal, form={path: FormField() for path in _paths(values)})
@@ -113,15 +113,15 @@ class AnyService(_AnyOf):
 
     @staticmethod
     def _speak(console: Console, verb: Verb) -> Work | None:
-        """Do what the verb of the robot file does: with its question, and its refusal."""
+        """Run a verb of the robot file, with its question or its refusal."""
         if verb.urgent:
             console.action_command(verb.id)
             return None
         refusal = verb.refusal(console.station)
         if refusal:
-            console.say(refusal)
+            console.show_message(refusal)
             return None
-        return console.speak(verb, {})
+        return console.run_verb(verb, {})
 
     def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         return console.view.snapshot.services
@@ -132,17 +132,17 @@ class AnyService(_AnyOf):
         given = {"service": name, "type": kind, "fields": values}
         outcome = await self.verb.run(console.station, given)
         if outcome.ok:
-            console.say(outcome.text, name)
+            console.show_message(outcome.text, name)
             short = name.rpartition("/")[2]
             known = [old for old in console.used.commands if old.service != name]
-            if not values:  # one with fields cannot be a command of a robot file
+            if not values:  # A robot file has no commands with fields.
                 used = CommandService(id=_id(console, name), title=short, service=name)
                 console.used = replace(console.used, commands=(*known, used))
         return outcome
 
 
 def _id(console: Console, name: str) -> str:
-    """What a kept action or service is called, beside the console's and the file's own words."""
+    """Return an id for a used action or service that no command of this robot has."""
     kept = console.used
     used = {goal.id for goal in kept.goals if goal.action != name}
     for command in kept.commands:
@@ -152,7 +152,7 @@ def _id(console: Console, name: str) -> str:
 
 
 def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
-    """The dotted paths of what was typed, of nested messages too."""
+    """Yield the dotted path of each value, nested ones included."""
     for name, value in values.items():
         if isinstance(value, Mapping):
             yield from _paths(value, f"{before}{name}.")

@@ -1,4 +1,4 @@
-"""What the palette lists: everything that can be done, by the words that people have for it."""
+"""The rows of the palette: every action, with further words by which it can be found."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from archo_tui.station.station import View
 from archo_tui.words.nodes import node_rows
 
 _FIRST = ("go", "cancel", "stop")
-_TWINS = ("palette", "help_everywhere", "quit_everywhere")  # the same by another key
-_KNOWN = ("textual-dark", "textual-light", "high-contrast")  # themes that stand first
-_WORDS = {
+_DUPLICATES = ("palette", "help_everywhere", "quit_everywhere")  # The same commands by another key.
+_FIRST_THEMES = ("textual-dark", "textual-light", "high-contrast")  # Listed first.
+_SEARCH_WORDS = {
     "go": "drive move target send",
     "cancel": "abort call back",
     "cancel_all": "abort all",
@@ -69,70 +69,76 @@ class Commands(Choose):
     def __init__(self, title: str, list_choices: Callable[[], Sequence[Choice]]) -> None:
         super().__init__(title, list_choices())
         self._list_choices = list_choices
-        self._second = 0.0  # when its rows were brought up to date
+        self._second = 0.0  # The second of the last update.
 
     def follow(self, view: View) -> None:
-        """Bring keys, values and reasons up to date once a second; the rows keep their places."""
+        """Update keys, values and reasons once a second; the rows keep their places."""
         super().follow(view)
         if view.second != self._second:
             self._second = view.second
             self.renew(self._list_choices())
 
 
-def choices(console: Console) -> list[Choice]:
-    """Go, cancel and STOP; what else can be done now; what cannot; what can be set or seen."""
-    commands = {c.id: _choice(console, c) for c in console.registry if c.id not in _TWINS}
+def palette_choices(console: Console) -> list[Choice]:
+    """Return all rows: go, cancel and STOP first, then what can run now, then everything else."""
+    commands = {
+        c.id: _command_choice(console, c) for c in console.registry if c.id not in _DUPLICATES
+    }
     first = [commands.pop(name) for name in _FIRST if name in commands]
     return [
         *first,
         *sorted(commands.values(), key=lambda choice: bool(choice.reason)),
-        *_nodes(console),
-        *_parameters(console),
-        *_themes(console),
-        Choice("Save a picture of the screen", console.picture, words="screenshot export svg"),
+        *_node_choices(console),
+        *_parameter_choices(console),
+        *_theme_choices(console),
+        Choice(
+            "Save a picture of the screen", console.write_screenshot, words="screenshot export svg"
+        ),
     ]
 
 
-def _choice(console: Console, command: Command) -> Choice:
+def _command_choice(console: Console, command: Command) -> Choice:
     title = re.split("[:;]", command.help)[0]
     title = title[0].upper() + title[1:]
-    key, reason = console.view.key(command.id), console.blocked(command)
-    words = f"{command.id} {command.help} {_WORDS.get(command.id, '')}"
+    key, reason = console.view.key(command.id), console.disabled_reason(command)
+    words = f"{command.id} {command.help} {_SEARCH_WORDS.get(command.id, '')}"
     act = partial(console.action_command, command.id)
     return Choice(title, act, key, reason, words)
 
 
-def _parameters(console: Console) -> Iterator[Choice]:
+def _parameter_choices(console: Console) -> Iterator[Choice]:
     edit = parameters.Edit()
     if all(command.id != edit.id for command in console.registry):
-        return  # a replay: whatever acts is not there
-    reason = edit.blocked(console)
-    for one in console.view.snapshot.parameters:
-        title = f"Set {one.node.lstrip('/')} {one.name}"
-        act = partial(_edit, console, one.node, one.name)
-        yield Choice(title, act, text_of(one.value), reason, "parameter change")
+        return  # A replay has no commands that act.
+    reason = edit.disabled_reason(console)
+    for parameter in console.view.snapshot.parameters:
+        title = f"Set {parameter.node.lstrip('/')} {parameter.name}"
+        act = partial(_edit, console, parameter.node, parameter.name)
+        yield Choice(title, act, text_of(parameter.value), reason, "parameter change")
 
 
 def _edit(console: Console, node: str, name: str) -> None:
-    """The parameter as it is now: the list may be open for long."""
+    """Open the dialog for a parameter with its current value: the palette may be open for long."""
     edit, now = parameters.Edit(), console.view.snapshot.parameters
-    found = next((one for one in now if (one.node, one.name) == (node, name)), None)
-    refused = edit.blocked(console)
+    found = next(
+        (parameter for parameter in now if (parameter.node, parameter.name) == (node, name)), None
+    )
+    refused = edit.disabled_reason(console)
     if found is None or refused:
-        console.say(refused or f"{node.lstrip('/')} {name} is not there any more")
+        console.show_message(refused or f"{node.lstrip('/')} {name} is not there any more")
     else:
         edit.open(console, found)
 
 
-def _nodes(console: Console) -> Iterator[Choice]:
+def _node_choices(console: Console) -> Iterator[Choice]:
     for row in node_rows(console.view):
         act = partial(nodes.show, console, row)
         yield Choice(f"Node {row.name.lstrip('/')}", act, words="info details")
 
 
-def _themes(console: Console) -> Iterator[Choice]:
+def _theme_choices(console: Console) -> Iterator[Choice]:
     themes = console.available_themes
-    for name in sorted(themes, key=lambda name: (name not in _KNOWN, name)):
+    for name in sorted(themes, key=lambda name: (name not in _FIRST_THEMES, name)):
         now = "now" if name == console.theme else ""
         act = partial(setattr, console, "theme", name)
         shade = "dark night" if themes[name].dark else "light bright day"
