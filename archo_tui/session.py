@@ -95,7 +95,7 @@ class Session:
         self.file = robot_files.load(options.robot or robot_files.default_path())
         self._own_files = [] if options.attach else files.default_files()
         self._secrets = secret_names.load(config_file("secret_names.txt"))
-        self._overrides = files.load([*self._own_files, *options.params_files])
+        self._overrides = files.load_files([*self._own_files, *options.params_files])
         interfaces = self._activate()
         self._init_rclpy()
         self.journal, self._flood = Journal(journal_file()), Flood()
@@ -348,9 +348,9 @@ class Session:
                 self.robot.note("WARN", file.path.name, file.not_run)
         for line in self._mistakes:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
-        users = [*self._users(), *files.typed(self.options.ros_args)]
+        users = [*self._users(), *files.parse_typed(self.options.ros_args)]
         users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
-        for line in files.unknown(users, declared):
+        for line in files.unknown_lines(users, declared):
             self.robot.note("WARN", "console", line)
         if self.station.clock.now() > LAST_STAMP:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"

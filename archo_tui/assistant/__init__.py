@@ -1,5 +1,5 @@
-"""An assistant at the console, over the Model Context Protocol: a process of its own.
+"""The Model Context Protocol server through which a language model uses the console.
 
-It reads, asks and stops. Whether anything moves is decided by a person at the console, and
-enforced there: nothing in here can allow it.
+It runs in a process of its own. It reads, requests and stops. Whether anything moves is decided by
+a person at the console, and enforced there: nothing in here can allow it.
 """

@@ -1,4 +1,4 @@
-"""The arguments of a tool: one schema says what a model may give, and checks what it gave."""
+"""The arguments of a tool: schemas for models, and the check of what a model gives."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 from archo_tui.robot.text import harmless
 
-LONGEST = 200  # characters of a text
-LARGEST = 4096  # bytes of an object, as JSON
-_SHOWN = 40  # characters of what was given, in the line that says what is wrong
+MAX_TEXT = 200  # Characters.
+MAX_OBJECT = 4096  # Bytes as JSON.
+_SHOWN = 40  # Characters of a value that an error quotes.
 _TYPES: dict[str, tuple[type, ...]] = {
     "string": (str,),
     "integer": (int,),
@@ -25,12 +25,12 @@ _NAMES = {
 }
 
 
-class Misuse(Exception):
-    """The arguments cannot be meant; one line says why."""
+class InvalidArguments(Exception):
+    """The arguments do not fit the schema; the message is one line."""
 
 
 def schema_of(properties: Mapping[str, Any], required: tuple[str, ...] = ()) -> dict[str, Any]:
-    """The schema of a tool's arguments; nothing else may be given."""
+    """Return the JSON schema of a tool that takes these properties and no others."""
     return {
         "type": "object",
         "properties": dict(properties),
@@ -39,41 +39,44 @@ def schema_of(properties: Mapping[str, Any], required: tuple[str, ...] = ()) -> 
     }
 
 
-def check(schema: Mapping[str, Any], given: Mapping[str, Any]) -> None:
-    """Raises Misuse, with one line.
+def check_arguments(schema: Mapping[str, Any], given: Mapping[str, Any]) -> None:
+    """Check arguments against a tool's schema.
 
-    Of an object its size is checked and nothing else: what may be in it the console knows.
+    Of an object only the size is checked; the console knows what may be in it.
+
+    Raises:
+        InvalidArguments: They do not fit.
     """
     known = schema["properties"]
-    if schema["additionalProperties"]:  # of STOP: whatever it is, it is ignored
+    if schema["additionalProperties"]:  # Only STOP's schema: its arguments are ignored.
         return
     for name in given:
         if name not in known:
             takes = ", ".join(known) or "no arguments"
-            raise Misuse(f"unknown argument {shown(name)}: this tool takes {takes}")
+            raise InvalidArguments(f"unknown argument {shorten(name)}: this tool takes {takes}")
     for name in schema["required"]:
         if name not in given:
-            raise Misuse(f"{name} is missing: {known[name]['description']}")
+            raise InvalidArguments(f"{name} is missing: {known[name]['description']}")
     for name, value in given.items():
         fault = _fault(value, known[name])
         if fault:
-            raise Misuse(f"{name}: {fault}")
+            raise InvalidArguments(f"{name}: {fault}")
 
 
 def _fault(value: Any, schema: Mapping[str, Any]) -> str:
     kind = schema["type"]
     if isinstance(value, bool) or not isinstance(value, _TYPES[kind]):
-        return f"expected {_NAMES[kind]}, not {shown(value)}"
+        return f"expected {_NAMES[kind]}, not {shorten(value)}"
     if isinstance(value, dict):
         return _fault_of_object(value)
-    if isinstance(value, str) and len(value) > LONGEST:
-        return f"at most {LONGEST} characters, not {len(value)}"
+    if isinstance(value, str) and len(value) > MAX_TEXT:
+        return f"at most {MAX_TEXT} characters, not {len(value)}"
     if "enum" in schema and value not in schema["enum"]:
-        return f"one of {', '.join(map(str, schema['enum']))}, not {shown(value)}"
+        return f"one of {', '.join(map(str, schema['enum']))}, not {shorten(value)}"
     low, high = schema.get("minimum"), schema.get("maximum")
-    # the comparisons are false for NaN
+    # Written so that NaN, for which comparisons are false, is refused.
     if (low is not None and not value >= low) or (high is not None and not value <= high):
-        return f"{low} to {high}, not {shown(value)}"
+        return f"{low} to {high}, not {shorten(value)}"
     return ""
 
 
@@ -82,11 +85,11 @@ def _fault_of_object(value: dict[str, Any]) -> str:
         size = len(json.dumps(value, allow_nan=False).encode("utf-8"))
     except (ValueError, TypeError, RecursionError):
         return "a number in it is too large or not finite, or it is too deep"
-    return f"at most {LARGEST} bytes of JSON, not {size}" if size > LARGEST else ""
+    return f"at most {MAX_OBJECT} bytes of JSON, not {size}" if size > MAX_OBJECT else ""
 
 
-def shown(value: Any) -> str:
-    """The beginning of what was given, which may be of any size."""
+def shorten(value: Any) -> str:
+    """Return the beginning of a value of any size, for an error message."""
     if isinstance(value, (dict, list)):
         return "an object" if isinstance(value, dict) else "a list"
     if isinstance(value, int) and value.bit_length() > 64:

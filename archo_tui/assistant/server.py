@@ -1,6 +1,6 @@
-"""The server of the Model Context Protocol, on standard input and output.
+"""The MCP server on standard input and output.
 
-The one file that imports the SDK, which the extra `mcp` brings.
+This is the one file that imports the SDK, which the extra `mcp` installs.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from mcp.server.lowlevel.server import Server
 from mcp.server.stdio import stdio_server
 
 from archo_tui import __version__
-from archo_tui.assistant.answer import NOTE
-from archo_tui.assistant.link import Link
+from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.tool import Tool
-from archo_tui.assistant.tools import call, tools
+from archo_tui.assistant.tool_answer import NOTE
+from archo_tui.assistant.tools import available_tools, call_tool_by_name
 from archo_tui.plain.lines import is_stop_text
 
 _INSTRUCTIONS = (
@@ -33,20 +33,25 @@ _GOALS = {
 
 
 def serve(*, goals: bool, to: str) -> None:
-    """Serve until standard input ends. `goals`: it may ask for them; `to` chooses a console."""
+    """Serve until standard input ends.
+
+    Args:
+        goals: True if the assistant may request goals.
+        to: The process id or the namespace of one of several consoles; "" means the only one.
+    """
     asyncio.run(_serve(goals, to))
 
 
 async def _serve(goals: bool, to: str) -> None:
-    link, known = Link(to), tools(goals=goals)
+    connection, known = ConsoleConnection(to), available_tools(goals=goals)
 
     async def list_tools(_context: Any, _asked: Any) -> types.ListToolsResult:
         return types.ListToolsResult(
-            tools=[await _described(tool, link) for tool in known.values()]
+            tools=[await _described(tool, connection) for tool in known.values()]
         )
 
     async def call_tool(_context: Any, asked: types.CallToolRequestParams) -> types.CallToolResult:
-        told, failed = await call(known, link, asked.name, asked.arguments or {})
+        told, failed = await call_tool_by_name(known, connection, asked.name, asked.arguments or {})
         text = types.TextContent(type="text", text=json.dumps(told, ensure_ascii=False))
         return types.CallToolResult(content=[text], structured_content=told, is_error=failed)
 
@@ -62,11 +67,11 @@ async def _serve(goals: bool, to: str) -> None:
         async with stdio_server() as (reading, writing):
             await server.run(reading, writing, server.create_initialization_options())
     finally:
-        await link.close()
+        await connection.close()
 
 
 async def _take_any_stop(ctx: Any, call_next: Callable[[Any], Awaitable[Any]]) -> Any:
-    """Pass a call of STOP on in the form that the SDK takes: it refuses arguments that are none."""
+    """Rewrite a call of STOP in the form that the SDK takes, which refuses malformed arguments."""
     params = ctx.params
     name = params.get("name") if ctx.method == "tools/call" and params else None
     if isinstance(name, str) and is_stop_text(name):
@@ -77,13 +82,13 @@ async def _take_any_stop(ctx: Any, call_next: Callable[[Any], Awaitable[Any]]) -
     return await call_next(ctx)
 
 
-async def _described(tool: Tool, link: Link) -> types.Tool:
+async def _described(tool: Tool, connection: ConsoleConnection) -> types.Tool:
     hints = tool.hints
     return types.Tool(
         name=tool.name,
         title=tool.title,
         description=tool.description,
-        input_schema=await tool.offered_schema(link),
+        input_schema=await tool.offered_schema(connection),
         annotations=types.ToolAnnotations(
             title=tool.title,
             read_only_hint=hints.reads_only,

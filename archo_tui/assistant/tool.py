@@ -1,29 +1,36 @@
-"""A tool: what a model is told of it, what it takes, and what carries it out."""
+"""The base of tools: a description for models, a schema, and a call."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from typing import Any, NamedTuple
 
-from archo_tui.assistant.answer import Answer
 from archo_tui.assistant.arguments import schema_of
-from archo_tui.assistant.link import Link
+from archo_tui.assistant.connection import ConsoleConnection
+from archo_tui.assistant.tool_answer import ToolAnswer
 
 
 class Hints(NamedTuple):
-    """What a client is told of a tool before it is called; MCP's annotations."""
+    """The annotations of MCP, which a client reads before it calls a tool.
+
+    Attributes:
+        reads_only: True if the tool changes nothing.
+        destroys: True if its changes cannot be undone.
+        is_idempotent: True if a second call with the same arguments changes nothing.
+        is_open: True if its effects reach things that nobody here knows.
+    """
 
     reads_only: bool = False
     destroys: bool = False
     is_idempotent: bool = True
-    is_open: bool = False  # its effects reach what nobody here knows
+    is_open: bool = False
 
 
 READS = Hints(reads_only=True)
 
 
 class Tool(ABC):
-    """One of those that an assistant has; never more than nine."""
+    """A tool of an assistant, of which there are never more than nine."""
 
     name: str
     title: str
@@ -31,10 +38,18 @@ class Tool(ABC):
     hints: Hints = READS
     schema: dict[str, Any] = schema_of({})
 
-    async def offered_schema(self, link: Link) -> dict[str, Any]:
-        """The schema that clients see, which may say more than the one that is checked."""
+    async def offered_schema(self, connection: ConsoleConnection) -> dict[str, Any]:
+        """Return the schema that clients see, which may be stricter than the checked one."""
         return self.schema
 
     @abstractmethod
-    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
-        """Carry it out; what is given fits the schema. Raises Unreached."""
+    async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
+        """Run the tool.
+
+        Args:
+            connection: The connection to the console.
+            given: Arguments that fit the schema.
+
+        Raises:
+            Unreached: There is no console, or it does not answer.
+        """

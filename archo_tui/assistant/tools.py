@@ -1,49 +1,49 @@
-"""Which tools an assistant has. There is none that releases, sets, allows or hosts anything."""
+"""The list of tools. None of them releases, sets, allows or hosts anything."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any
 
-from archo_tui.assistant.answer import Answer, failure
-from archo_tui.assistant.arguments import Misuse, check, shown
-from archo_tui.assistant.link import Link
-from archo_tui.assistant.looking import Events, History, Parameters, Status
-from archo_tui.assistant.moving import Cancel, Go, Wait
-from archo_tui.assistant.stopping import Stop
+from archo_tui.assistant.arguments import InvalidArguments, check_arguments, shorten
+from archo_tui.assistant.connection import ConsoleConnection
+from archo_tui.assistant.goal_tools import CancelTool, GoTool, WaitTool
+from archo_tui.assistant.reading_tools import EventsTool, HistoryTool, ParametersTool, StatusTool
+from archo_tui.assistant.stop_tool import StopTool
 from archo_tui.assistant.tool import Tool
+from archo_tui.assistant.tool_answer import ToolAnswer, failure
 from archo_tui.plain.lines import is_stop_text
 from archo_tui.remote.client import Unreached
 from archo_tui.robot.text import harmless
 
 
-def tools(*, goals: bool) -> dict[str, Tool]:
-    """All of them by name; with `goals` those that ask for motion too."""
-    made: list[Tool] = [Status(), Events(), History(), Parameters(), Stop()]
+def available_tools(*, goals: bool) -> dict[str, Tool]:
+    """Return the tools by name, with `goals` those included that request motion."""
+    made: list[Tool] = [StatusTool(), EventsTool(), HistoryTool(), ParametersTool(), StopTool()]
     if goals:
-        made += [Go(), Wait(), Cancel()]
+        made += [GoTool(), WaitTool(), CancelTool()]
     return {tool.name: tool for tool in made}
 
 
-async def call(
-    known: Mapping[str, Tool], link: Link, name: str, given: dict[str, Any]
+async def call_tool_by_name(
+    known: Mapping[str, Tool], connection: ConsoleConnection, name: str, given: dict[str, Any]
 ) -> tuple[dict[str, Any], bool]:
-    """The answer as JSON has it, and whether it failed; never raises for what a model does."""
-    answer = await _answer(known, link, name, given)
-    return answer.as_data(link.take_news()), answer.failed
+    """Return a tool's answer as JSON has it, and True if it failed, also for bad input."""
+    answer = await _call(known, connection, name, given)
+    return answer.as_data(connection.take_notice()), answer.failed
 
 
-async def _answer(
-    known: Mapping[str, Tool], link: Link, name: str, given: dict[str, Any]
-) -> Answer:
+async def _call(
+    known: Mapping[str, Tool], connection: ConsoleConnection, name: str, given: dict[str, Any]
+) -> ToolAnswer:
     tool = known.get("stop" if is_stop_text(name) else name)
     if tool is None:
         others = f"the tools are {', '.join(known)}"
-        return failure("misuse", f"no tool {shown(name)}: {others}; the rest a person does.")
+        return failure("misuse", f"no tool {shorten(name)}: {others}; the rest a person does.")
     try:
-        check(tool.schema, given)
-        return await tool.call(link, given)
-    except Misuse as error:
+        check_arguments(tool.schema, given)
+        return await tool.call(connection, given)
+    except InvalidArguments as error:
         return failure("misuse", f"{error}. Nothing was sent.")
     except Unreached as error:
         head, *rest = str(error).splitlines()

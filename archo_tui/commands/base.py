@@ -138,7 +138,7 @@ def write_file(console: Console, text: str, what: str) -> Callable[[Path], Await
             warned.add(path)
             return f"{path} already exists: press enter again to overwrite"
         try:
-            await in_daemon(save_load.write, path, text)
+            await in_daemon(save_load.write_atomically, path, text)
         except ArchoError as error:
             return str(error)
         console.station.robot.note("YOU", "console", f"{what}: saved to {path}")

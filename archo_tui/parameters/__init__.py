@@ -1,1 +1,1 @@
-"""Parameters in files and back, and changes that can be undone."""
+"""ROS parameter files: those given at the start, and saving and loading later."""

@@ -1,4 +1,4 @@
-"""Parameter files given at the start: checked before the terminal is touched."""
+"""Parameter files and `-p` options given at the start, checked before the screen begins."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from archo_tui.embedded.parameter_files import Override, matches, read
 from archo_tui.errors import ArchoError
 from archo_tui.yaml_text.bounded_yaml import YamlError
 
-EVERY_NODE = "/**"  # the pattern of what is typed without a node
-_FEW = 3  # nodes of a file that are named one by one
+EVERY_NODE = "/**"  # The pattern of a parameter that is typed without a node.
+_MAX_NAMED = 3  # Unknown nodes of a file that get a line each.
 _PACKAGE = Path(__file__).parent.parent
 
 
 def default_files() -> list[Path]:
-    """The project's own files: `config/` of the checkout, or the copy inside an installed wheel."""
+    """Return ARCHO's own parameter files, in a checkout or in an installed wheel."""
     for folder in (_PACKAGE.parent / "config", _PACKAGE / "config"):
         found = sorted(folder.glob("*.yaml"))
         if found:
@@ -25,8 +25,12 @@ def default_files() -> list[Path]:
     return []
 
 
-def load(files: Sequence[Path]) -> list[Override]:
-    """Read all files. Raises ArchoError that names file and line."""
+def load_files(files: Sequence[Path]) -> list[Override]:
+    """Return the overrides of all files, in their order.
+
+    Raises:
+        ArchoError: A file cannot be read or is not valid; the message names file and line.
+    """
     overrides: list[Override] = []
     for path in files:
         try:
@@ -38,8 +42,8 @@ def load(files: Sequence[Path]) -> list[Override]:
     return overrides
 
 
-def typed(ros_args: Sequence[str]) -> list[Override]:
-    """Return the overrides that are typed: `-p name:=value`, or `-p node:name:=value`."""
+def parse_typed(ros_args: Sequence[str]) -> list[Override]:
+    """Return the overrides of `-p name:=value` and `-p node:name:=value` options."""
     found = []
     for option, given in pairwise(ros_args):
         target, is_one, value = given.partition(":=")
@@ -49,16 +53,19 @@ def typed(ros_args: Sequence[str]) -> list[Override]:
     return found
 
 
-def unknown(overrides: Iterable[Override], declared: dict[str, set[str]]) -> list[str]:
-    """Return a line for each node and parameter that is named and not there, with the nearest.
+def unknown_lines(overrides: Iterable[Override], declared: dict[str, set[str]]) -> list[str]:
+    """Return a line for each node and parameter that is named and does not exist.
 
-    A file that names more than a few such nodes, as one for a whole stack, gets one line for them.
+    The line says the nearest name. A file that names more than a few such nodes, as one for a whole
+    stack does, gets one line for them. Wildcards in files are never wrong, since nodes share files;
+    a parameter typed for every node must exist in one at least.
 
-    `declared` holds the parameter names of each fully qualified node name. Files are shared between
-    nodes, so their wildcards are never wrong; what is typed for every node is one node's at least.
+    Args:
+        overrides: The overrides.
+        declared: The names of the parameters of each node, by its name with namespace.
     """
     lines = []
-    missing: dict[str, dict[str, str]] = {}  # by file: the nodes, and where each is first named
+    missing: dict[str, dict[str, str]] = {}  # By file, each node with where it is first named.
     for override in overrides:
         if override.pattern == EVERY_NODE and override.where.startswith("-p "):
             every = {name for names in declared.values() for name in names}
@@ -76,14 +83,16 @@ def unknown(overrides: Iterable[Override], declared: dict[str, set[str]]) -> lis
             if override.name not in declared[node]:
                 near = _nearest(override.name, declared[node])
                 lines.append(f"{override.where}: {node} has no parameter {override.name}{near}")
-    return [*_missing(missing, declared), *dict.fromkeys(lines)]
+    return [*_unknown_node_lines(missing, declared), *dict.fromkeys(lines)]
 
 
-def _missing(missing: dict[str, dict[str, str]], declared: Iterable[str]) -> Iterable[str]:
-    """Return lines for the nodes of each file that are not here."""
+def _unknown_node_lines(
+    missing: dict[str, dict[str, str]], declared: Iterable[str]
+) -> Iterable[str]:
+    """Yield the lines for the nodes of each file that do not exist."""
     for file, nodes in missing.items():
-        if len(nodes) > _FEW:
-            first = ", ".join([*nodes][:_FEW])
+        if len(nodes) > _MAX_NAMED:
+            first = ", ".join([*nodes][:_MAX_NAMED])
             yield f"{file}: {len(nodes)} of its nodes are not here: {first} ..."
             continue
         for node, where in nodes.items():

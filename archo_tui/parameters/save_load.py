@@ -1,4 +1,4 @@
-"""Parameters of the running nodes to a ROS parameter file, and back with a plan of what changes."""
+"""Saving the parameters of running nodes to a ROS parameter file, and planning to load one."""
 
 from __future__ import annotations
 
@@ -18,20 +18,27 @@ from archo_tui.robot.state import Parameter
 from archo_tui.robot.values import same
 from archo_tui.system import create_exclusively, keep_owner_and_mode
 
-# ROS's files have no way to write these
-_NOT_WRITTEN = ("byte[]", "not set")
+# Types for which ROS's parameter files have no notation.
+_UNWRITABLE_TYPES = ("byte[]", "not set")
 
 
-class Plan(NamedTuple):
-    """What a file would change. With problems nothing may be changed."""
+class LoadPlan(NamedTuple):
+    """The changes that loading a file would make.
 
-    changes: tuple[tuple[Parameter, Any], ...]  # the parameter as it is, and its new value
-    problems: tuple[str, ...]  # one line each, with file and line
-    left_out: tuple[str, ...]  # what the file says of nodes and parameters that are not there
+    Attributes:
+        changes: The parameters to change, each with its new value.
+        problems: Why the file cannot be loaded, a line each with file and line; if there are any,
+            nothing may be changed.
+        left_out: A line for each node and parameter of the file that does not exist.
+    """
+
+    changes: tuple[tuple[Parameter, Any], ...]
+    problems: tuple[str, ...]
+    left_out: tuple[str, ...]
 
 
 class _Dumper(yaml.SafeDumper):
-    """Quotes every string, so that `yes` and `1` stay strings."""
+    """A dumper that quotes every string, so that `yes` and `1` stay strings."""
 
 
 _Dumper.add_representer(
@@ -40,17 +47,17 @@ _Dumper.add_representer(
 
 
 def dump(parameters: Iterable[Parameter]) -> tuple[str, list[str]]:
-    """The text of a ROS parameter file, and what cannot be written in one."""
+    """Return the text of a ROS parameter file, and a line for each parameter it cannot hold."""
     text, left_out = "", []
     nodes: dict[str, dict[str, Any]] = {}
     for parameter in parameters:
-        if parameter.type in _NOT_WRITTEN:
+        if parameter.type in _UNWRITABLE_TYPES:
             left_out.append(f"{parameter.node} {parameter.name}: {parameter.type}")
         elif parameter.value is None:
             left_out.append(f"{parameter.node} {parameter.name}: it has no value")
         elif parameter.value == []:
-            said = "an empty list, which ROS reads as not set"
-            left_out.append(f"{parameter.node} {parameter.name}: {said}")
+            reason = "an empty list, which ROS reads as not set"
+            left_out.append(f"{parameter.node} {parameter.name}: {reason}")
         else:
             nodes.setdefault(parameter.node, {})[parameter.name] = parameter.value
     for node, values in nodes.items():
@@ -59,28 +66,31 @@ def dump(parameters: Iterable[Parameter]) -> tuple[str, list[str]]:
             line = yaml.dump(
                 value, Dumper=_Dumper, default_flow_style=True, allow_unicode=True, width=10**9
             )
-            text += f"    {_key(name)}: {line.partition(chr(10))[0]}\n"
+            text += f"    {_yaml_key(name)}: {line.partition(chr(10))[0]}\n"
     return text, left_out
 
 
-def _key(name: str) -> str:
-    """A name as a key of YAML: plain where that is safe."""
+def _yaml_key(name: str) -> str:
+    """Return a name as a YAML key, quoted if necessary."""
     plain = name.replace("_", "").replace(".", "").isalnum()
     return name if plain else yaml.dump(name, Dumper=_Dumper, width=10**9).strip()
 
 
-def write(path: Path, text: str) -> None:
-    """Write a file whole or not at all, one that a link leads to in its own place.
+def write_atomically(path: Path, text: str) -> None:
+    """Write a file so that a reader finds the old text or the new one.
 
-    It keeps its mode and owner. Raises ArchoError with one line that says why not.
+    A file behind a link is replaced in its own place, and keeps its mode and owner.
+
+    Raises:
+        ArchoError: The file cannot be written; the message is one line.
     """
     try:
-        _write(path, text)
+        _replace_file(path, text)
     except OSError as error:
         raise ArchoError(f"{path}: cannot write the file: {error.strerror}") from None
 
 
-def _write(path: Path, text: str) -> None:
+def _replace_file(path: Path, text: str) -> None:
     try:
         before = os.stat(path)
     except FileNotFoundError:
@@ -90,7 +100,7 @@ def _write(path: Path, text: str) -> None:
     if before is not None and not stat.S_ISREG(before.st_mode):
         raise ArchoError(f"{path}: not a regular file")
     target = Path(os.path.realpath(path))
-    temporary = target.with_name(f".{os.urandom(16).hex()}")  # nobody can have put it there
+    temporary = target.with_name(f".{os.urandom(16).hex()}")  # An unguessable name.
     try:
         with open(create_exclusively(temporary), "w", encoding="utf-8") as file:
             if before is not None:
@@ -103,13 +113,21 @@ def _write(path: Path, text: str) -> None:
         temporary.unlink(missing_ok=True)
 
 
-def plan(path: Path, parameters: Sequence[Parameter]) -> Plan:
-    """What loading a file now would change. Raises ArchoError when it is not a parameter file."""
-    overrides = files.load([path])
+def plan_load(path: Path, parameters: Sequence[Parameter]) -> LoadPlan:
+    """Return what loading a file now would change.
+
+    Args:
+        path: The file.
+        parameters: The parameters of all running nodes.
+
+    Raises:
+        ArchoError: It is not a parameter file; the message names the line.
+    """
+    overrides = files.load_files([path])
     changes, problems = [], []
     for parameter in parameters:
-        found = [o for o in overrides if o.name == parameter.name]
-        found = [o for o in found if matches(o.pattern, parameter.node)][-1:]
+        found = [override for override in overrides if override.name == parameter.name]
+        found = [o for o in found if matches(o.pattern, parameter.node)][-1:]  # The last wins.
         for override in found:
             try:
                 value = fit(parameter, override.value)
@@ -122,5 +140,5 @@ def plan(path: Path, parameters: Sequence[Parameter]) -> Plan:
     declared: dict[str, set[str]] = {}
     for parameter in parameters:
         declared.setdefault(parameter.node, set()).add(parameter.name)
-    left_out = files.unknown(overrides, declared)
-    return Plan(tuple(changes), tuple(problems), tuple(left_out))
+    left_out = files.unknown_lines(overrides, declared)
+    return LoadPlan(tuple(changes), tuple(problems), tuple(left_out))

@@ -229,7 +229,7 @@ class Save(_File):
     async def run(self, station: Station, values: Values) -> Outcome:
         text, left_out = save_load.dump(station.robot.snapshot.parameters)
         try:
-            await in_daemon(save_load.write, values["file"], text)
+            await in_daemon(save_load.write_atomically, values["file"], text)
         except ArchoError as error:
             return Outcome(Code.REFUSED, str(error))
         said = f"saved to {values['file']}"
@@ -251,7 +251,7 @@ class Load(_File):
 
     async def prepare(self, station: Station, values: Values) -> Values:
         path, parameters = self.path(values), station.robot.snapshot.parameters
-        plan = await in_daemon(save_load.plan, path, parameters)
+        plan = await in_daemon(save_load.plan_load, path, parameters)
         return {"file": path, "plan": plan}
 
     def asks(self, station: Station, values: Values) -> Question | None:
@@ -277,7 +277,7 @@ class Load(_File):
         return Outcome(Code.DONE, "\n".join((said, *_left_out(plan))))
 
 
-def preview(path: Path, plan: save_load.Plan) -> Sequence[str]:
+def preview(path: Path, plan: save_load.LoadPlan) -> Sequence[str]:
     """What loading the file would change."""
     lines = [str(path), ""]
     if plan.problems:
@@ -289,5 +289,5 @@ def preview(path: Path, plan: save_load.Plan) -> Sequence[str]:
     return [*lines, *(changes or [SAME]), *_left_out(plan)]
 
 
-def _left_out(plan: save_load.Plan) -> list[str]:
+def _left_out(plan: save_load.LoadPlan) -> list[str]:
     return [f"left out: {line}" for line in plan.left_out]

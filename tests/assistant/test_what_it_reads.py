@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from archo_tui.assistant.quoted import MOST, quoted
+from archo_tui.assistant.sanitize import MAX_ITEMS, sanitize
 from tests.assistant.support import assistant, fake_console
 
 pytestmark = pytest.mark.real_time
@@ -115,7 +115,7 @@ async def test_a_robot_that_says_too_much_is_cut_and_made_harmless() -> None:
         told = (await model.call("status")).robot
     assert "\x1b" not in told["text"]
     assert len(told["text"]) < 510
-    assert told["list"][MOST:] == ["900 more are left out"]
+    assert told["list"][MAX_ITEMS:] == ["900 more are left out"]
     assert told["names"]["..."] == "900 more are left out"
     assert "not shown: too deep" in json.dumps(told["deep"])
     unusual = "a number that is not shown: "
@@ -124,4 +124,4 @@ async def test_a_robot_that_says_too_much_is_cut_and_made_harmless() -> None:
 
 
 def test_names_are_made_harmless_too() -> None:
-    assert quoted({"\x1b[31m": object()}) == {"\ufffd[31m": "not shown: too deep"}
+    assert sanitize({"\x1b[31m": object()}) == {"\ufffd[31m": "not shown: too deep"}

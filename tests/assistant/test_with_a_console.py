@@ -15,7 +15,7 @@ import pytest
 from archo_tui.remote import socket_files
 from archo_tui.station.requests import READ
 from tests.assistant.support import Assistant, assistant
-from tests.assistant.test_its_link import VALUES
+from tests.assistant.test_console_connection import VALUES
 from tests.support.shells import until
 from tests.support.terminal import Terminal
 from tests.support.waiting import DEADLINE, Waited

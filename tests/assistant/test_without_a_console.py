@@ -148,8 +148,8 @@ async def test_it_ends_when_its_client_closes_and_prints_nothing_else() -> None:
 
 
 async def test_what_is_printed_in_its_process_never_reaches_the_client() -> None:
-    code = "import archo_tui.assistant.tools as t; was = t.tools\n"
-    code += "t.tools = lambda **given: (print('stray', flush=True), was(**given))[1]"
+    code = "import archo_tui.assistant.tools as t; was = t.available_tools\n"
+    code += "t.available_tools = lambda **given: (print('stray', flush=True), was(**given))[1]"
     async with Client(stdio_client(parameters(code=code))) as client:
         assert len((await client.list_tools()).tools) == 5
 

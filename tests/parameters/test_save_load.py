@@ -44,11 +44,11 @@ def test_what_is_saved_is_loaded_as_the_same_value(tmp_path: Path, kind: str, va
     text, left_out = save_load.dump([one(kind, value)])
     assert left_out == []
     file = tmp_path / "saved.yaml"
-    save_load.write(file, text)
+    save_load.write_atomically(file, text)
     (override,) = read(file)
     assert (override.pattern, override.name, override.value) == ("/ns/node", "name", value)
     assert type(override.value) is type(value)
-    assert save_load.plan(file, [one(kind, value)]).changes == ()
+    assert save_load.plan_load(file, [one(kind, value)]).changes == ()
 
 
 def test_names_that_yaml_would_read_otherwise_are_quoted(tmp_path: Path) -> None:
@@ -56,7 +56,7 @@ def test_names_that_yaml_would_read_otherwise_are_quoted(tmp_path: Path) -> None
         Parameter("/node", name, "integer", 1, 1) for name in ("a.b", "x: y", "[z]", "#1")
     ]
     file = tmp_path / "saved.yaml"
-    save_load.write(file, save_load.dump(parameters)[0])
+    save_load.write_atomically(file, save_load.dump(parameters)[0])
     assert [override.name for override in read(file)] == ["a.b", "x: y", "[z]", "#1"]
 
 
@@ -72,7 +72,7 @@ def test_what_ros2_param_dump_writes_is_planned(tmp_path: Path) -> None:
         "/motor_controller:\n  ros__parameters:\n    max_speed: 0.7\n    use_sim_time: false\n"
         "    ticks_per_revolution: 1024\n    wheel_radius: 0.05\n"
     )
-    plan = save_load.plan(file, PARAMETERS)
+    plan = save_load.plan_load(file, PARAMETERS)
     assert [(p.name, p.value, value) for p, value in plan.changes] == [("max_speed", 0.5, 0.7)]
     assert plan.problems == ()
     assert len(plan.left_out) == 1
@@ -95,7 +95,7 @@ def test_a_value_that_cannot_be_is_a_problem_with_its_line(
 ) -> None:
     file = tmp_path / "bad.yaml"
     file.write_text(f"motor_controller:\n  ros__parameters:\n    wheel_radius: 0.1\n    {line}\n")
-    plan = save_load.plan(file, PARAMETERS)
+    plan = save_load.plan_load(file, PARAMETERS)
     name = line.partition(":")[0]
     assert plan.problems == (f"{file}:4: motor_controller {name}: {said}",)
 
@@ -103,7 +103,7 @@ def test_a_value_that_cannot_be_is_a_problem_with_its_line(
 def test_a_whole_number_is_a_double_where_one_is_needed(tmp_path: Path) -> None:
     file = tmp_path / "whole.yaml"
     file.write_text("/**:\n  ros__parameters:\n    max_speed: 1\n")
-    ((parameter, value),) = save_load.plan(file, PARAMETERS).changes
+    ((parameter, value),) = save_load.plan_load(file, PARAMETERS).changes
     assert (parameter.name, value, type(value)) == ("max_speed", 1.0, float)
 
 
@@ -112,7 +112,7 @@ def test_what_is_no_parameter_file_is_one_line(tmp_path: Path, text: str) -> Non
     file = tmp_path / "no.yaml"
     file.write_text(text)
     with pytest.raises(ArchoError) as caught:
-        save_load.plan(file, PARAMETERS)
+        save_load.plan_load(file, PARAMETERS)
     assert str(caught.value).startswith(f"{file}:1: ")
     assert "\n" not in str(caught.value)
 
@@ -122,9 +122,9 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
     file.write_text("old")
     file.chmod(0o600)
     with pytest.raises(UnicodeEncodeError):
-        save_load.write(file, "new\udcff")  # fails half way
+        save_load.write_atomically(file, "new\udcff")  # fails half way
     assert file.read_text() == "old"
-    save_load.write(file, "new")
+    save_load.write_atomically(file, "new")
     assert (file.read_text(), file.stat().st_mode & 0o777) == ("new", 0o600)
     assert list(tmp_path.iterdir()) == [file]
 
@@ -134,38 +134,38 @@ def test_of_two_lines_for_one_parameter_the_later_one_counts(tmp_path: Path) -> 
     file.write_text(
         "/**:\n  ros__parameters:\n    name: 2.0\n/ns/node:\n  ros__parameters:\n    name: 3.0\n"
     )
-    plan = save_load.plan(file, [one("double", 1.0)])
+    plan = save_load.plan_load(file, [one("double", 1.0)])
     assert [value for _, value in plan.changes] == [3.0]
 
 
 def test_nothing_but_the_file_is_left_behind(tmp_path: Path) -> None:
-    save_load.write(tmp_path / "f.yaml", "a: 1\n")
+    save_load.write_atomically(tmp_path / "f.yaml", "a: 1\n")
     assert [path.name for path in tmp_path.iterdir()] == ["f.yaml"]
     (tmp_path / "folder").mkdir()
     with pytest.raises(ArchoError):
-        save_load.write(tmp_path / "folder", "a: 1\n")
+        save_load.write_atomically(tmp_path / "folder", "a: 1\n")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["f.yaml", "folder"]
 
 
 def test_a_place_that_is_no_file_is_one_line(tmp_path: Path) -> None:
     for typed, said in hostile.places(tmp_path).items():
         for work in (
-            lambda path: save_load.write(path, "x"),
-            lambda path: save_load.plan(path, PARAMETERS),
+            lambda path: save_load.write_atomically(path, "x"),
+            lambda path: save_load.plan_load(path, PARAMETERS),
         ):
             with pytest.raises(ArchoError) as caught:
                 work(Path(typed))
             assert said in str(caught.value).replace("cannot read the parameter file: ", "")
             assert "\n" not in str(caught.value)
     with pytest.raises(ArchoError, match="a link to a file that does not exist"):
-        save_load.write(tmp_path / "dangling", "x")
+        save_load.write_atomically(tmp_path / "dangling", "x")
     assert not (tmp_path / "nowhere").exists()
 
 
 def test_a_file_that_would_hang_or_exhaust_is_one_line(tmp_path: Path) -> None:
     for path, said in hostile.readable(tmp_path).items():
         with pytest.raises(ArchoError) as caught:
-            save_load.plan(Path(path), PARAMETERS)
+            save_load.plan_load(Path(path), PARAMETERS)
         assert str(caught.value).startswith(f"{path}{said}")
 
 
@@ -175,7 +175,7 @@ def test_a_link_stays_and_its_file_is_written(tmp_path: Path) -> None:
     file.write_text("old")
     file.chmod(0o640)
     link.symlink_to(file)
-    save_load.write(link, "new")
+    save_load.write_atomically(link, "new")
     assert link.is_symlink()
     assert (file.read_text(), file.stat().st_mode & 0o777) == ("new", 0o640)
     assert [path.name for path in (tmp_path / "there").iterdir()] == ["real.yaml"]
@@ -184,7 +184,7 @@ def test_a_link_stays_and_its_file_is_written(tmp_path: Path) -> None:
 def test_a_new_file_has_the_mode_that_the_umask_leaves(tmp_path: Path) -> None:
     before = os.umask(0o027)
     try:
-        save_load.write(tmp_path / "new.yaml", "x")
+        save_load.write_atomically(tmp_path / "new.yaml", "x")
     finally:
         os.umask(before)
     assert (tmp_path / "new.yaml").stat().st_mode & 0o777 == 0o640

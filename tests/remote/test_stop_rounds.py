@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 import archo_tui
-from archo_tui.assistant.link import Link
+from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.remote import shell, socket_files
 from archo_tui.remote.api import Robot
 from archo_tui.remote.client import Unreached
@@ -106,7 +106,7 @@ class Rounds:
         assert words == ("stop",)
 
         async def call() -> None:
-            link = Link("")
+            link = ConsoleConnection("")
             with contextlib.suppress(Unreached):
                 await link.stop()
             await link.close()

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.assistant.link import Link
-from archo_tui.assistant.tools import call, tools
+from archo_tui.assistant.connection import ConsoleConnection
+from archo_tui.assistant.tools import available_tools, call_tool_by_name
 from archo_tui.cli import main
 from archo_tui.plain import lines
 from archo_tui.remote import protocol, server, socket_files
@@ -77,10 +77,12 @@ async def test_a_shell_and_a_model_stop_by_the_same_rule(
     async with fake_console() as console:
         console.answer("stop", "done", "confirmed")
         for text in STOPS:
-            link = Link("")
+            link = ConsoleConnection("")
             assert await asyncio.to_thread(main, text.split(" ")) == 0, text
             await stopped(console)
-            told, failed = await call(tools(goals=False), link, text, {"now": [1]})
+            told, failed = await call_tool_by_name(
+                available_tools(goals=False), link, text, {"now": [1]}
+            )
             assert not failed
             assert told["summary"].endswith("is ignored: STOP takes nothing.")
             await stopped(console)

@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import pytest
 
 import archo_tui
-from archo_tui.assistant.answer import Answer
-from archo_tui.assistant.link import Link
-from archo_tui.assistant.looking import Status
-from archo_tui.assistant.stopping import Stop
+from archo_tui.assistant.connection import ConsoleConnection
+from archo_tui.assistant.reading_tools import StatusTool
+from archo_tui.assistant.stop_tool import StopTool
+from archo_tui.assistant.tool_answer import ToolAnswer
 from archo_tui.remote import finder, server, socket_files
 from archo_tui.remote.api import Unreached
 from archo_tui.remote.client import Unreached as NotReached
@@ -116,12 +116,12 @@ def by_consoles() -> int:
 
 
 def asked_of(tool: Any) -> int:
-    async def ask() -> Answer:
-        link = Link("")
+    async def ask() -> ToolAnswer:
+        link = ConsoleConnection("")
         try:
-            answer: Answer = await tool.call(link, {})
+            answer: ToolAnswer = await tool.call(link, {})
         except NotReached:
-            return Answer("unreached", "", failed=True)
+            return ToolAnswer("unreached", "", failed=True)
         finally:
             await link.close()
         return answer
@@ -130,11 +130,11 @@ def asked_of(tool: Any) -> int:
 
 
 def by_assistant() -> int:
-    return asked_of(Status())
+    return asked_of(StatusTool())
 
 
 def stop_by_assistant() -> int:
-    return asked_of(Stop())
+    return asked_of(StopTool())
 
 
 VERBS = (by_shell, by_python, by_assistant)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from archo_tui.parameters.save_load import plan
+from archo_tui.parameters.save_load import plan_load
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.parameter_values import fit
@@ -97,7 +97,7 @@ async def test_a_value_that_no_parameter_can_have_is_not_sent(
 def test_a_number_in_a_file_that_is_too_large_is_a_problem(here: Path) -> None:
     path = here / "p.yaml"
     path.write_text("node:\n  ros__parameters:\n    count: 9223372036854775808\n")
-    found = plan(path, [Parameter("/node", "count", "integer", 1, 1)])
+    found = plan_load(path, [Parameter("/node", "count", "integer", 1, 1)])
     assert found.changes == ()
     assert found.problems == (
         # rcl reads what has no room in an int64 as a double

@@ -215,7 +215,7 @@ def messages(keys: list[str]) -> list[list[Message]]:
 @pytest.fixture(autouse=True)
 def _no_files(monkeypatch: pytest.MonkeyPatch) -> None:
     """Write no file, and let no button be dead while it shows that it was pressed."""
-    monkeypatch.setattr(save_load, "write", lambda *_: None)
+    monkeypatch.setattr(save_load, "write_atomically", lambda *_: None)
     monkeypatch.setattr(recall, "add", lambda *_: None)
     monkeypatch.setattr(widgets.Button, "_start_active_affect", lambda _: None)
 

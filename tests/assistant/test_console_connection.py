@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from archo_tui.assistant.link import SILENT, Link
-from archo_tui.assistant.tools import call, tools
+from archo_tui.assistant.connection import SILENT, ConsoleConnection
+from archo_tui.assistant.tools import available_tools, call_tool_by_name
 from archo_tui.plain.lines import is_stop_text
 from archo_tui.remote.client import Unreached
 from tests.assistant.support import fake_console
@@ -31,8 +31,8 @@ VALUES: tuple[Any, ...] = (
 
 
 @asynccontextmanager
-async def linked(to: str = "") -> AsyncIterator[Link]:
-    link = Link(to)
+async def linked(to: str = "") -> AsyncIterator[ConsoleConnection]:
+    link = ConsoleConnection(to)
     try:
         yield link
     finally:
@@ -54,19 +54,19 @@ def is_allowed(request: dict[str, Any]) -> bool:
 
 async def test_whatever_a_model_calls_only_what_it_may_is_sent() -> None:
     dice = random.Random(7)
-    known = tools(goals=True)
+    known = available_tools(goals=True)
     async with fake_console() as console, linked() as link:
         console.answer("wait", "denied", "request 3 is denied")
         for word in ("status", "history", "params", "events", "get", "stop", "cancel"):
             console.answer(word, "done", "", data=[])
         console.answer("ask", "refused", "not now")
-        await link.ask(words=["status"])  # else each STOP has a connection of its own
+        await link.request(words=["status"])  # else each STOP has a connection of its own
         for _ in range(RANDOM_CALLS):
             name = dice.choice((*NAMES, *OTHERS))
             schema = known[name].schema["properties"] if name in known else {}
             some = [one for one in (*schema, *ARGUMENTS) if one in schema or dice.random() < 0.05]
             given = {one: dice.choice(VALUES) for one in some if dice.random() < 0.8}
-            told, failed = await call(known, link, name, given)
+            told, failed = await call_tool_by_name(known, link, name, given)
             json.dumps(told, allow_nan=False).encode()
             assert failed or name in NAMES or is_stop_text(name)
             assert told["summary"].isprintable()
@@ -81,9 +81,9 @@ async def test_whatever_a_model_calls_only_what_it_may_is_sent() -> None:
 async def test_a_console_that_does_not_answer_is_said_and_the_link_stays() -> None:
     async with fake_console() as console, linked() as link:
         with pytest.raises(Unreached, match="is it suspended"):
-            await link.ask(0.05, words=["status"])
+            await link.request(0.05, words=["status"])
         console.answer("status", "done", data={})
-        assert (await link.ask(words=["status"]))["data"] == {}
+        assert (await link.request(words=["status"]))["data"] == {}
         assert console.connections == 1
     assert "may still be moving" in SILENT
 
@@ -103,7 +103,7 @@ async def test_what_a_console_says_beside_results_is_passed_over() -> None:
             return {"code": "done", "text": "at last"}
 
         console.answers["status"] = chats
-        assert (await link.ask(words=["status"]))["text"] == "at last"
+        assert (await link.request(words=["status"]))["text"] == "at last"
 
 
 @pytest.mark.parametrize("line", [b"no JSON\n", b"[1]\n", b'{"id": 1, "code": "done"'])
@@ -117,14 +117,14 @@ async def test_a_console_that_speaks_no_protocol_is_one_that_has_gone(line: byte
 
         console.answers["status"] = babbles
         with pytest.raises(Unreached, match="the console is gone"):
-            await link.ask(words=["status"])
+            await link.request(words=["status"])
 
 
 async def test_two_calls_at_once_make_one_connection() -> None:
     async with fake_console() as console, linked() as link:
         console.answer("status", "done")
         console.answer("stop", "done")
-        await asyncio.gather(link.ask(words=["status"]), link.ask(words=["status"]))
+        await asyncio.gather(link.request(words=["status"]), link.request(words=["status"]))
         await link.stop()
         assert console.connections == 1
 
@@ -133,5 +133,5 @@ async def test_a_stop_waits_for_no_connection_that_another_call_makes() -> None:
     async with fake_console() as console, linked() as link:
         console.answer("status", "done")
         console.answer("stop", "done", "confirmed")
-        _, stopped = await asyncio.gather(link.ask(words=["status"]), link.stop())
+        _, stopped = await asyncio.gather(link.request(words=["status"]), link.stop())
         assert (stopped, console.connections) == ([{"code": "done", "text": "confirmed"}], 2)

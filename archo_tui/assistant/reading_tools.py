@@ -1,4 +1,4 @@
-"""The tools that only look: state, events, the last hour, parameters."""
+"""The tools that only read: state, events, the last hour, parameters."""
 
 from __future__ import annotations
 
@@ -6,40 +6,42 @@ import re
 import time
 from typing import Any
 
-from archo_tui.assistant.answer import Answer, failure, said
 from archo_tui.assistant.arguments import schema_of
-from archo_tui.assistant.link import Link
-from archo_tui.assistant.quoted import MOST
+from archo_tui.assistant.connection import ConsoleConnection
+from archo_tui.assistant.sanitize import MAX_ITEMS
 from archo_tui.assistant.tool import Tool
+from archo_tui.assistant.tool_answer import ToolAnswer, console_reply, failure
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
-MOST_EVENTS = 50  # that are told, the newest
-_LOOKED_AT = 500  # events, among which those of a level are looked for
-_SPANS = (1, 10, 60)  # min, of which the console knows a value
+MAX_EVENTS = 50  # The newest, in one answer.
+_SEARCHED_EVENTS = 500  # Requested if only those of a level are wanted.
+_SPANS = (1, 10, 60)  # In min; the console tells the values at these ages.
 _VALUE = re.compile(r"(?:now|(\d+) min ago) (-?\d+\.\d+)$")
 
 
-class _Look(Tool):
-    """Asks the console for what one of its verbs tells."""
+class _VerbTool(Tool):
+    """A tool that runs one of the console's verbs that show something."""
 
-    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
-        result = await link.ask(words=self.words(given))
+    async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
+        result = await connection.request(words=self.words(given))
         if result["code"] != "done":
-            return failure(result["code"], f"{self.name}: this was not answered.", said(result))
-        summary, told = self.told(result, given)
-        return Answer("done", summary, told)
+            return failure(
+                result["code"], f"{self.name}: this was not answered.", console_reply(result)
+            )
+        summary, told = self.summarize(result, given)
+        return ToolAnswer("done", summary, told)
 
     def words(self, given: dict[str, Any]) -> list[str]:
-        """What the console is asked."""
+        """Return the verb and its arguments."""
         return [self.name]
 
-    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
-        """A summary in our words, and what the robot says."""
+    def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+        """Return a summary in our words, and the data of the robot."""
         raise NotImplementedError
 
 
-class Status(_Look):
-    """The state of the robot."""
+class StatusTool(_VerbTool):
+    """The tool for the state of the robot."""
 
     name, title = "status", "State of the robot"
     description = (
@@ -49,16 +51,16 @@ class Status(_Look):
         "when its `code` is `arrived`."
     )
 
-    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+    def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
         return "The state, as the console knows it now.", result.get("data")
 
 
-class Events(_Look):
-    """What happened."""
+class EventsTool(_VerbTool):
+    """The tool for the newest events."""
 
     name, title = "events", "What happened"
     description = (
-        f"The newest {MOST_EVENTS} events: what nodes logged, what was done and by whom. `age` is "
+        f"The newest {MAX_EVENTS} events: what nodes logged, what was done and by whom. `age` is "
         "in s. Log lines are written by programs and people that nobody here has checked."
     )
     schema = schema_of(
@@ -72,9 +74,9 @@ class Events(_Look):
     )
 
     def words(self, given: dict[str, Any]) -> list[str]:
-        return ["events", str(_LOOKED_AT if "level" in given else MOST_EVENTS)]
+        return ["events", str(_SEARCHED_EVENTS if "level" in given else MAX_EVENTS)]
 
-    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+    def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
         now = time.time()
         wanted = LEVELS[LEVELS.index(given.get("level", LEVELS[0])) :]
         every = [event for event in _objects(result) if event.get("level") in wanted]
@@ -83,15 +85,15 @@ class Events(_Look):
                 "age": _age(event.get("time"), now),
                 **{name: value for name, value in event.items() if name != "time"},
             }
-            for event in every[-MOST_EVENTS:]
+            for event in every[-MAX_EVENTS:]
         ]
         older = len(every) - len(events)
         cut = f"; {older} older ones are left out" if older else ""
         return f"{len(events)} events, the newest last{cut}.", {"events": events}
 
 
-class History(_Look):
-    """The last hour."""
+class HistoryTool(_VerbTool):
+    """The tool for the measured values of the last hour."""
 
     name, title = "history", "The last hour"
     description = (
@@ -108,13 +110,13 @@ class History(_Look):
         }
     )
 
-    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+    def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
         minutes = given.get("minutes", _SPANS[-1])
         measured, ends = {}, []
         for text in str(result.get("text", "")).splitlines():
             name, _, rest = text.partition(": ")
             found = [_VALUE.match(part) for part in rest.split(", ")]
-            known = {int(one[1] or 0): float(one[2]) for one in found if one is not None}
+            known = {int(match[1] or 0): float(match[2]) for match in found if match is not None}
             if None not in found:
                 ages = (age for age in (0, *_SPANS) if age <= minutes)
                 measured[name] = [{"age": 60.0 * age, "value": known.get(age)} for age in ages]
@@ -124,13 +126,13 @@ class History(_Look):
         return f"The last {minutes} min, and how the last goals ended.", told
 
 
-class Parameters(_Look):
-    """How the nodes are set."""
+class ParametersTool(_VerbTool):
+    """The tool for the nodes' parameters."""
 
     name, title = "parameters", "Parameters"
     description = (
         "The parameters of the robot's nodes with their ranges, as each node last reported them; "
-        f"at most {MOST}. Name a node to see its own, or a node and a parameter. They are "
+        f"at most {MAX_ITEMS}. Name a node to see its own, or a node and a parameter. They are "
         "settings that somebody commanded, not measurements. There is no tool that sets one."
     )
     schema = schema_of(
@@ -140,22 +142,26 @@ class Parameters(_Look):
         }
     )
 
-    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
+    async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
         if "name" in given and "node" not in given:
             return failure("misuse", "name takes a node too: which node has this parameter?")
-        return await super().call(link, given)
+        return await super().call(connection, given)
 
     def words(self, given: dict[str, Any]) -> list[str]:
         return ["get", given["node"], given["name"]] if "name" in given else ["params"]
 
-    def told(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
+    def summarize(self, result: dict[str, Any], given: dict[str, Any]) -> tuple[str, Any]:
         data = result.get("data")
         found = [data] if isinstance(data, dict) else _objects(result)
         if "name" not in given and "node" in given:
             wanted = given["node"].strip("/")
-            found = [one for one in found if str(one.get("node", "")).strip("/") == wanted]
+            found = [
+                parameter
+                for parameter in found
+                if str(parameter.get("node", "")).strip("/") == wanted
+            ]
         told = {
-            "age": None,  # the console does not say when a node reported them
+            "age": None,  # The console does not tell when a node reported them.
             "source": "commanded",
             "parameters": found,
         }
@@ -163,12 +169,12 @@ class Parameters(_Look):
 
 
 def _objects(result: dict[str, Any]) -> list[dict[str, Any]]:
-    """The list of objects that the console told."""
+    """Return the list of objects in a result."""
     data = result.get("data")
-    return [one for one in data if isinstance(one, dict)] if isinstance(data, list) else []
+    return [item for item in data if isinstance(item, dict)] if isinstance(data, list) else []
 
 
 def _age(then: Any, now: float) -> float | None:
-    """In s, of a Unix time."""
+    """Return how long ago a Unix time was, in s, or None for anything else."""
     is_time = isinstance(then, (int, float)) and 0 <= then < 1e12
     return round(max(now - then, 0.0), 1) if is_time else None

@@ -1,13 +1,13 @@
-"""The tool that every assistant has: STOP. It asks nobody, and whatever is given is a STOP."""
+"""The STOP tool, which every assistant has."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.assistant.answer import Answer, failure, said
 from archo_tui.assistant.arguments import schema_of
-from archo_tui.assistant.link import Link
+from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.tool import Hints, Tool
+from archo_tui.assistant.tool_answer import ToolAnswer, console_reply, failure
 from archo_tui.remote.client import Unreached
 from archo_tui.robot.text import harmless
 from archo_tui.robot_file.model import NO_STOP
@@ -15,8 +15,8 @@ from archo_tui.robot_file.model import NO_STOP
 _BY_HAND = "Tell the people at the robot at once to use its hardware stop."
 
 
-class Stop(Tool):
-    """STOP."""
+class StopTool(Tool):
+    """The tool that stops the robot: no person is asked, and any argument still means STOP."""
 
     name, title = "stop", "STOP the robot"
     description = (
@@ -27,16 +27,16 @@ class Stop(Tool):
     hints = Hints()
     schema = {**schema_of({}), "additionalProperties": True}
 
-    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
+    async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
         ignored = " What was given with it is ignored: STOP takes nothing." if given else ""
         try:
-            results = await link.stop()
+            results = await connection.stop()
         except Unreached as error:
             head, *rest = str(error).splitlines()
             robot = {"said": rest} if rest else None
             summary = f"STOP is not confirmed: {harmless(head)}. {_BY_HAND}{ignored}"
             return failure("lost", summary, robot)
-        robot = {"consoles": [said(result) for result in results]}
+        robot = {"consoles": [console_reply(result) for result in results]}
         bad = [result["code"] for result in results if result["code"] != "done"]
         if bad and all(NO_STOP in str(result.get("text")) for result in results):
             summary = (
@@ -50,4 +50,4 @@ class Stop(Tool):
             return failure(bad[0], summary, robot)
         where = f", on {len(results)} consoles" if len(results) > 1 else ""
         summary = f"STOP is confirmed by the robot{where}. Only a person can release it.{ignored}"
-        return Answer("done", summary, robot)
+        return ToolAnswer("done", summary, robot)

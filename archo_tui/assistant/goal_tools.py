@@ -1,4 +1,4 @@
-"""The tools that `--allow goals` adds. They ask; a person at the console decides."""
+"""The tools that `--allow goals` adds. They request goals; a person at the console decides."""
 
 from __future__ import annotations
 
@@ -7,24 +7,29 @@ import json
 import time
 from typing import Any
 
-from archo_tui.assistant.answer import Answer, failure, said
 from archo_tui.assistant.arguments import schema_of
-from archo_tui.assistant.link import SOON, Link
-from archo_tui.assistant.quoted import quoted
+from archo_tui.assistant.connection import ANSWER_TIMEOUT, ConsoleConnection
+from archo_tui.assistant.sanitize import sanitize
 from archo_tui.assistant.tool import READS, Hints, Tool
+from archo_tui.assistant.tool_answer import ToolAnswer, console_reply, failure
 from archo_tui.remote.client import Unreached
 
-LONGEST_WAIT = 50.0  # s of a call: clients give one up after a minute
-_SLICE = 1.0  # s that the console is asked to wait: so another call waits no longer for its turn
-_LOOK = 0.1  # s: the least that it is asked for
-_LISTED = 2.0  # s in which a list of tools must be there, with the goals or without them
-_LARGEST = 16 * 1024  # characters of what is told of the goals in the list of tools
+MAX_WAIT = 50.0  # Seconds; clients give up a call after a minute.
+_SLICE = 1.0  # Seconds of one request to wait, so that other calls get a turn.
+_MIN_SLICE = 0.1  # Seconds.
+_LIST_TIMEOUT = 2.0  # Seconds in which clients want a list of tools.
+_MAX_SCHEMAS = 16 * 1024  # Characters of all goals in the list of tools.
 _KIND = {"type": "string", "description": "which kind of goal, as the robot offers it"}
 _VALUES = {
     "type": "object",
     "description": 'the values of the goal by name, as {"shelf_number": 12}',
 }
-_NO_REQUEST = ("asked", "done", "accepted", "arrived")  # of a request that has no number
+_NO_REQUEST = (
+    "asked",
+    "done",
+    "accepted",
+    "arrived",
+)  # Codes that no request without a number has.
 _ENDS = {
     "arrived": "The goal arrived: the robot's own result says so.",
     "denied": "A person said no, and this request moved nothing. Ask them what they want instead.",
@@ -38,8 +43,8 @@ _ENDS = {
 }
 
 
-class Go(Tool):
-    """Ask for a goal."""
+class GoTool(Tool):
+    """The tool that requests a goal."""
 
     name, title = "go", "Ask for a goal"
     description = (
@@ -48,25 +53,25 @@ class Go(Tool):
         "within a minute. Then `wait` tells what became of it. Never report that the robot has "
         "moved or arrived before `wait` says `arrived`."
     )
-    # a robot that drives changes a world that nobody here knows all of
+    # A robot that drives changes a world of which this program knows little.
     hints = Hints(destroys=True, is_idempotent=False, is_open=True)
     schema = schema_of({"kind": _KIND, "values": _VALUES}, ("kind", "values"))
 
-    async def offered_schema(self, link: Link) -> dict[str, Any]:
-        """With the goals that the robot offers, where the console tells them in time."""
+    async def offered_schema(self, connection: ConsoleConnection) -> dict[str, Any]:
+        """Return the schema with the robot's goals, if the console tells them in time."""
         try:
-            goals = await asyncio.wait_for(_goals(link), _LISTED)
+            goals = await asyncio.wait_for(_goals(connection), _LIST_TIMEOUT)
         except (Unreached, asyncio.TimeoutError):
             goals = []
-        if not goals or len(json.dumps(goals)) > _LARGEST:
+        if not goals or len(json.dumps(goals)) > _MAX_SCHEMAS:
             return self.schema
         kinds = [goal["kind"] for goal in goals]
         forms = [{**goal["schema"], "title": f"{goal['kind']}: {goal['title']}"} for goal in goals]
         values = {**_VALUES, "anyOf": forms} if len(forms) > 1 else {**_VALUES, **forms[0]}
         return schema_of({"kind": {**_KIND, "enum": kinds}, "values": values}, ("kind", "values"))
 
-    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
-        result = await link.ask(ask={"kind": given["kind"], "values": given["values"]})
+    async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
+        result = await connection.request(ask={"kind": given["kind"], "values": given["values"]})
         code, data = result["code"], result.get("data")
         request = data.get("request") if isinstance(data, dict) else None
         if code == "asked" and isinstance(request, int):
@@ -74,21 +79,23 @@ class Go(Tool):
                 f"Request {request} waits for a person at the console. Nothing moves yet. "
                 f"Call `wait` with request {request}."
             )
-            return Answer(code, summary, said(result))
+            return ToolAnswer(code, summary, console_reply(result))
         if code == "misuse":
-            told = {**said(result), "goals": await _goals(link)}
+            told = {**console_reply(result), "goals": await _goals(connection)}
             summary = "Nothing was asked: this kind of goal or its values cannot be meant."
             return failure(code, f"{summary} `goals` are those that there are.", told)
         if code in _NO_REQUEST:
             summary = "This answer is not understood: look at `status` before anything else."
-            return failure("not_confirmed", summary, said(result))
+            return failure("not_confirmed", summary, console_reply(result))
         return failure(
-            code, "Nothing was asked, and nothing moves: `said` tells why.", said(result)
+            code,
+            "Nothing was asked, and nothing moves: `said` tells why.",
+            console_reply(result),
         )
 
 
-class Wait(Tool):
-    """Wait for what becomes of a request."""
+class WaitTool(Tool):
+    """The tool that waits for the end of a request."""
 
     name, title = "wait", "Wait for a request"
     description = (
@@ -108,29 +115,31 @@ class Wait(Tool):
             "seconds": {
                 "type": "number",
                 "minimum": 0,
-                "maximum": LONGEST_WAIT,
-                "description": f"how long to wait at most; {LONGEST_WAIT:.0f} unless told",
+                "maximum": MAX_WAIT,
+                "description": f"how long to wait at most; {MAX_WAIT:.0f} unless told",
             },
         },
         ("request",),
     )
 
-    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
-        end = time.monotonic() + given.get("seconds", LONGEST_WAIT)
+    async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
+        end = time.monotonic() + given.get("seconds", MAX_WAIT)
         result = {"code": "ran_out"}
         while result["code"] == "ran_out":
-            left = max(min(end - time.monotonic(), _SLICE), _LOOK)
+            left = max(min(end - time.monotonic(), _SLICE), _MIN_SLICE)
             words = ["wait", "request", str(given["request"])]
-            result = await link.ask(left + SOON, words=words, timeout=left)
+            result = await connection.request(left + ANSWER_TIMEOUT, words=words, timeout=left)
             if time.monotonic() >= end:
                 break
         code = result["code"]
         summary = _ENDS.get(code, "It is not known to have arrived: `said` tells why.")
-        return Answer(code, summary, said(result), failed=code not in ("arrived", "ran_out"))
+        return ToolAnswer(
+            code, summary, console_reply(result), failed=code not in ("arrived", "ran_out")
+        )
 
 
-class Cancel(Tool):
-    """Cancel the assistant's own goal."""
+class CancelTool(Tool):
+    """The tool that cancels the assistant's own goal."""
 
     name, title = "cancel", "Cancel its own goal"
     description = (
@@ -139,31 +148,35 @@ class Cancel(Tool):
     )
     hints = Hints()
 
-    async def call(self, link: Link, given: dict[str, Any]) -> Answer:
-        result = await link.ask(words=["cancel"])
+    async def call(self, connection: ConsoleConnection, given: dict[str, Any]) -> ToolAnswer:
+        result = await connection.request(words=["cancel"])
         if result["code"] in ("done", "accepted"):
             summary = "The robot accepts the cancel. `wait` tells when its goal has ended."
-            return Answer(result["code"], summary, said(result))
+            return ToolAnswer(result["code"], summary, console_reply(result))
         summary = "Not cancelled, or not confirmed: `said` tells why. `stop` stops the robot."
-        return failure(result["code"], summary, said(result))
+        return failure(result["code"], summary, console_reply(result))
 
 
-async def _goals(link: Link) -> list[dict[str, Any]]:
-    """The goals that the robot offers: `kind`, `title` and `schema` of each. Raises Unreached."""
-    told = (await link.ask(words=["goals"])).get("data")
+async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:
+    """Return `kind`, `title` and `schema` of each goal that the robot offers.
+
+    Raises:
+        Unreached: There is no console, or it does not answer.
+    """
+    told = (await connection.request(words=["goals"])).get("data")
     goals = [goal for goal in told if isinstance(goal, dict)] if isinstance(told, list) else []
     return [
         {
             "kind": goal["kind"],
-            "title": quoted(str(goal.get("title", ""))),
-            "schema": _whole(goal.get("schema")),
+            "title": sanitize(str(goal.get("title", ""))),
+            "schema": _intact_schema(goal.get("schema")),
         }
         for goal in goals
-        if isinstance(goal.get("kind"), str) and goal["kind"] == quoted(goal["kind"])
+        if isinstance(goal.get("kind"), str) and goal["kind"] == sanitize(goal["kind"])
     ]
 
 
-def _whole(schema: Any) -> dict[str, Any]:
-    """The schema, unless something of it would have to be cut or hidden: half of one is none."""
+def _intact_schema(schema: Any) -> dict[str, Any]:
+    """Return a schema, or one for any object if parts of it would have to be cut or hidden."""
     is_one = isinstance(schema, dict) and schema.get("type") == "object"
-    return schema if is_one and schema == quoted(schema) else {"type": "object"}
+    return schema if is_one and schema == sanitize(schema) else {"type": "object"}

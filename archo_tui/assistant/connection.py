@@ -1,0 +1,155 @@
+"""The connection of the assistant's process to the console.
+
+The console knows the assistant by its connection: when it closes, every request is void and the
+assistant's goal is cancelled. So it stays open as long as the process lives.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from typing import Any
+
+from archo_tui.remote import finder
+from archo_tui.remote.client import Unreached
+from archo_tui.remote.protocol import GONE, line, message
+
+ANSWER_TIMEOUT = 15.0  # Seconds in which a live console answers anything, STOP included.
+_MAX_LINE = 2**24  # Bytes.
+_MAX_UNREAD = 64 * 1024  # Bytes; a console that leaves more unread is suspended.
+_STOP = {"assistant": True, "words": ["stop"]}
+SILENT = "the console does not answer: is it suspended? The robot may still be moving"
+CONSOLE_CHANGED = (
+    "The console was restarted, or is another one now. What was asked for before is void: look at "
+    "`status` before anything else."
+)
+
+
+class ConsoleConnection:
+    """A connection that opens when it is needed, and again after a restart of the console."""
+
+    def __init__(self, to: str) -> None:
+        """Create the connection without opening it.
+
+        Args:
+            to: The process id or the namespace of one of several consoles; "" means the only one.
+        """
+        self._to = to
+        self._request_lock, self._connect_lock = asyncio.Lock(), asyncio.Lock()
+        self._writer: asyncio.StreamWriter | None = None
+        self._reading: asyncio.Task[None] | None = None
+        self._numbers = itertools.count(1)
+        self._waiting: dict[int, asyncio.Future[dict[str, Any]]] = {}
+        self._was_connected, self._name = False, ""  # The name of the console's socket.
+        self._notice = ""
+
+    def take_notice(self) -> str:
+        """Return what happened to the connection since the last call, or ""."""
+        notice, self._notice = self._notice, ""
+        return notice
+
+    async def request(self, answer_timeout: float = ANSWER_TIMEOUT, **asked: Any) -> dict[str, Any]:
+        """Send a request after those before it have their results, and return its result.
+
+        Args:
+            answer_timeout: The longest wait for the result, in s.
+            asked: The fields of the request, as docs/protocol.md has them.
+
+        Raises:
+            Unreached: There is no console, or it does not answer.
+        """
+        async with self._request_lock:
+            return await self._send_and_wait(asked, answer_timeout)
+
+    async def stop(self) -> list[dict[str, Any]]:
+        """Send STOP at once, whatever else waits, and return the consoles' results.
+
+        STOP goes to the connected console. Without a connection it goes to every console that
+        could be meant, as from a shell; it never waits for a connection that another call opens.
+
+        Raises:
+            Unreached: No console confirmed that it received the STOP.
+        """
+        writer, to = self._writer, self._to
+        if writer is not None and writer.transport.get_write_buffer_size() > _MAX_UNREAD:
+            to = self._name  # A connection of its own does not wait behind unread data.
+        elif writer is not None:
+            try:
+                return [await self._send_and_wait(_STOP, ANSWER_TIMEOUT)]
+            except Unreached:
+                if self._writer is not None:  # It was sent, and got no answer.
+                    raise
+        return await asyncio.to_thread(_stop_each, to)
+
+    async def close(self) -> None:
+        """Close the connection."""
+        if self._writer is not None:
+            self._writer.transport.abort()
+        if self._reading is not None:
+            await self._reading
+
+    async def _send_and_wait(self, asked: dict[str, Any], answer_timeout: float) -> dict[str, Any]:
+        writer = await self._connected()
+        if writer.transport.get_write_buffer_size() > _MAX_UNREAD:
+            raise Unreached(SILENT)
+        number = next(self._numbers)
+        answer = asyncio.get_running_loop().create_future()
+        self._waiting[number] = answer
+        try:
+            writer.write(line({"id": number, "assistant": True, **asked}))
+            return await asyncio.wait_for(answer, answer_timeout)
+        except asyncio.TimeoutError:
+            raise Unreached(SILENT) from None
+        finally:
+            self._waiting.pop(number, None)
+
+    async def _connected(self) -> asyncio.StreamWriter:
+        async with self._connect_lock:  # Concurrent calls share one connection.
+            if self._writer is None:
+                console = await asyncio.to_thread(finder.choose, {"to": self._to})
+                self._name = str(console.hello.get("name") or console.hello["pid"])
+                connected, rest = console.handed_over()
+                connected.setblocking(False)
+                reader, self._writer = await asyncio.open_connection(
+                    sock=connected, limit=_MAX_LINE
+                )
+                self._notice = CONSOLE_CHANGED if self._was_connected else ""
+                self._was_connected = True
+                self._reading = asyncio.create_task(self._read(reader, self._writer, rest))
+            return self._writer
+
+    async def _read(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, rest: bytes
+    ) -> None:
+        """Deliver each result to the request that waits for it, until the console is gone."""
+        try:
+            while data := await reader.readline():
+                self._deliver(message(rest + data))
+                rest = b""
+        except (OSError, ValueError):  # Invalid data is treated like a closed connection.
+            pass
+        finally:
+            self._writer = None
+            writer.transport.abort()
+            for answer in self._waiting.values():
+                if not answer.done():
+                    answer.set_exception(Unreached(GONE))
+
+    def _deliver(self, reply: dict[str, Any]) -> None:
+        number = reply.get("id")
+        answer = self._waiting.get(number) if isinstance(number, int) else None
+        if answer is not None and not answer.done() and isinstance(reply.get("code"), str):
+            answer.set_result(reply)
+
+
+def _stop_each(to: str) -> list[dict[str, Any]]:
+    """Send STOP to each console that could be meant, and return their results.
+
+    Raises:
+        Unreached: No console could be reached.
+    """
+    notices: list[str] = []
+    ended = finder.stop({"to": to} if to else {}, notices.append, {"assistant": True})
+    answers = [{"code": answer.code, "text": answer.text} for answer in ended]
+    answers[0]["text"] = "\n".join((answers[0]["text"], *notices))
+    return answers
