@@ -365,15 +365,20 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
 def _speak(options: Namespace, words: Sequence[str]) -> int:
     """Send a verb that stands behind options of the console.
 
-    Of these only `--engine` and `--namespace` mean something to it: where it is looked for.
+    Of these only `--engine` and `--namespace` mean something to it: where it is looked for. On
+    ROS 2, where it needs no console, also `--robot`.
     """
+    from pathlib import Path
+
     from archo_tui.remote.shell import run
+
+    own = ("robot",) if options.engine == "ros2" else ()
 
     plain = parser().parse_args([])
     given = [
         name.replace("_", "-")
         for name, value in vars(options).items()
-        if name not in ("command", "behind", "namespace", "engine")
+        if name not in ("command", "behind", "namespace", "engine", *own)
         and value != getattr(plain, name)
     ]
     typed = [*options.command, *options.behind]
@@ -394,9 +399,10 @@ def _speak(options: Namespace, words: Sequence[str]) -> int:
     from archo_tui.remote.without_console import attached
     from archo_tui.session import Options, Session
 
-    there = Options(engine=options.engine, namespace=options.namespace, attach=True)
+    robot = Path(options.robot) if options.robot else None
+    there = Options(engine="ros2", namespace=options.namespace, attach=True, robot=robot)
     attach = lambda: attached(lambda: Session(there))  # noqa: E731
-    return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()})
+    return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()}, robot)
 
 
 def _domain() -> int:
@@ -413,13 +419,13 @@ def _completions(options: Namespace) -> int:
     """What a shell needs to complete our words; of the verbs those of ARCHO."""
     import shtab
 
-    from archo_tui.remote.verb_help import archos_verbs, options_of
+    from archo_tui.remote.verb_help import options_of, verbs_of_file
 
     made = parser(for_words=False)
     commands = made.add_subparsers(metavar="COMMAND", parser_class=_Parser)
     for name, (what, add_options, _) in SUBCOMMANDS.items():
         add_options(commands.add_parser(name, help=what, description=what))
-    told = {verb.id: (verb.help, verb.options) for verb in archos_verbs().values()}
+    told = {verb.id: (verb.help, verb.options) for verb in verbs_of_file().values()}
     told["wait"] = "Wait until it is so", ()
     for name, (what, takes) in told.items():
         one = commands.add_parser(name, help=what, description=what)

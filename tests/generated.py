@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 from archo_tui.commands import registry
 from archo_tui.commands.base import NOT_TYPING
 from archo_tui.commands.keymap import readable_key
-from archo_tui.remote.verb_help import archos_verbs
+from archo_tui.remote.verb_help import verbs_of_file
 from archo_tui.robot_file import model
 from archo_tui.robot_file.load import default_path, load
 from archo_tui.robot_file.typed_yaml import NONE_WORDS
@@ -202,7 +202,7 @@ def keys() -> str:
 def words() -> str:
     """ARCHO's verbs."""
     rows = ["| verb | does |", "|---|---|"]
-    for verb in archos_verbs().values():
+    for verb in verbs_of_file().values():
         rows.append(f"| `{f'{verb.id} {verb.usage}'.rstrip()}` | {verb.help} |")
     return "\n".join((*rows, ""))
 

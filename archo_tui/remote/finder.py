@@ -95,18 +95,25 @@ def choose(asked: Mapping[str, Any]) -> Connection:
 def _able_to_act(found: list[Connection]) -> list[Connection]:
     """Return the consoles without those that watch a robot on which another one can act.
 
-    The others are closed. A robot is told by its engine, domain and namespace.
+    The others are closed.
+    """
+    watching = _only_watching(found)
+    for console in watching:
+        console.close()
+    return [console for console in found if console not in watching]
+
+
+def _only_watching(found: Sequence[Connection]) -> list[Connection]:
+    """Return the consoles that watch a robot on which another one of them can act.
+
+    A robot is told by its engine, domain and namespace.
     """
 
     def robot(console: Connection) -> tuple[Any, ...]:
         return tuple(console.who.get(name) for name in ("engine", "domain", "namespace"))
 
     acting = {robot(one) for one in found if one.who and not one.who.get("watching")}
-    chosen = [one for one in found if not (one.who.get("watching") and robot(one) in acting)]
-    for console in found:
-        if console not in chosen:
-            console.close()
-    return chosen
+    return [one for one in found if one.who.get("watching") and robot(one) in acting]
 
 
 def reach(path: str, within: float = HELLO_TIMEOUT) -> Connection:
@@ -179,7 +186,9 @@ def _stop_each(
         if not (console.hello or console.result or console.is_dead or console.has_gone):
             notice(f"{console.called} does not answer yet: STOP waits for it")
     _exchange(found, first, is_over, STOP_TIMEOUT - HELLO_TIMEOUT)
-    ended = [_stopped(console) for console in found if not console.is_dead]
+    there = [console for console in found if not console.is_dead]
+    watching = _only_watching(there)  # Their refusal tells nothing about the robot.
+    ended = [_stopped(console) for console in there if console not in watching]
     for console in found:
         console.close()
     return [one for one in ended if one.code != NOT_MEANT]

@@ -19,6 +19,7 @@ DONE, FAILED, MISUSED, UNREACHED, RAN_OUT, ENDED, INTERRUPTED = 0, 1, 2, 3, 4, 5
 LOST = "lost"  # The console ends, or its screen was restarted.
 NOT_REACHED = "unreached"  # A client's own word, never on a socket.
 NOT_MEANT = "not_meant"  # This STOP is meant for another console.
+WATCHING = "watching"  # An outcome's code: the console sends no command.
 GONE = "the console is gone; the robot may still be moving"
 EXITS = {
     "done": DONE,

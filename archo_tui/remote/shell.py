@@ -18,6 +18,7 @@ from archo_tui.remote.protocol import (
     INTERRUPTED,
     NOT_REACHED,
     UNREACHED,
+    WATCHING,
     has_half,
     is_stop,
 )
@@ -27,6 +28,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
     from contextlib import AbstractContextManager
+    from pathlib import Path
     from types import FrameType
     from typing import Any, Protocol
 
@@ -126,6 +128,7 @@ def run(
     others: Iterable[str],
     attach: Callable[[], AbstractContextManager[Speaks]] | None = None,
     meant: Mapping[str, Any] | None = None,
+    robot_file: Path | None = None,
 ) -> int:
     """Send a verb to the console that is meant, and return the exit code.
 
@@ -134,6 +137,7 @@ def run(
         others: Commands that are no verbs, to name the nearest one to a misspelled word.
         attach: Connects to the robot itself where no console runs; None: nothing can.
         meant: `to`, `engine` and `domain` that were typed before the verb.
+        robot_file: The robot file whose verbs are known where no console runs; None: ARCHO's.
     """
     # A STOP has help only if exactly that is typed: whatever else follows it, it stops.
     if list(words[1:]) == ["--help"] or (words[0] == "wait" and "--help" in words):
@@ -154,21 +158,24 @@ def run(
         asked = {**(meant or {}), **({"to": to} if to else {})}
         if given.stops:
             return _stop(asked, given, attach)
+        # If a console is named, no other one and no other robot is meant.
+        if helps or "--to" in given.values or os.environ.get(finder.CHOSEN):
+            attach = None
         try:
             console = finder.choose(asked)
-        except finder.Nobody:  # If a console is named, no other robot is meant.
-            if attach is None or helps or "--to" in given.values or os.environ.get(finder.CHOSEN):
+        except finder.Nobody:
+            if attach is None:
                 raise
             with attach() as robot:
                 return _send(robot, given, timeout, others)
         with contextlib.closing(console):
-            return _send(console, given, timeout, others)
+            return _send(console, given, timeout, others, attach)
     except (ValueError, ArchoError) as error:
         return _fail("misuse", str(error), words)
     except Unreached as error:
         if given.stops:
             return _fail(NOT_REACHED, str(error), words)
-        return _unreached(words, others, str(error))
+        return _unreached(words, others, str(error), robot_file)
 
 
 def _fail(code: str, text: str, words: Sequence[str]) -> int:
@@ -180,18 +187,20 @@ def _fail(code: str, text: str, words: Sequence[str]) -> int:
     return EXITS[code]
 
 
-def _unreached(words: Sequence[str], others: Iterable[str], why: str) -> int:
+def _unreached(
+    words: Sequence[str], others: Iterable[str], why: str, robot_file: Path | None = None
+) -> int:
     """Print what is known without a console, and return the exit code.
 
     A robot file may have verbs that are not known here: only a misspelled one is misuse.
     """
     word, helps = words[0], "--help" in words[1:]
     if helps or word not in (*VERBS, "wait"):
-        from archo_tui.remote.verb_help import archos_verbs, of_archo
+        from archo_tui.remote.verb_help import help_of, verbs_of_file
 
-        known = archos_verbs()
+        known = verbs_of_file(robot_file)
         if helps and word in known:
-            _print(of_archo(word))
+            _print(help_of(word, robot_file))
             return 0
         near = "" if word in known else _nearest(word, (*known, "wait", *others))
         if near:
@@ -257,6 +266,8 @@ def _stop(
         ended = finder.stop(asked, _complain)
     except Unreached as error:
         ended, unreached = [], str(error)
+    if attach is not None and "--to" not in given.values:  # which acts where a console only watches
+        ended = [one for one in ended if one.code != WATCHING]
     for one in ended:
         text = one.text if len(ended) == 1 and one.code == "done" else f"{one.console}: {one.text}"
         codes.append(_end({"code": one.code, "text": text}, given))
@@ -275,8 +286,24 @@ def _stop(
 
 
 def _send(
-    console: Speaks, given: _CommandLine, timeout: float | None, others: Iterable[str]
+    console: Speaks,
+    given: _CommandLine,
+    timeout: float | None,
+    others: Iterable[str],
+    attach: Callable[[], AbstractContextManager[Speaks]] | None = None,
 ) -> int:
+    """Send a verb to a console; if that one only watches and must act, to the robot itself.
+
+    Args:
+        console: The console that is meant.
+        given: The words of the verb.
+        timeout: Seconds that the user gave; None: none.
+        others: As for `run`.
+        attach: Connects to the robot itself; None: nothing can.
+
+    Returns:
+        The exit code.
+    """
     words = given.rest[:1] if given.stops else given.rest
     asked: dict[str, Any] = {"words": words, "person": _has_person(), "timeout": timeout}
     if "--follow" in given.flags:
@@ -290,7 +317,11 @@ def _send(
         pass
     try:
         within = None if timeout is None else timeout + _CALL_OFF_TIMEOUT + _ANSWER_TIMEOUT
-        return _end(_result(console, asked, given, within), given, others)
+        result = _result(console, asked, given, within)
+        if result["code"] == WATCHING and attach is not None:
+            with attach() as robot:
+                return _send(robot, given, timeout, others)
+        return _end(result, given, others)
     except _Interrupted:
         for number in (signal.SIGINT, signal.SIGTERM):  # The next one ends the program.
             signal.signal(number, signal.SIG_DFL)

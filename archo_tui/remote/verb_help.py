@@ -4,6 +4,8 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from archo_tui.verbs.base import Verb
 
 # Verbs whose line of help this program has itself: STOP takes no words, and `wait` is no verb of
@@ -32,21 +34,21 @@ def own(verb: str) -> str:
     return with_options(verb, _LINES[verb]) if verb in _LINES else ""
 
 
-def archos_verbs() -> dict[str, Verb]:
-    """Return the verbs of a console of ARCHO by what is typed."""
+def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
+    """Return the verbs of a console of that robot file by what is typed; None: ARCHO's file."""
     from archo_tui.robot.state import Leaf
     from archo_tui.robot_file.load import default_path, load
     from archo_tui.verbs import verbs
 
-    robot = load(default_path())
+    robot = load(path or default_path())
     return verbs(
         robot, {goal.id: [Leaf(path, "int32", 0) for path in goal.form] for goal in robot.goals}
     )
 
 
-def of_archo(verb: str) -> str:
-    """Return the help of one of ARCHO's verbs; an empty string when it has none of that name."""
-    found = archos_verbs().get(verb)
+def help_of(verb: str, path: Path | None = None) -> str:
+    """Return the help of a verb; an empty string when a robot file (`path`) has none so named."""
+    found = verbs_of_file(path).get(verb)
     return "" if found is None else with_options(verb, found.explained, found.options)
 
 

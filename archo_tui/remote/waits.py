@@ -11,7 +11,8 @@ from archo_tui.robot.state import Goal, Latch
 from archo_tui.robot.values import parse_number
 from archo_tui.station.alarms import CONTACT_LOST, EMPTY
 from archo_tui.station.station import Station
-from archo_tui.verbs.base import Verb
+from archo_tui.verbs.base import THERE, Verb
+from archo_tui.words.state import no_data_text
 
 WAITS = "idle, arrived, ready, stopped or battery N"
 LOOK = 0.05  # Seconds between two looks.
@@ -76,6 +77,10 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
 
     def idle() -> Outcome | None:
         busy = robot.snapshot.running_goal is not None or station.queue.is_going
+        # of one that does not say how it moves a goal may not be found yet
+        is_new = robot.file.motion is None and station.age < THERE
+        if is_new or no_data_text(robot.snapshot):
+            return None
         return None if busy or _may_move(station) else Outcome(Code.DONE, "idle")
 
     def ready() -> Outcome | None:

@@ -18,6 +18,7 @@ from archo_tui.robot.state import Snapshot
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import PATIENCE
+from archo_tui.words.state import elsewhere_text
 
 
 class HasStation(Protocol):
@@ -79,7 +80,9 @@ class InProcessConnection:
         self._thread.start()
         if not found.wait(PATIENCE):
             self.close()
-            raise Unreached(f"no console runs here, and no robot is {station.unseen}")
+            others = elsewhere_text(station.robot.snapshot)
+            seen = f"in namespace {station.robot.snapshot.namespace}: {others}" if others else ""
+            raise Unreached(f"no console runs here, and no robot is {seen or station.unseen}")
 
     def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
         """Send a request, and yield all replies to it, the result last.

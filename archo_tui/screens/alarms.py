@@ -14,7 +14,7 @@ from archo_tui.screens.shelve import ShelveReason
 from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
 from archo_tui.station.station import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
-from archo_tui.words.alarm import timeline
+from archo_tui.words.alarm import no_alarms_text, timeline
 
 _INDENT = " " * 8
 
@@ -53,7 +53,7 @@ class AlarmList(Dialog[None]):
             alarm_lines,
             lambda alarm: alarm.name,
             id="alarms",
-            empty="No alarms: nothing needs attention.",
+            empty="",
             wraps=True,
         )
 
@@ -72,6 +72,7 @@ class AlarmList(Dialog[None]):
     def follow(self, view: View) -> None:
         """Show what there is now."""
         self._view = view
+        self._rows.empty = no_alarms_text(view.snapshot)
         self._rows.show(view.alarms)
         self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # with its border
 

@@ -10,7 +10,8 @@ from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import state
 from archo_tui.verbs.base import Argument, Values, Verb
-from archo_tui.words.alarm import timeline
+from archo_tui.words.alarm import no_alarms_text, timeline
+from archo_tui.words.state import no_data_text
 
 ALL = "all"
 _FOR = f"shelved for {SHELF_TIME / 60:.0f} min"
@@ -20,13 +21,20 @@ class Alarms(Verb):
     id, title, tells = "alarms", "Alarms", True
     help = "List the alarms"
 
+    def is_ready(self, station: Station, values: Values) -> bool:
+        """Return whether there is an alarm; that there is none is known only after a while."""
+        station.look()
+        return bool(station.view.alarms)
+
     async def run(self, station: Station, values: Values) -> Outcome:
         station.look()
         lines = [f"{alarm.name}, {timeline(alarm)}: {alarm.text}" for alarm in station.view.alarms]
-        return Outcome(Code.DONE, "\n".join(lines) or "No alarms: nothing needs attention.")
+        return Outcome(Code.DONE, "\n".join(lines) or no_alarms_text(station.robot.snapshot))
 
     def data(self, station: Station, values: Values) -> Any:
-        return state(station)["alarms"]
+        """Return the alarms; None in place of none of them while nothing is known of the robot."""
+        alarms = state(station)["alarms"]
+        return None if not alarms and no_data_text(station.robot.snapshot) else alarms
 
 
 class _OfAlarm(Verb):

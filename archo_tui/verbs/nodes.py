@@ -32,7 +32,7 @@ class Nodes(Verb):
             _, word, _ = row.word()
             here = " (in this process)" if row.hosted else ""
             lines.append(f"{row.name.lstrip('/')} {word or 'up'}{here}")
-        return Outcome(Code.DONE, "\n".join(lines))
+        return Outcome(Code.DONE, "\n".join(lines) or "no node is on the graph")
 
     def data(self, station: Station, values: Values) -> Any:
         return [

@@ -26,7 +26,7 @@ from archo_tui.words.line_by_line import (
     queue_text,
     spans_to_text,
 )
-from archo_tui.words.state import gauge_line, motion_unit
+from archo_tui.words.state import elsewhere_text, gauge_line, motion_unit, no_data_text
 
 _EVENTS = 20
 
@@ -63,7 +63,9 @@ class Status(Verb):
         waiting = queue_text(
             [wanted.text for wanted in station.queue.waiting], station.queue.hold_reason
         )
+        elsewhere = elsewhere_text(snapshot) if no_data_text(snapshot) else ""
         lines = [
+            *([elsewhere] if elsewhere else []),
             f"battery {battery_text(snapshot, now)}",
             f"{title} {motion_text(snapshot, now)}",
             *(spans_to_text(gauge_line(reading, now)) for reading in snapshot.gauges),

@@ -20,7 +20,7 @@ from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.words.goal import remaining_text, running_word
-from archo_tui.words.state import fixed_width
+from archo_tui.words.state import elsewhere_text, fixed_width
 
 _MIN_CAUSE = 24  # Cells of an alarm's cause that are kept in a short banner.
 _NARROW = 71  # Below so many cells without the clock, panels may be scrolled away.
@@ -213,10 +213,8 @@ def _contact(view: View) -> str:
         if reading.received is not None
     }
     if not heard:
-        others = ", ".join(view.snapshot.elsewhere)
-        if others:
-            return f"? robots seen: {others}; use --namespace {view.snapshot.elsewhere[0]}"
-        return "? waiting for data"
+        elsewhere = elsewhere_text(snapshot)
+        return f"? {elsewhere}" if elsewhere else "? waiting for data"
     silent = [name for name in heard if readings[name].is_old(view.now)]
     if len(silent) == len(heard):
         return f"✗ no contact, {min(heard.values()):.0f} s"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from archo_tui.clock import time_of_day
+from archo_tui.robot.state import Snapshot
 from archo_tui.station.alarms import Alarm, State
+from archo_tui.words.state import no_data_text
 
 
 def timeline(alarm: Alarm) -> str:
@@ -18,6 +20,11 @@ def timeline(alarm: Alarm) -> str:
     if alarm.shelved_until is not None:
         state += f" until {time_of_day(alarm.shelved_until)}"
     return f"{text}, {state}: {alarm.reason}" if alarm.reason else f"{text}, {state}"
+
+
+def no_alarms_text(snapshot: Snapshot) -> str:
+    """Return what stands in place of alarms: a healthy word only where something was heard."""
+    return no_data_text(snapshot) or "No alarms: nothing needs attention."
 
 
 def state_word(alarm: Alarm) -> str:

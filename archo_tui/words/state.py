@@ -17,6 +17,28 @@ Spans = tuple[tuple[str, str], ...]  # Pairs of text and tone.
 STOPPED: Spans = (("✗ STOPPED", BAD),)
 
 
+def elsewhere_text(snapshot: Snapshot) -> str:
+    """Return where robots are that the namespace does not fit, or "" when there are none."""
+    others = snapshot.elsewhere
+    return f"robots seen: {', '.join(others)}; use --namespace {others[0]}" if others else ""
+
+
+def no_data_text(snapshot: Snapshot) -> str:
+    """Return that nothing was heard of the robot yet, and what may be why, or "" if it was.
+
+    A robot whose file names no topic is there as soon as one of its nodes is.
+    """
+    topics = snapshot.file.topics
+    heard = (snapshot.battery.received, snapshot.motion.received)
+    is_heard = any(time is not None for time in (*heard, *(g.received for g in snapshot.gauges)))
+    if is_heard or (snapshot.nodes and not topics):
+        return ""
+    lacking = [topic for topic in topics if topic not in snapshot.offered]
+    unpublished = f"no node publishes {', '.join(lacking)}" if lacking else ""
+    why = elsewhere_text(snapshot) or unpublished
+    return f"no data yet: {why}" if why else "no data yet"
+
+
 def marked_tone(tone: str) -> str:
     """Return the tone of a mark that is drawn on a bar of the given tone."""
     return f"on {tone}"

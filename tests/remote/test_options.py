@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 
 from archo_tui.errors import ArchoError
 from archo_tui.remote import finder, shell
-from archo_tui.remote.verb_help import archos_verbs, of_archo
+from archo_tui.remote.verb_help import help_of, verbs_of_file
 from tests.support.console import FAST, LONG
 from tests.support.ros import begin
 from tests.support.shells import heard, raw, said, served, typed, until
@@ -122,7 +122,7 @@ def test_without_a_console_the_codes_hold(words: str, code: int, text: str) -> N
 
 
 def test_without_a_console_every_verb_has_its_help() -> None:
-    for verb in archos_verbs().values():
+    for verb in verbs_of_file().values():
         told = said(verb.id, "--help")
         assert (told.code, told.err) == (0, "")
         assert told.out.startswith(f"{verb.explained}\n\noptions:\n")
@@ -134,9 +134,9 @@ def test_without_a_console_every_verb_has_its_help() -> None:
 
 async def test_help_is_the_same_with_a_console() -> None:
     async with served(ros_args=FAST) as person:
-        for verb in archos_verbs():
+        for verb in verbs_of_file():
             if verb != "stop":
-                assert (await typed(verb, "--help")).out == f"{of_archo(verb)}\n"
+                assert (await typed(verb, "--help")).out == f"{help_of(verb)}\n"
         nearest = await typed("chek", "x.py")
         assert nearest.err.endswith("archo-tui: no command 'chek' (nearest: check)\n")
         assert "STOP" not in person.said

@@ -22,7 +22,7 @@ from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.reading_tools import StatusTool
 from archo_tui.assistant.stop_tool import StopTool
 from archo_tui.assistant.tool_answer import ToolAnswer
-from archo_tui.remote import finder, server, socket_files
+from archo_tui.remote import finder, server, shell, socket_files
 from archo_tui.remote.api import Unreached
 from archo_tui.remote.client import Unreached as NotReached
 from archo_tui.remote.shell import consoles
@@ -288,6 +288,56 @@ async def test_a_verb_goes_to_the_console_that_can_act_and_a_stop_to_both() -> N
         assert north.words() == []
     async with answering("/", watching=True):
         assert (await typed("status")).code == 0
+
+
+async def test_the_refusal_of_one_that_watches_does_not_fail_a_stop() -> None:
+    refusal = "watching only: start archo-tui without --watch to operate the robot"
+    async with answering("/") as acting, answering("/", 8, watching=True) as watching:
+        watching.answer("stop", "watching", refusal)
+        assert [await asyncio.to_thread(stop) for stop in STOPS] == [0, 0]
+        assert acting.words() == watching.words() == [["stop"]] * 2
+        acting.answer("stop", "timeout", "no answer")
+        assert await asyncio.to_thread(stop_by_shell) == 1
+    async with answering("/", 8, watching=True) as watching:
+        watching.answer("stop", "watching", refusal)
+        assert await asyncio.to_thread(stop_by_shell) == 1
+
+
+class Graph:
+    """Stands for a robot that a verb attaches to: whatever is asked is done."""
+
+    def __init__(self) -> None:
+        self.words: list[list[str]] = []
+
+    @contextmanager
+    def attached(self) -> Iterator[Graph]:
+        yield self
+
+    def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
+        self.words.append(asked["words"])
+        yield {"code": "done", "text": "by itself"}
+
+    def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+        yield from ()
+
+    def send(self, said: dict[str, Any]) -> None:
+        """Nothing is asked of whoever typed it."""
+
+
+async def test_where_a_console_only_watches_a_verb_on_ros2_acts_by_itself() -> None:
+    graph = Graph()
+
+    def verb(*words: str) -> int:
+        return shell.run(words, (), graph.attached)
+
+    async with answering("/", watching=True) as watching:
+        for word in ("stop", "go"):
+            watching.answer(word, "watching", "watching only")
+        for words in (["stop"], ["go", "3"], ["status"]):
+            assert await asyncio.to_thread(verb, *words) == 0, words
+        assert graph.words == [["stop"], ["go", "3"]]
+        assert await asyncio.to_thread(verb, "go", "3", "--to", "7") == 1  # it is named
+        assert len(graph.words) == 2
 
 
 async def test_two_consoles_of_one_number_are_told_apart_and_end_apart() -> None:

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 from tests.ros2.conftest import Processes
 from tests.support.waiting import DEADLINE
@@ -60,3 +61,42 @@ def test_without_a_robot_it_is_one_line(processes: Processes) -> None:
     assert (code, out, len(err.splitlines())) == (3, "", 1)
     said = "archo-tui: no console runs here, and no robot is "
     assert err.startswith(f"{said}{where}for a robot elsewhere set ")
+
+
+DOLLY = """version: 1
+name: Dolly
+motion: {topic: motor_status, types: {archo_interfaces/msg/MotorStatus: {moving: moving}}}
+stop: {service: emergency_stop, release: release_emergency_stop}
+commands:
+  - {id: zero, title: Zero, service: reset_encoder}
+"""
+
+
+def test_a_robot_file_is_used_without_a_console(processes: Processes, tmp_path: Path) -> None:
+    file = tmp_path / "dolly.yaml"
+    file.write_text(DOLLY)
+    processes.start(MOTOR, "-r", "__ns:=/d1")
+    dolly = "--namespace", "/d1", "--robot", str(file)
+    assert ended(processes, *dolly, "zero") == (0, "", "Encoder reset to zero\n")
+    assert ended(processes, *dolly, "stop") == (0, "", "confirmed\n")
+    code, out, err = ended(processes, *dolly, "status")
+    assert (code, err) == (0, "")
+    assert "motion IDLE\ngoal the robot file names no goal\n" in out
+    assert ended(processes, *dolly, "zerro")[::2] == (2, NEAREST)
+    code, out, _ = ended(processes, "--robot", str(file), "zero", "--help")
+    assert (code, out.splitlines()[0]) == (0, "zero: Zero")
+
+
+NEAREST = "archo-tui: no command 'zerro' (nearest: zero)\n"
+
+
+def test_a_wrong_namespace_is_answered_with_where_robots_are(processes: Processes) -> None:
+    processes.start(MOTOR, "-r", "__ns:=/d1")
+    seen = "robots seen: /d1; use --namespace /d1"
+    for verb in ("status", "alarms", "stop"):
+        code, out, err = ended(processes, "--namespace", "/d2", verb)
+        said = f"archo-tui: no console runs here, and no robot is in namespace /d2: {seen}\n"
+        assert (code, out, err) == (3, "", said)
+    code, out, _ = ended(processes, "status")
+    assert (code, out.splitlines()[0]) == (0, seen)
+    assert ended(processes, "alarms") == (0, f"no data yet: {seen}\n", "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -16,9 +17,11 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from archo_tui.robot.state import WATCHING, OpenStop
+from archo_tui.robot.state import WATCHING, OpenStop, Snapshot
+from archo_tui.verbs.alarms import Alarms
 from tests.robots.rover import Counting
 from tests.support import clock
+from tests.support.archo import ARCHO
 from tests.support.clock import NOW
 from tests.support.console import LONG
 from tests.support.plain import Typed, operated, plain, typing
@@ -241,6 +244,36 @@ async def test_a_beginning_of_several_names_is_told_with_them() -> None:
         await person.until("acknowledged: stopped\n")
         said = "failed: ack: several alarms begin with 'stop': stop not confirmed, stopped\n"
         assert said in person.said
+
+
+@pytest.mark.parametrize(
+    ("state", "said"),
+    [
+        (Snapshot(file=ARCHO), "no data yet: no node publishes battery_level, motor_status"),
+        (
+            Snapshot(file=ARCHO, namespace="/tb2", elsewhere=("/tb1",)),
+            "no data yet: robots seen: /tb1; use --namespace /tb1",
+        ),
+        (Snapshot(), "no data yet"),
+        (Snapshot(nodes=NORMAL.nodes), "No alarms: nothing needs attention."),
+        (NORMAL, "No alarms: nothing needs attention."),
+    ],
+    ids=["nothing heard", "elsewhere", "no node", "a file without topics", "heard"],
+)
+def test_no_alarms_are_a_healthy_word_only_where_something_was_heard(
+    state: Snapshot, said: str
+) -> None:
+    station = stub_station(StubRobot(state), StandingClock())
+    station.take(state)
+    outcome = asyncio.run(Alarms().run(station, {}))
+    assert outcome.text == said
+    assert Alarms().data(station, {}) == ([] if said.startswith("No alarms") else None)
+
+
+async def test_alarms_wait_until_their_conditions_have_held_long_enough() -> None:
+    async with operated(ros_args=("-p", "battery_monitor:low_battery_threshold:=95.0")) as person:
+        assert await person.end("alarms\n") == 0
+    assert "low battery, since " in person.said
 
 
 async def test_events_are_told_as_many_as_are_asked_for() -> None:
