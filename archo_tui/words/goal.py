@@ -168,7 +168,7 @@ def no_goal_line(snapshot: Snapshot, ask: str) -> Spans:
 
 
 def keys_to_press(kind: GoalKind, go_key: str) -> str:
-    """Return how a goal is given on the screen: `Press g, type the shelf, press enter.`"""
+    """Return how a goal is given on the screen: `Press g, type the shelf, press enter`."""
     labels = [given.label or path for path, given in kind.form.items()]
     what = f"type the {labels[0].lower()}, " if len(labels) == 1 else ""
     what = f"type {', '.join(labels)}, " if len(labels) > 1 else what
