@@ -90,7 +90,9 @@ def test_with_an_executor_of_its_own_it_ends_and_the_line_is_said(here: Path) ->
             node = session.host.nodes[0].node
             (timer,) = node.timers
             wait_until(timer.is_ready)  # it is due, and nobody calls it
-            assert "tick 2 begins" not in said(session)
+            # what an executor of threads waited for before may be called once more
+            last = 2 if "Multi" in executor else 1
+            assert f"tick {last + 1} begins" not in said(session)
             assert event.count == 1
 
 

@@ -48,7 +48,7 @@ async def test_the_end_waits_for_the_goal_however_it_is_asked_for(last: str) -> 
 def test_a_goal_that_is_cancelled_is_exit_code_1() -> None:
     script = Script(*SLOW)
     script.type("go 12\n")
-    script.until("m left of 18.0 m")
+    script.until("m left of 1000.0 m")
     assert script.end("cancel\n") == 1
     assert "goal CANCELLED, Cancelled mid-route" in script.said
 
@@ -56,7 +56,7 @@ def test_a_goal_that_is_cancelled_is_exit_code_1() -> None:
 def test_stop_ends_the_goal_and_is_released() -> None:
     script = Script(*SLOW)
     script.type("go 12\n")
-    script.until("m left of 18.0 m")
+    script.until("m left of 1000.0 m")
     script.type("stop\n")
     script.until("ABORTED, Emergency stop,")
     script.until("alarm unacknowledged: STOPPED: look for the cause")
@@ -245,7 +245,7 @@ async def test_help_is_there_at_once_and_status_waits_for_what_the_robot_has() -
 def test_a_signal_cancels_the_goal_and_ends_with_its_code() -> None:
     script = Script(*SLOW)
     script.type("go 12\n")
-    script.until("m left of 18.0 m")
+    script.until("m left of 1000.0 m")
     script.signal(signal.SIGTERM)
     script.until("goal CANCELLED, Cancelled mid-route")
     assert script.end() == 128 + signal.SIGTERM

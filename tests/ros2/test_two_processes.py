@@ -61,7 +61,8 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
         assert op.app.view.now - goal.heard < 8.0  # 3 s of silence, and a busy machine
         await op.until("CONTACT LOST for")
         await op.press("ctrl+x")  # ends, too
-        await op.until("no answer in 2 s")
+        # it is on the graph for 20 s: on a busy machine these may be over
+        await op.until(lambda: "no answer in 2 s" in op.text or "is not offered" in op.text)
         processes.start(MOTOR, *FAST)
         await op.until("✗ ABORTED      the robot no longer knows this goal", deadline=60)
         await op.until("✗ STOPPED")  # the STOP was sent again until a robot had it

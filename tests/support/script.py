@@ -16,7 +16,16 @@ from tests.support import chosen, warm
 from tests.support.waiting import DEADLINE
 
 FAST = ("--ros-args", "-p", "feedback_period:=0.05", "-p", "time_scale:=75.0")
-SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
+# 500 s to drive: nothing arrives by itself, however busy the machine is
+SLOW = (
+    "--ros-args",
+    "-p",
+    "feedback_period:=0.1",
+    "-p",
+    "time_scale:=2.0",
+    "-p",
+    "route_length:=1000.0",
+)
 
 
 class Script:
