@@ -21,7 +21,7 @@ from unique_identifier_msgs.msg import UUID
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import message_classes, messages, services
-from archo_tui.robot.followed import ENDS, Followed
+from archo_tui.robot.followed import ENDS, NOBODY_SERVES, Followed
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import Pause
@@ -58,7 +58,7 @@ class _Action:
         self,
         node: Listener,
         kind: GoalKind,
-        on_feedback: Callable[[Any], None],
+        on_feedback: Callable[[_Action, Any], None],
         on_status: Callable[[_Action, Any], None],
         watching: bool,
         since: float,
@@ -77,7 +77,12 @@ class _Action:
         self.client: Any = None if watching else ActionClient(node, self.type, kind.action)
         self._results = node.create_client(impl.GetResultService, f"{topics}/get_result")
         # not by the client: it forgets a goal's feedback when the result is asked for anew
-        node.listen(impl.FeedbackMessage, f"{topics}/feedback", on_feedback, 10)
+        node.listen(
+            impl.FeedbackMessage,
+            f"{topics}/feedback",
+            lambda message: on_feedback(self, message),
+            10,
+        )
         node.listen(
             impl.GoalStatusMessage,
             f"{topics}/status",
@@ -137,7 +142,7 @@ class Goals:
         self._coming: list[Followed] = []  # ours, that are to be sent and have not left yet
         self._running: dict[bytes, Followed] = {}
         self._over: deque[bytes] = deque(maxlen=_OVER)  # those that ended
-        self._lost: dict[bytes, Goal] = {}  # ours whose node has gone
+        self._lost: dict[bytes, Goal] = {}  # those whose node has gone
         self._last: Goal | None = None  # the one that ended last
         self._refusals: deque[str] = deque(maxlen=5)
         self.history: deque[Goal] = deque(maxlen=HISTORY)
@@ -499,14 +504,24 @@ class Goals:
         return _seconds(status) >= action.since  # else it ended before the console came
 
     def _follow_another(self, action: _Action, goal_id: bytes, status: Any) -> None:
-        now, time = self._clock.monotonic(), self._clock.now()
-        age = time - _seconds(status)
+        """Follow a goal that the status of its action tells of."""
+        now = self._clock.monotonic()
+        age = self._clock.now() - _seconds(status)
         begun = now - age if 0 <= age <= _LONGEST_AGE else now
         phase = _RUNNING.get(status.status, Phase.MOVING)
+        is_new = 0 <= age < _NEW or action.told is not None
+        one = self._follow_found(action, goal_id, phase, begun, is_new=is_new)
+        one.on_status(status.status)
+        one.ask_result()
+
+    def _follow_found(
+        self, action: _Action, goal_id: bytes, phase: Phase, begun: float, *, is_new: bool
+    ) -> Followed:
+        """Follow a goal that another client sent, or one whose node was only out of sight."""
+        now, time = self._clock.monotonic(), self._clock.now()
         asked = now if phase == Phase.CANCELLING else None
-        lost = self._lost.pop(goal_id, None)  # of ours: its node was only out of sight
-        is_new = lost is None and (0 <= age < _NEW or action.told is not None)
-        fields, mine = ({}, False) if lost is None else (lost.fields, True)
+        lost = self._lost.pop(goal_id, None)
+        fields, mine = ({}, False) if lost is None else (lost.fields, lost.mine)
         goal = Goal(
             *(action.kind, fields, phase, begun, time),
             heard=now,
@@ -514,22 +529,37 @@ class Goals:
             cancel_asked=asked,
             mine=mine,
             number=next(self._numbers),
-            is_found=not is_new,
+            is_found=lost is not None or not is_new,
         )
         one = self._follow(goal, goal_id, action)
         if not self._watching:
             one.assume()
-        one.on_status(status.status)
-        one.ask_result()
         sent = f"another client sent a goal to {action.kind.action}"
-        self._say("GOAL", f"{goal.name} was not lost: its node is heard again" if mine else sent)
+        again = f"{goal.name} was not lost: its node is heard again"
+        self._say("GOAL", sent if lost is None else again)
+        return one
 
-    def _on_feedback(self, message: Any) -> None:
-        one = self._running.get(bytes(message.goal_id.uuid))
+    def _on_feedback(self, action: _Action, message: Any) -> None:
+        goal_id = bytes(message.goal_id.uuid)
+        one = self._running.get(goal_id) or self._found_again(action, goal_id)
         if one is not None:
             one.on_feedback(message.feedback)
             if one.is_cancelled:  # the answer that it was accepted may have been lost
                 self._cancel_if_unwanted(one)
+
+    def _found_again(self, action: _Action, goal_id: bytes) -> Followed | None:
+        """Return a goal whose node was only out of sight, when feedback of it comes.
+
+        Fast DDS does not send the status again to a console that lost sight of its node.
+        """
+        lost, now = self._lost.get(goal_id), self._clock.monotonic()
+        # what its node said before it left may be read a little later
+        if lost is None or not action.is_served or now - (lost.ended or now) < NOBODY_SERVES:
+            return None
+        begun = now if lost.started is None else lost.started
+        one = self._follow_found(action, goal_id, Phase.MOVING, begun, is_new=False)
+        one.ask_result()
+        return one
 
     async def _reason(self) -> str:
         """Why the goal was refused: an action has no field for the reason, the log has it."""
@@ -549,7 +579,7 @@ class Goals:
         if before.is_running and not goal.is_running:
             self._running.pop(one.id, None)
             self._over.append(one.id)
-            if goal.phase == Phase.GONE and goal.mine:
+            if goal.phase == Phase.GONE:
                 self._lost = {**dict([*self._lost.items()][-HISTORY:]), one.id: goal}
             self._last = goal
             self.history.appendleft(goal)

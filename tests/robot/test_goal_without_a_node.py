@@ -42,7 +42,7 @@ class Server(Node):
             (impl.CancelGoalService, "cancel_goal", self.result),
         ):
             self.create_service(kind, f"{prefix}/{name}", answer, callback_group=group)
-        self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
+        self.feedback = self.create_publisher(impl.FeedbackMessage, f"{prefix}/feedback", 10)
         latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         self.status = self.create_publisher(impl.GoalStatusMessage, f"{prefix}/status", latched)
 
@@ -54,6 +54,12 @@ class Server(Node):
         await self.never
         return response
 
+    def feeds(self, goal_id: bytes) -> None:
+        """Tell how far it is from now on, and no status."""
+        said = MoveToShelf.Impl.FeedbackMessage(goal_id=UUID(uuid=list(goal_id)))
+        said.feedback.distance_remaining = 9.0
+        self.create_timer(0.2, lambda: self.feedback.publish(said))
+
     def drives(self, goal_id: bytes) -> None:
         """Tell that it does."""
         status = GoalStatus(status=GoalStatus.STATUS_EXECUTING)
@@ -61,7 +67,10 @@ class Server(Node):
         self.status.publish(GoalStatusArray(status_list=[status]))
 
 
-async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_again() -> None:
+@pytest.mark.parametrize("tells", [Server.drives, Server.feeds], ids=["status", "feedback"])
+async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_again(
+    tells: Any,
+) -> None:
     made: list[Node] = []
 
     def host(**options: Any) -> Node:
@@ -91,7 +100,7 @@ async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_ag
         assert goal.outcome_at(seconds()) == Outcome(Code.TIMEOUT, f"goal lost: {LOST}")
         back = Server(context=made[0].context)
         executor.create_task(executor.add_node, back)
-        executor.create_task(back.drives, goal_id)
+        executor.create_task(tells, back, goal_id)
         await until(lambda: it.snapshot.running_goal)
         goal = it.snapshot.running_goal
         assert (goal.name, goal.mine) == ("shelf 3", True)
