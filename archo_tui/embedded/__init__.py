@@ -1,7 +1,7 @@
 """ROS 2 without ROS: an in-process `rclpy` and the interface packages it needs.
 
-Knows nothing of ARCHO and nothing of the console; imports the standard library
-and PyYAML only. `install()` makes `import rclpy` mean the package beside this file.
+The engine knows nothing of ARCHO and of the console; it imports the standard library, PyYAML and
+the reader of YAML text only. `install()` makes `import rclpy` mean the package beside this file.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class RclpyLoader(importlib.machinery.SourceFileLoader):
 
 
 class RclpyFinder:
-    """Answers `import rclpy` with the embedded package; submodules follow from its `__path__`."""
+    """The finder that answers `import rclpy` with the embedded package; submodules follow."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -48,14 +48,14 @@ class RclpyFinder:
 
 
 def is_installed() -> bool:
-    """True when `import rclpy` means the embedded engine in this process."""
+    """Return True if `import rclpy` means the embedded engine in this process."""
     return any(isinstance(finder, RclpyFinder) for finder in sys.meta_path)
 
 
 def finder(
     packages: Mapping[str, Path] | None = None, own: Mapping[str, Path] | None = None
 ) -> InterfaceFinder:
-    """Finds the same interfaces as `install` does."""
+    """Return a finder of the same interfaces as `install` makes importable."""
     return InterfaceFinder(HERE / "share", packages or {}, own)
 
 
@@ -64,12 +64,16 @@ def install(
 ) -> None:
     """Put the embedded `rclpy` and the interface packages in front of every other.
 
-    `packages` names interface packages by folder (`{"archo_interfaces": Path("interfaces")}`),
-    beside those in `share/` and on AMENT_PREFIX_PATH; `own` those of the user, whose files are
-    taken before any other's. Installing twice changes nothing.
+    Installing twice changes nothing.
 
-    Raises RuntimeError when another `rclpy` has been imported already: two meanings of one
-    name in one process would be worse than none.
+    Args:
+        packages: Interface packages by name (`{"archo_interfaces": Path("interfaces")}`), besides
+            those in `share/` and on AMENT_PREFIX_PATH.
+        own: The user's packages by name, whose files are taken before any other's.
+
+    Raises:
+        RuntimeError: Another `rclpy` has been imported already; one name must not have two
+            meanings in one process.
     """
     if is_installed():
         return

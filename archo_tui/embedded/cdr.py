@@ -1,7 +1,8 @@
-"""Messages as bytes and back: CDR as DDS has it, little-endian; big-endian is read too.
+"""The conversion of messages to bytes and back: CDR, as OMG's DDS-XTypes 1.3 defines it in 7.4.
 
-A value stands at a multiple of its own size (8 at most), counted behind the four bytes that say how
-it is encoded. Strings have their length with a closing zero, sequences the number of elements.
+Bytes are written little-endian; big-endian is read too. A value stands at a multiple of its own
+size (8 at most), counted behind the four bytes of the encapsulation header. Strings have their
+length with a closing zero, sequences the number of elements.
 """
 
 from __future__ import annotations
@@ -19,18 +20,22 @@ _FORMATS = {
 
 
 class CdrError(ValueError):
-    """Bytes that are not a message of that type."""
+    """The error of bytes that are not a message of the expected type."""
 
 
 def encode(message: Any) -> bytes:
-    """The message with its encapsulation in front."""
+    """Return a message as bytes, with the encapsulation header."""
     data = bytearray()
     _write_message(data, message)
     return _LITTLE + bytes(data)
 
 
 def decode(data: bytes, message_class: Any) -> Any:
-    """The message that bytes hold; what follows it is ignored. Raises CdrError."""
+    """Return the message that bytes hold; bytes after it are ignored.
+
+    Raises:
+        CdrError: The bytes are not a message of that class.
+    """
     if data[:4] not in (_LITTLE, _BIG):
         raise CdrError("unknown encapsulation")
     try:

@@ -1,4 +1,4 @@
-"""What may be assigned to a field of a message, and how its value is copied.
+"""The checks of values assigned to a message's fields, and the copying of values.
 
 The checks are those of rosidl's Python classes (AssertionError, bool is an int, an int is not a
 float), always on. Copies behave like a trip over the wire: nothing is shared, float32 is rounded.
@@ -25,13 +25,20 @@ Copy = Callable[[Any], Any]
 
 
 def round_to_float32(value: float) -> float:
-    """The nearest value that four bytes can carry, as a receiver would read it."""
+    """Return the nearest value that four bytes can carry, as a receiver would read it."""
     result: float = _FLOAT32.unpack(_FLOAT32.pack(value))[0]
     return result
 
 
 def scalar_check(name: str, base: str, bound: int | None, message_class: type | None) -> Check:
-    """A function that returns its argument when one value of type `base` may be assigned."""
+    """Return a function that returns its argument if it may be assigned to a field.
+
+    Args:
+        name: The field, for the error.
+        base: The type of one value, as FieldType has it.
+        bound: The longest string; None for no bound.
+        message_class: The class of a nested message; None for a primitive.
+    """
     if message_class is not None:
         said = f"a sub message of type '{message_class.__name__}'"
         return _instance_check(name, message_class, said)
@@ -49,10 +56,10 @@ def scalar_check(name: str, base: str, bound: int | None, message_class: type | 
 
 
 def array_check(name: str, kind: FieldType, element: Check) -> Check:
-    """Like `scalar_check` for arrays; returns what the message keeps.
+    """Return a function like `scalar_check`'s for arrays, which returns what the message keeps.
 
-    That is the value itself, which whoever assigned it may go on filling; but numbers are kept in
-    an array.array, or in a FixedArray.
+    That is the assigned value itself, which its owner may go on filling; but numbers are kept in an
+    array.array, or in a FixedArray.
     """
     code, size = TYPE_CODES.get(kind.base), kind.fixed_size
     most = kind.upper_bound if size is None else size
@@ -103,7 +110,7 @@ def _is_ndarray(value: Any) -> bool:
 
 
 def _expected(kind: FieldType) -> str:
-    """What is said when something else is assigned; not before, it is long."""
+    """Return the error text for another value; made when it is needed, since it is long."""
     length = ""
     if kind.fixed_size is not None:
         length = f" with length {kind.fixed_size}"
@@ -133,7 +140,7 @@ def _python_type(base: str) -> str:
 
 
 def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
-    """How to copy a field's value; None when the value can be handed over as it is."""
+    """Return a function that copies a field's value, or None if the value needs no copy."""
     if kind.is_array:
         code = TYPE_CODES.get(kind.base)
         if code and kind.fixed_size is not None:
@@ -149,14 +156,14 @@ def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
 
 
 def from_file(kind: FieldType, value: Any) -> Any:
-    """A constant or default as rosidl's classes have it: a byte is bytes, a list one's own."""
+    """Return a constant or default as rosidl's classes have it, a list as a copy."""
     if isinstance(value, list):
         return [from_file(kind, item) for item in value]
     return bytes([value]) if kind.base == "byte" else value
 
 
 def default_of(kind: FieldType, message_class: Any) -> Any:
-    """The value of a field that nobody has set: zero, empty, false."""
+    """Return the value of a field that nobody has set: zero, empty, false."""
 
     def one() -> Any:
         if message_class is not None:

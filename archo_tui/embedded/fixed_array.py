@@ -1,7 +1,7 @@
 """Arrays of numbers of a fixed size, as messages hold them: `uint8[16]`, `float64[36]`.
 
-rosidl keeps them in `numpy.ndarray`. Of that, what a message needs is here: elements are read, set,
-compared and copied. For anything else make it a `numpy.array(...)`.
+rosidl keeps them in `numpy.ndarray`. These arrays have what a message needs: elements are read,
+set, compared and copied. For anything else make one a `numpy.array(...)`.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ _AMBIGUOUS = (
 
 
 def name_of(code: str) -> str:
-    """The type that an array's type code stands for; uint8, not char, which is the same."""
+    """Return the type of an array's type code; uint8, not char, which is the same."""
     return next(name for name, of in TYPE_CODES.items() if of == code)
 
 
 class Many:
-    """What a comparison and an array have in common: no truth value, but those of the elements."""
+    """The base of arrays and comparisons: without a truth value, except for the elements'."""
 
     __slots__ = ()
 
@@ -33,26 +33,26 @@ class Many:
         return bool(self[0])
 
     def all(self: Any) -> bool:
-        """True when every element is true, or not 0."""
+        """Return True if every element is true, or not 0."""
         return all(iter(self))
 
     def any(self: Any) -> bool:
-        """True when an element is true, or not 0."""
+        """Return True if an element is true, or not 0."""
         return any(iter(self))
 
 
 class Truths(Many, tuple[bool, ...]):
-    """What a comparison gives: one an element."""
+    """The result of a comparison, with a bool for each element."""
 
     __slots__ = ()
 
     def tolist(self) -> list[bool]:
-        """As a list."""
+        """Return the results as a list."""
         return list(self)
 
 
 class FixedArray(Many):
-    """Numbers of one of array.array's type codes."""
+    """An array of numbers of one of array.array's type codes."""
 
     __slots__ = ("_values",)
     __hash__ = None  # type: ignore[assignment]  # as numpy's
@@ -100,12 +100,12 @@ class FixedArray(Many):
 
     @property
     def dtype(self) -> str:
-        """The name of the elements' type."""
+        """Return the name of the elements' type."""
         return name_of(self._values.typecode)
 
     @property
     def size(self) -> int:
-        """How many elements there are."""
+        """Return how many elements there are."""
         return len(self._values)
 
     def __repr__(self) -> str:
@@ -116,7 +116,7 @@ class FixedArray(Many):
 
 
 class Part(FixedArray):
-    """A slice. numpy's is a view of the whole, this one a copy: it takes no values."""
+    """A slice: a copy that takes no values, unlike numpy's, which is a view of the whole."""
 
     __slots__ = ()
 

@@ -1,7 +1,7 @@
-"""Reads ROS interface files (.msg, .srv, .action) into plain descriptions.
+"""A parser of ROS interface files (.msg, .srv, .action) that refuses what rosidl_adapter refuses.
 
-As rosidl_adapter reads them, which refuses the same: `type name [default]`, `type NAME=constant`,
-`#` comments, arrays `[]`, `[N]`, `[<=N]`, bounded strings `string<=N`, sections parted by `---`.
+The lines are `type name [default]`, `type NAME=constant` and `#` comments, with arrays `[]`,
+`[N]`, `[<=N]` and bounded strings `string<=N`; `---` parts the sections.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class InterfaceError(ImportError):
 
 
 class Field(NamedTuple):
-    """One field: its type, name, default (None when the file gives none) and line."""
+    """A field: its type, name, default (None if the file gives none) and line."""
 
     type: FieldType
     name: str
@@ -46,15 +46,22 @@ class Section(NamedTuple):
 
 
 def is_package(name: str) -> bool:
-    """True for what a package can be called."""
+    """Return True for a valid name of a package."""
     return _PACKAGE.fullmatch(name) is not None
 
 
 def parse(path: Path, package: str) -> list[Section]:
-    """Read one interface file: one section for .msg, two for .srv, three for .action.
+    """Parse an interface file.
 
-    Types without a package are looked for in `package`, as ROS does.
-    Raises InterfaceError with file and line.
+    Args:
+        path: The file.
+        package: The package in which types without a package are looked for, as ROS does.
+
+    Returns:
+        One section for .msg, two for .srv, three for .action.
+
+    Raises:
+        InterfaceError: The file is not valid; the message names file and line.
     """
     if not _is_message(path.stem):
         raise InterfaceError(
@@ -88,7 +95,7 @@ def _text(path: Path) -> str:
 
 
 class _Reader:
-    """Takes the lines of one section."""
+    """A parser of the lines of one section."""
 
     def __init__(self, path: Path, package: str) -> None:
         self._path, self._package = path, package
@@ -97,11 +104,11 @@ class _Reader:
 
     @property
     def read(self) -> Section:
-        """All that was taken."""
+        """Return the section of all lines taken."""
         return Section(self._path, tuple(self._fields.values()), tuple(self._constants.values()))
 
     def take(self, line: str, number: int) -> None:
-        """Raises ValueError with what is wrong."""
+        """Parse a line; raise ValueError with what is wrong."""
         line = line.partition("#")[0].rstrip()  # within quotes, too
         if not line:
             return

@@ -1,6 +1,6 @@
-"""Constants and defaults of interface files, read as rosidl_adapter reads them.
+"""A parser of constants and defaults in interface files, equal to rosidl_adapter's.
 
-Raises ValueError with one line that says what was expected.
+A value that is not valid raises ValueError with one line that says what was expected.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ _ELEMENT = re.compile(  # of a list of texts, up to the comma
 
 
 def read(text: str, kind: FieldType) -> object:
-    """The value that is written there."""
+    """Return the value that a text stands for."""
     if "/" in kind.base:
         raise ValueError(f"{kind.base} takes no default")
     if not kind.is_array:
@@ -81,7 +81,7 @@ def _text(text: str, bound: int | None) -> str:
 
 
 def _unescaped(text: str) -> str:
-    r"""`\t` and the like as they arrive: the .idl file in between is in Latin-1."""
+    r"""Return a text with `\t` and the like decoded, as rosidl does by way of a Latin-1 file."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DeprecationWarning)  # "\d" is as written

@@ -1,4 +1,4 @@
-"""Import hook: `from archo_interfaces.msg import BatteryStatus` reads `BatteryStatus.msg`.
+"""An import hook: `from archo_interfaces.msg import BatteryStatus` reads `BatteryStatus.msg`.
 
 A package is a folder with `msg/`, `srv/` or `action/` in it. Each file is looked for, in this
 order, in the folders of the user's own, in those given by name, `share/` beside this file, and
@@ -29,12 +29,18 @@ _DEEPEST = 50  # messages in messages: beyond every real one, and far from Pytho
 
 
 class InterfaceFinder:
-    """Finds interface packages and is the loader of their modules."""
+    """The finder of interface packages, and the loader of their modules."""
 
     def __init__(
         self, share: Path, packages: Mapping[str, Path], own: Mapping[str, Path] | None = None
     ) -> None:
-        """`own` are the user's packages, whose files are taken before any other's."""
+        """Create the finder.
+
+        Args:
+            share: A folder of packages.
+            packages: Further packages by name.
+            own: The user's packages by name, whose files are taken before any other's.
+        """
         self._share = share
         self._packages, self._own = dict(packages), dict(own or {})
         self._classes: dict[str, Any] = {}
@@ -42,7 +48,7 @@ class InterfaceFinder:
         self._lock = threading.RLock()  # nodes on several threads ask for classes
 
     def folders(self, package: str) -> list[Path]:
-        """The folders that hold the package's msg/, srv/ and action/, the first one first."""
+        """Return the folders with the package's msg/, srv/ and action/, in the order of search."""
         prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
         candidates = [
             self._own.get(package),
@@ -53,12 +59,16 @@ class InterfaceFinder:
         return [p for p in candidates if p is not None and _has_interfaces(p)]
 
     def names(self, package: str, kind: str) -> list[str]:
-        """The interfaces of one kind that a package defines."""
+        """Return the interfaces of one kind that a package defines."""
         found = (path.stem for f in self.folders(package) for path in f.glob(f"{kind}/*.{kind}"))
         return sorted(set(found))
 
     def load(self, type_name: str) -> Any:
-        """The class of "package/kind/Name". Raises ImportError when there is none."""
+        """Return the class of "package/kind/Name".
+
+        Raises:
+            ImportError: There is no such interface.
+        """
         with self._lock:
             if type_name not in self._classes:
                 self._making.append(type_name)
@@ -83,7 +93,11 @@ class InterfaceFinder:
         return make_action(type_name, sections, self._resolve, self.load)
 
     def check(self, package: str) -> None:
-        """Make every class of a package. Raises InterfaceError with file and line."""
+        """Make every class of a package.
+
+        Raises:
+            InterfaceError: A file is not valid; the message names file and line.
+        """
         for kind in KINDS:
             for name in self.names(package, kind):
                 self.load(f"{package}/{kind}/{name}")
@@ -122,7 +136,7 @@ class InterfaceFinder:
         return importlib.machinery.ModuleSpec(fullname, loader, origin=origin, is_package=True)
 
     def create_module(self, spec: importlib.machinery.ModuleSpec) -> None:
-        """None: an ordinary module."""
+        """Return None: the module is an ordinary one."""
 
     def exec_module(self, module: ModuleType) -> None:
         package, _, kind = module.__name__.partition(".")

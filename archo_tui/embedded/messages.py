@@ -1,6 +1,7 @@
-"""Makes Python classes of interface descriptions, with the surface of rosidl's own.
+"""A maker of message classes from interface descriptions, with the surface of rosidl's own.
 
-`BatteryStatus(percentage=87.5)`, checked assignment, `==`, `repr`, `get_fields_and_field_types()`.
+Examples are `BatteryStatus(percentage=87.5)`, checked assignment, `==`, `repr` and
+`get_fields_and_field_types()`.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ Resolve = Callable[[Section, Field], Any]
 
 
 class _MessageType(type):
-    """Keeps the constants of a message constant."""
+    """The metaclass of messages, which keeps their constants constant."""
 
     __constants__: ClassVar[frozenset[str]] = frozenset()
 
@@ -34,7 +35,7 @@ class _MessageType(type):
 
 
 class Message(metaclass=_MessageType):
-    """Base of every generated message, request, goal and so on."""
+    """The base of every generated message, request, goal and so on."""
 
     __slots__ = ()
     __type_name__: ClassVar[str]
@@ -47,7 +48,10 @@ class Message(metaclass=_MessageType):
     __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # slot, type, nested class
 
     def __init__(self, **values: Any) -> None:
-        """Fields by name. Their values are always checked: `check_fields` is taken, and no more."""
+        """Create a message from fields by name.
+
+        Values are always checked: rosidl's argument `check_fields` is accepted and has no effect.
+        """
         values.pop("check_fields", None)
         for name, code in self.__number_arrays__.items():
             if name in values:  # converted, unlike in an assignment: [1, 2] are two floats
@@ -59,11 +63,11 @@ class Message(metaclass=_MessageType):
 
     @classmethod
     def get_fields_and_field_types(cls) -> dict[str, str]:
-        """Field names and their IDL types, in the file's order."""
+        """Return field names and their IDL types, in the file's order."""
         return dict(cls.__field_types__)
 
     def __received__(self) -> Any:
-        """A copy that shares nothing, as if it had been sent and received."""
+        """Return a copy that shares nothing, as if it had been sent and received."""
         new = object.__new__(type(self))
         for slot, copy in self.__copiers__:
             value = getattr(self, slot)
@@ -93,7 +97,13 @@ def _alike(one: Any, other: Any) -> bool:
 
 
 def make_message(type_name: str, section: Section, resolve: Resolve) -> type[Message]:
-    """A message class for `type_name` ("package/msg/Name"), nested types found by `resolve`."""
+    """Return a message class.
+
+    Args:
+        type_name: Its type, as `package/msg/Name`.
+        section: Its fields and constants.
+        resolve: Returns the class of a nested type.
+    """
     package, kind, name = type_name.split("/")
     body: dict[str, Any] = {
         "__slots__": tuple(f"_{field.name}" for field in section.fields),
@@ -148,7 +158,7 @@ class _ServiceType(type):
 
 
 def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> type:
-    """A service class with `Request` and `Response`, of which there are no objects."""
+    """Return a service class with `Request` and `Response`; it has no instances."""
     parts = {
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Request", "Response"), sections, strict=True)
@@ -159,7 +169,7 @@ def make_service(type_name: str, sections: list[Section], resolve: Resolve) -> t
 def make_action(
     type_name: str, sections: list[Section], resolve: Resolve, load: Callable[[str], Any]
 ) -> type:
-    """An action class with `Goal`, `Result`, `Feedback` and the services and messages in `Impl`."""
+    """Return an action class with `Goal`, `Result`, `Feedback`, and the rest in `Impl`."""
     parts: dict[str, Any] = {
         part: make_message(f"{type_name}_{part}", section, resolve)
         for part, section in zip(("Goal", "Result", "Feedback"), sections, strict=True)
@@ -196,7 +206,7 @@ def _wrapped_service(
 
 
 def _wrapped(type_name: str, load: Callable[[str], Any], members: dict[str, Any]) -> type[Message]:
-    """A message whose field types are given as classes, as ROS derives them for actions."""
+    """Return a message class whose field types are classes, as ROS derives them for actions."""
     primitives = {bool: "bool", int: "int8"}
     classes = {
         name: load(member) if isinstance(member, str) else member

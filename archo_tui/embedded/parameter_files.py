@@ -1,4 +1,4 @@
-"""Reads ROS parameter files: `node: ros__parameters: name: value`, with `/**` and `/*` wildcards.
+"""A reader of ROS parameter files: `node: ros__parameters: name: value`, with `/**` and `/*`.
 
 Scalars are typed as rcl types them (`1e3` is a double, `yes` and `on` are booleans, `017` is 15);
 every error names file and line. What rcl silently reads as something else, such as a list within a
@@ -45,9 +45,9 @@ class ParameterFileError(YamlError):
 
 
 class Override(NamedTuple):
-    """One value for one parameter of the nodes that a pattern names, and where it was written.
+    """A value for a parameter of the nodes that a pattern names, and where it was written.
 
-    The pattern is as written: `node` and `/node` mean the same node, and are two to rcl.
+    The pattern is kept as written: `node` and `/node` mean the same node, but are two to rcl.
     """
 
     pattern: str
@@ -57,7 +57,12 @@ class Override(NamedTuple):
 
 
 def read(path: Path) -> list[Override]:
-    """All overrides of a file, in order. Raises YamlError, and OSError as `open` does."""
+    """Return all overrides of a file, in their order.
+
+    Raises:
+        YamlError: The file is not valid; the message names file and line.
+        OSError: It cannot be opened.
+    """
     text = bounded_yaml.read(path)
     overrides: list[Override] = []
     for root in bounded_yaml.documents(text, path):
@@ -69,7 +74,7 @@ def read(path: Path) -> list[Override]:
 
 
 class _Text(NamedTuple):
-    """A file and its lines: only there a tag can be told from what YAML makes of a plain scalar."""
+    """A file with its lines, since only they tell a tag from what YAML makes of a plain scalar."""
 
     path: Path
     lines: list[str]
@@ -105,7 +110,7 @@ def scalar(text: str) -> Any:
 
 
 def _double(text: str) -> float | None:
-    """Return a number as strtod reads it; None for what is none, or does not fit a double."""
+    """Return a number as strtod reads it, or None for what is none or does not fit a double."""
     try:
         if _DECIMAL.fullmatch(text):
             digits, number = re.split("[eE]", text)[0], float(text)
@@ -120,7 +125,11 @@ def _double(text: str) -> float | None:
 
 
 def value_of(text: str) -> Any:
-    """The value of `-p name:=text`: a scalar or a flow sequence. Raises ValueError."""
+    """Return the value of `-p name:=text`, a scalar or a flow sequence.
+
+    Raises:
+        ValueError: The text is neither.
+    """
     try:
         node = bounded_yaml.compose(text, Path("-p"))
     except YamlError as error:
@@ -132,7 +141,7 @@ def value_of(text: str) -> Any:
 
 
 def matches(pattern: str, node: str) -> bool:
-    """True when a file's node name (`/**`, `/ns/*`, `node`) names the fully qualified `node`."""
+    """Return True if a file's node name (`/**`, `/ns/*`, `node`) names the full `node`."""
     pattern = pattern if pattern.startswith("/") else f"/{pattern}"
     regex = ""
     for token in pattern.split("/")[1:]:

@@ -1,4 +1,4 @@
-"""Names that a module of rclpy has only because it imports them, and programs import from there.
+"""The names that a module of rclpy has only because it imports them, and programs import from it.
 
 `from rclpy.node import ReentrantCallbackGroup` is such an import: it works on real ROS 2, too.
 """

@@ -107,7 +107,6 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
 
     @empty.setter
     def empty(self, text: str) -> None:
-        """Return the text of an empty list."""
         if text != self._empty:
             self._empty = text
             if not self._items:  # Otherwise the text is not visible.

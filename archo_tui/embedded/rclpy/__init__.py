@@ -1,6 +1,6 @@
 """The embedded engine's `rclpy`: the part of ROS 2's Python client library that nodes use.
 
-In one process, without ROS. It is smaller than rclpy. What fails on ROS 2 fails here, too.
+All of it runs in one process, without ROS. What fails on ROS 2 fails here, too.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def init(
 ) -> InitContextManager:
     """Begin to use rclpy. Arguments behind `--ros-args` hold for every node of the context.
 
-    What is returned ends it again at the end of a `with`.
+    The returned context manager calls `shutdown` at the end of a `with`.
     """
     context = context or get_default_context()
     if signal_handler_options is None:
@@ -57,7 +57,7 @@ def init(
 
 
 class InitContextManager:
-    """What `init` returns: the context, to be shut down at the end of a `with`."""
+    """The result of `init`: a context manager that shuts the context down."""
 
     def __init__(self, context: Context, options: SignalHandlerOptions) -> None:
         self.context = context
@@ -72,26 +72,26 @@ class InitContextManager:
 
 
 def shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """End. Raises RuntimeError when not begun."""
+    """End the use of rclpy; raise RuntimeError if it has not begun."""
     utilities.shutdown(context=context)
     _reset_executor()
 
 
 def try_shutdown(*, context: Context | None = None, uninstall_handlers: bool | None = None) -> None:
-    """End if begun."""
+    """End the use of rclpy, if it has begun."""
     utilities.try_shutdown(context=context)
     _reset_executor()
 
 
 def create_node(node_name: str, **options: Any) -> Node:
-    """A plain Node; options as `Node`'s."""
+    """Return a plain Node; the options are those of `Node`."""
     from rclpy.node import Node
 
     return Node(node_name, **options)
 
 
 def get_global_executor() -> Executor:
-    """The executor that `spin` uses when none is given."""
+    """Return the executor that `spin` uses if none is given."""
     global _executor
     if _executor is None:
         from rclpy.executors import SingleThreadedExecutor
@@ -101,7 +101,7 @@ def get_global_executor() -> Executor:
 
 
 def spin(node: Node, executor: Executor | None = None) -> None:
-    """Run the node's callbacks until the context is shut down; what one raises leaves this call."""
+    """Run the node's callbacks until the context is shut down, or one raises."""
     executor = executor or get_global_executor()
     executor.add_node(node)
     try:

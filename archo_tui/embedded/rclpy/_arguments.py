@@ -1,4 +1,4 @@
-"""`--ros-args`: remapping, parameters, parameter files, log level."""
+"""The command line after `--ros-args`: remapping, parameters, parameter files, log level."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _IGNORED_FLAGS = re.compile(r"--(enable|disable)-external-lib-logs|--enable-stdo
 
 
 class Arguments(NamedTuple):
-    """What a command line says to ROS."""
+    """The ROS arguments of a command line."""
 
     remaps: tuple[Remap, ...] = ()
     overrides: tuple[Override, ...] = ()
@@ -29,10 +29,10 @@ class Arguments(NamedTuple):
     rosout_logs: bool = True
 
     def parameters_of(self, node: str) -> dict[str, Any]:
-        """Overrides for the node of that fully qualified name.
+        """Return the overrides for the node of that fully qualified name.
 
-        As rcl has it: within one pattern the later value wins, and of two patterns the one that
-        was first named later, whatever was said of the other after that.
+        As in rcl, the later value wins within a pattern; of two patterns that one wins which was
+        first named later, whatever was said of the other after that.
         """
         by_pattern: dict[str, dict[str, Any]] = {}
         for override in self.overrides:
@@ -46,9 +46,11 @@ class Arguments(NamedTuple):
 
 
 def parse(args: Sequence[str] | None) -> Arguments:
-    """Read what stands between `--ros-args` and `--`.
+    """Parse what stands between `--ros-args` and `--`.
 
-    Raises RCLInvalidROSArgsError, also for a file that cannot be read, and UnknownROSArgsError.
+    Raises:
+        RCLInvalidROSArgsError: An argument, or a file that it names, is not valid.
+        UnknownROSArgsError: An argument is unknown.
     """
     remaps: list[Remap] = []
     overrides: list[Override] = []  # of files and single ones, in their order
@@ -76,7 +78,7 @@ def parse(args: Sequence[str] | None) -> Arguments:
 
 
 def split(args: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The program's own words, and those between `--ros-args` and `--`."""
+    """Return the program's own words, and those between `--ros-args` and `--`."""
     own: list[str] = []
     ros: list[str] = []
     inside = False
@@ -98,7 +100,7 @@ def _next(words: Any, option: str) -> str:
 
 
 def _split(text: str, what: str) -> tuple[str | None, str, str]:
-    """`[node:]left:=right` in its three parts."""
+    """Split `[node:]left:=right` into its three parts."""
     left, sign, right = text.partition(":=")
     if not sign or not left:
         raise _invalid(f"{what} is not 'name:=value': {text!r}")

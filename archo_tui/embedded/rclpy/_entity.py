@@ -1,4 +1,4 @@
-"""What an executor can have work from: subscriptions, clients, services and timers."""
+"""The bases of what an executor gets work from: subscriptions, clients, services and timers."""
 
 from __future__ import annotations
 
@@ -21,42 +21,42 @@ EntityT = TypeVar("EntityT", bound="Entity")
 
 
 class Destroyable:
-    """What can be destroyed; who uses it afterwards is told."""
+    """An object that can be destroyed; using it afterwards raises InvalidHandle."""
 
     _destroyed = False
     _is_part_of_action = False  # and not one of those that its node tells of
 
     @property
     def handle(self) -> Handle:
-        """What stands for the object that rcl has of it."""
+        """Return the stand-in for rcl's handle of the object."""
         return Handle(self)
 
     def _use(self) -> None:
-        """Raises InvalidHandle once it is destroyed."""
+        """Raise InvalidHandle if the object has been destroyed."""
         if self._destroyed:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
 
 
 class Handle:
-    """Of something that can be destroyed: `with thing.handle:` raises InvalidHandle after that."""
+    """The handle of a destroyable object: `with thing.handle:` raises InvalidHandle after that."""
 
     def __init__(self, of: Destroyable) -> None:
         self._of = of
 
     @property
     def pointer(self) -> int:
-        """A number of its own."""
+        """Return a number that no other handle has."""
         return id(self._of)
 
     def __enter__(self) -> None:
         self._of._use()
 
     def __exit__(self, *_: object) -> None:
-        """Nothing is held."""
+        """Do nothing: entering holds nothing."""
 
 
 class Entity(Destroyable):
-    """Something of a node with callbacks to run."""
+    """A part of a node that has callbacks to run."""
 
     # in a round: actions, timers, subscriptions, clients, services
     _rank = 1
@@ -69,7 +69,7 @@ class Entity(Destroyable):
         callback_group.add_entity(self)
 
     def destroy(self) -> None:
-        """Never call back again; its node's own `destroy_...` does this too."""
+        """End all callbacks; the node's own `destroy_...` does this too."""
         self._destroyed = True
 
     def __enter__(self: EntityT) -> EntityT:
@@ -79,31 +79,31 @@ class Entity(Destroyable):
         self.destroy()
 
     def _take(self) -> Callable[[], Any] | None:
-        """The next piece of work as a function (or coroutine function), None when there is none."""
+        """Return the next piece of work as a function (or coroutine function), or None."""
         raise NotImplementedError
 
     def _is_awaited(self) -> bool:
-        """True when a coroutine that the work returns is to be run: of `async def` callbacks."""
+        """Return True if a coroutine that the work returns must be awaited."""
         return inspect.iscoroutinefunction(self.callback)
 
     def _waiting(self) -> int:
-        """How many pieces of work wait."""
+        """Return how many pieces of work wait."""
         return 0
 
     def _notify(self) -> None:
-        """Tell the executor that there is work. Without one it stays until the node gets one."""
+        """Tell the executor that there is work; the work waits until the node has one."""
         executor = self._node._executor
         if executor is not None:
             executor._make_ready(self._taken_by or self)
 
 
 class TimedEntity(Entity):
-    """An entity that the executor is to look at when its time has come."""
+    """An entity that the executor must look at when its time has come."""
 
     _next_ns = 0  # when, in monotonic ns
 
     def _is_due(self) -> bool:
-        """True when there is work for it by now, or may be."""
+        """Return True if there is, or may be, work by now."""
         raise NotImplementedError
 
     def _schedule(self) -> None:
@@ -120,18 +120,18 @@ class ServiceEnd(Destroyable):
 
     @property
     def service_name(self) -> str:
-        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        """Return the name on the graph; raise InvalidHandle after `destroy()`."""
         self._use()
         return self._service_name
 
     @property
     def logger_name(self) -> str:
-        """The name of its node's logger."""
+        """Return the name of the node's logger."""
         return self._node.get_logger().name
 
 
 class QueueEntity(Entity):
-    """An entity with a bounded queue; when it is full the oldest item is lost.
+    """An entity with a bounded queue; if it is full, the oldest item is lost.
 
     Its executor takes one item a round, so that no full queue keeps another entity waiting.
     """
@@ -153,7 +153,7 @@ class QueueEntity(Entity):
         return None if self._destroyed else self._work(item)
 
     def _work(self, item: Any) -> Callable[[], Any]:
-        """What is called for one item."""
+        """Return the function to call for an item."""
         return partial(self._handle, item)
 
     def _handle(self, item: Any) -> Any:

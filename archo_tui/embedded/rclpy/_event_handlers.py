@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Endpoint(Destroyable):
-    """A publisher or subscription, and who tells its callbacks of what happens to it."""
+    """A publisher or subscription, with the handlers that tell its callbacks of events."""
 
     _node: Node
     qos_profile: QoSProfile
@@ -30,9 +30,9 @@ class Endpoint(Destroyable):
 
 
 class EventHandler(Entity):
-    """Hands the newest state of one kind to its callback. This one is told nothing.
+    """A handler that hands the newest state of an event to its callback; this base has no events.
 
-    So it is for lost messages, of which there are none in one process, and for other types, of
+    It serves for lost messages, of which there are none in one process, and for other types, of
     which Fast DDS does not tell either.
     """
 
@@ -62,25 +62,25 @@ class EventHandler(Entity):
             return partial(self.callback, self._info())
 
     def _info(self) -> Any:
-        """What the callback is given; what it tells of is not new from now on."""
+        """Return what the callback is given, and count it as told."""
         raise NotImplementedError
 
     def _change(self) -> int:
-        """How much of the total is new."""
+        """Return how much of the total is new."""
         change, self._told = self._total - self._told, self._total
         return change
 
     # what may happen to an endpoint
 
     def _met(self, change: int) -> None:
-        """Another endpoint that matches came (1) or left (-1)."""
+        """Count a matching endpoint that came (1) or left (-1)."""
 
     def _refused(self, policy: QoSPolicyKind) -> None:
-        """Another endpoint came that does not match."""
+        """Count an endpoint that does not match."""
 
 
 class Matched(EventHandler):
-    """Told of endpoints that match."""
+    """A handler of endpoints that match."""
 
     _current = _told_current = 0
 
@@ -97,7 +97,7 @@ class Matched(EventHandler):
 
 
 class IncompatibleQoS(EventHandler):
-    """Told of endpoints that do not match."""
+    """A handler of endpoints that do not match."""
 
     _policy = QoSPolicyKind.INVALID
 

@@ -1,4 +1,4 @@
-"""What can be told of an endpoint: the kinds of events, and what each one says."""
+"""The kinds of events of an endpoint, and the data of each."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from rclpy.qos import QoSPolicyKind
 
 
 class QoSPublisherEventType(IntEnum):
-    """What a publisher can be told of."""
+    """The kinds of events of a publisher."""
 
     RCL_PUBLISHER_OFFERED_DEADLINE_MISSED = 0
     RCL_PUBLISHER_LIVELINESS_LOST = 1
@@ -19,7 +19,7 @@ class QoSPublisherEventType(IntEnum):
 
 
 class QoSSubscriptionEventType(IntEnum):
-    """What a subscription can be told of."""
+    """The kinds of events of a subscription."""
 
     RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED = 0
     RCL_SUBSCRIPTION_LIVELINESS_CHANGED = 1
@@ -30,7 +30,7 @@ class QoSSubscriptionEventType(IntEnum):
 
 
 class QoSSubscriptionMatchedInfo(NamedTuple):
-    """How many endpoints match now and did in all, and what has changed since the last event."""
+    """The number of endpoints that match now and did in all, and the changes since."""
 
     total_count: int = 0
     total_count_change: int = 0
@@ -39,7 +39,7 @@ class QoSSubscriptionMatchedInfo(NamedTuple):
 
 
 class QoSRequestedIncompatibleQoSInfo(NamedTuple):
-    """How many endpoints did not match, and for which policy the last one."""
+    """The number of endpoints that did not match, and the policy of the last one."""
 
     total_count: int = 0
     total_count_change: int = 0
@@ -47,14 +47,14 @@ class QoSRequestedIncompatibleQoSInfo(NamedTuple):
 
 
 class QoSMessageLostInfo(NamedTuple):
-    """How many messages were lost."""
+    """The number of messages that were lost."""
 
     total_count: int = 0
     total_count_change: int = 0
 
 
 class IncompatibleTypeInfo(NamedTuple):
-    """How many endpoints of another type there are."""
+    """The number of endpoints of another type."""
 
     total_count: int = 0
     total_count_change: int = 0

@@ -1,4 +1,4 @@
-"""What all nodes of one ROS domain in this process share: who offers what, and who gets it.
+"""The graph of a ROS domain, which all its nodes in this process share.
 
 Topics and services are the only primitives. A publisher keeps a tuple of the subscriptions that
 match it, rebuilt when an endpoint of its topic comes or goes: publishing touches nobody else.
@@ -29,7 +29,7 @@ class Topic:
 
 
 class Graph:
-    """One domain. `lock` guards every list; delivery happens without it."""
+    """The graph of one domain. `lock` guards every list; delivery happens without it."""
 
     def __init__(self) -> None:
         self.lock = threading.RLock()
@@ -99,7 +99,7 @@ class Graph:
             self.changed.notify_all()
 
     def servers(self, name: str, srv_type: type) -> list[Service[Any, Any]]:
-        """The services of that name and type."""
+        """Return the services of that name and type."""
         with self.lock:
             return [s for s in self.services.get(name, ()) if s.srv_type is srv_type]
 
@@ -129,12 +129,12 @@ _graphs_lock = threading.Lock()
 
 
 def graph_of(domain_id: int) -> Graph:
-    """The graph of a domain; contexts of the same domain share it."""
+    """Return the graph of a domain; contexts of the same domain share it."""
     with _graphs_lock:
         return _graphs.setdefault(domain_id, Graph())
 
 
 def _tell(endpoint: Publisher[Any] | Subscription[Any], change: int) -> None:
-    """Another endpoint matches it, or one does no longer."""
+    """Tell an endpoint's handler that a match came (1) or left (-1)."""
     for handler in endpoint.event_handlers:
         handler._met(change)

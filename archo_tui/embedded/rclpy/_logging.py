@@ -1,4 +1,4 @@
-"""Where log lines go: standard error in ROS's format, and the /rosout of their node."""
+"""The output of log lines: standard error in ROS's format, and the /rosout of their node."""
 
 from __future__ import annotations
 
@@ -31,19 +31,19 @@ def set_level(name: str, level: int) -> None:
 
 
 def own_level(name: str) -> int:
-    """The level that was set for that name itself, 0 for none."""
+    """Return the level that was set for that name itself, 0 for none."""
     return _levels.get(name, 0) if name else _default_level
 
 
 def forget_levels() -> None:
-    """Every logger inherits INFO again."""
+    """Make every logger inherit INFO again."""
     global _default_level
     _levels.clear()
     _default_level = _INFO
 
 
 def effective_level(name: str) -> int:
-    """The level of the nearest logger above that has one."""
+    """Return the level of the nearest logger at or above the name that has one."""
     while name:
         if _levels.get(name):
             return _levels[name]
@@ -63,17 +63,17 @@ def disconnect(name: str, publish: Publish) -> None:
 
 
 def is_written() -> bool:
-    """False where standard error was switched off."""
+    """Return False if standard error is switched off."""
     return _stdout_logs
 
 
 def write(line: str) -> None:
-    """To standard error."""
+    """Write a line to standard error."""
     print(line, file=sys.stderr, flush=True)
 
 
 def rosout(name: str) -> Publish | None:
-    """How the logger's node publishes on /rosout; None for a logger without a node."""
+    """Return the function that publishes a logger's lines on /rosout, or None without a node."""
     while name:
         if name in _rosout:
             return _rosout[name]

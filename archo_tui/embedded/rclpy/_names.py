@@ -18,7 +18,7 @@ _NAMESPACE_MAX = 245  # RMW_NAMESPACE_MAX_LENGTH
 
 
 class Remap(NamedTuple):
-    """One `[node:]from:=to` rule; `node` is None when it holds for every node."""
+    """A rule `[node:]from:=to`; `node` is None if it holds for every node."""
 
     node: str | None
     match: str
@@ -30,21 +30,21 @@ Problem = tuple[str, int] | None  # what is wrong with a name, and at which char
 
 
 def validate_node_name(name: str) -> None:
-    """Raises InvalidNodeNameException."""
+    """Raise InvalidNodeNameException unless the name is valid."""
     problem = node_name_problem(name)
     if problem:
         raise InvalidNodeNameException(name, *problem)
 
 
 def validate_namespace(namespace: str) -> None:
-    """Raises InvalidNamespaceException unless `namespace` is `/` or an absolute name."""
+    """Raise InvalidNamespaceException unless `namespace` is `/` or an absolute name."""
     problem = namespace_problem(namespace)
     if problem:
         raise InvalidNamespaceException(namespace, *problem)
 
 
 def validate_topic_name(name: str, *, is_service: bool = False) -> None:
-    """A name as it is written. Raises InvalidTopicNameException or InvalidServiceNameException."""
+    """Check a name as written; raise InvalidTopicNameException or InvalidServiceNameException."""
     problem = topic_problem(name)
     if problem and is_service:
         raise InvalidServiceNameException(name, *problem)
@@ -53,7 +53,7 @@ def validate_topic_name(name: str, *, is_service: bool = False) -> None:
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> None:
-    """A name on the graph. Raises InvalidTopicNameException or InvalidServiceNameException."""
+    """Check a name on the graph; raise InvalidTopicNameException or InvalidServiceNameException."""
     problem = full_topic_problem(name)
     if problem and is_service:
         raise InvalidServiceNameException(name, *problem)
@@ -62,7 +62,7 @@ def validate_full_topic_name(name: str, *, is_service: bool = False) -> None:
 
 
 def node_name_problem(name: str) -> Problem:
-    """What ROS says against a node's name."""
+    """Return what ROS says against a node's name."""
     if not name:
         return "node name must not be empty", 0
     bad = re.search(r"[^A-Za-z0-9_]", name)
@@ -77,9 +77,10 @@ def node_name_problem(name: str) -> Problem:
 
 
 def topic_problem(name: str) -> Problem:
-    """What ROS says against a topic's or a service's name, before it is expanded.
+    """Return what ROS says against a topic's or a service's name, before it is expanded.
 
-    Raises TypeError for anything but a text.
+    Raises:
+        TypeError: The name is not a text.
     """
     if not isinstance(name, str):
         raise TypeError(f"a name is a str, not {type(name).__name__}")
@@ -106,7 +107,7 @@ def topic_problem(name: str) -> Problem:
 
 
 def full_topic_problem(name: str) -> Problem:
-    """What ROS says against a topic's or a service's name, when it is expanded."""
+    """Return what ROS says against a topic's or a service's name, when it is expanded."""
     if not name:
         return "topic name must not be empty", 0
     if not name.startswith("/"):
@@ -120,7 +121,7 @@ def full_topic_problem(name: str) -> Problem:
 
 
 def namespace_problem(name: str) -> Problem:
-    """What ROS says against a node's namespace."""
+    """Return what ROS says against a node's namespace."""
     if not name:
         return "namespace must not be empty", 0
     if not name.startswith("/"):
@@ -149,9 +150,12 @@ def _tokens_problem(name: str, kind: str) -> Problem:
 
 
 def expand(name: str, node: str, namespace: str) -> str:
-    """The fully qualified form of a topic or service name, as seen from a node.
+    """Return the fully qualified form of a topic or service name, as seen from a node.
 
-    Raises ValueError, as rcl does; whoever creates an endpoint validates its name before.
+    Whoever creates an endpoint validates its name before.
+
+    Raises:
+        ValueError: The name cannot be expanded, as in rcl.
     """
     problem = topic_problem(name)
     if problem:
@@ -170,7 +174,7 @@ def expand(name: str, node: str, namespace: str) -> str:
 def remapped(
     full_name: str, node: str, namespace: str, rules: tuple[Remap, ...], *, is_service: bool
 ) -> str:
-    """`full_name` after the first rule that names it (both sides expand as the node's names do)."""
+    """Return `full_name` after the first rule that names it; both sides expand as the node's do."""
     kind = "rosservice" if is_service else "rostopic"
     for rule in rules:
         if rule.match.startswith("__") or rule.node not in (None, node):
@@ -183,7 +187,7 @@ def remapped(
 
 
 def special(rules: tuple[Remap, ...], node: str, *matches: str) -> str | None:
-    """The replacement of `__node` or `__ns` for this node, or None."""
+    """Return the replacement of `__node` or `__ns` for this node, or None."""
     for rule in rules:
         if rule.match in matches and rule.node in (None, node):
             return rule.replacement

@@ -1,4 +1,4 @@
-"""The half of `rclpy.node.Node` that keeps parameters."""
+"""The part of `rclpy.node.Node` that keeps parameters."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _EMPTY = (
 
 
 class NodeParameters:
-    """Declares, checks, sets and lists parameters; says on /parameter_events what changed."""
+    """A base that declares, checks, sets and lists parameters, and publishes /parameter_events."""
 
     _clock: Clock
     _parameter_events: Publisher[ParameterEvent] | None
@@ -157,11 +157,16 @@ class NodeParameters:
         del self._parameters[name], self._descriptors[name]
 
     def has_parameter(self, name: str) -> bool:
-        """True when declared."""
+        """Return True if the parameter is declared."""
         return name in self._parameters
 
     def get_parameter(self, name: str) -> Parameter[Any]:
-        """Raises ParameterNotDeclaredException, ParameterUninitializedException."""
+        """Return a declared parameter.
+
+        Raises:
+            ParameterNotDeclaredException: The parameter is not declared.
+            ParameterUninitializedException: The parameter has no value.
+        """
         if name not in self._parameters and self._allow_undeclared_parameters:
             return Parameter(name)
         self._require(name)
@@ -171,20 +176,20 @@ class NodeParameters:
         return parameter
 
     def get_parameters(self, names: Sequence[str]) -> list[Parameter[Any]]:
-        """`get_parameter` for each name."""
+        """Return `get_parameter` of each name."""
         return [self.get_parameter(name) for name in names]
 
     def get_parameter_or(
         self, name: str, alternative_value: Parameter[Any] | None = None
     ) -> Parameter[Any]:
-        """The parameter, or the alternative when it is not declared or has no value."""
+        """Return the parameter, or the alternative if it is not declared or has no value."""
         found = self._parameters.get(name)
         if found is not None and found.type_ != Parameter.Type.NOT_SET:
             return found
         return Parameter(name) if alternative_value is None else alternative_value
 
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter[Any]]:
-        """The parameters below a prefix, by their names without it; all for an empty one."""
+        """Return the parameters below a prefix (all for ""), by their names without it."""
         start = f"{prefix}{PARAMETER_SEPARATOR_STRING}" if prefix else ""
         found = self._parameters.items()
         return {name[len(start) :]: p for name, p in found if name.startswith(start)}
@@ -216,7 +221,7 @@ class NodeParameters:
         return self._apply(parameter_list, None)
 
     def describe_parameter(self, name: str) -> ParameterDescriptor:
-        """A copy of the descriptor. Raises ParameterNotDeclaredException."""
+        """Return a copy of the descriptor; raise ParameterNotDeclaredException."""
         if name not in self._parameters and self._allow_undeclared_parameters:
             return ParameterDescriptor()
         self._require(name)
@@ -253,23 +258,24 @@ class NodeParameters:
         raise InvalidParameterValueException(name, candidates[-1].value, result.reason)
 
     def describe_parameters(self, names: Sequence[str]) -> list[ParameterDescriptor]:
-        """`describe_parameter` for each name."""
+        """Return `describe_parameter` of each name."""
         return [self.describe_parameter(name) for name in names]
 
     def get_parameter_type(self, name: str) -> int:
-        """One of ParameterType's constants. Raises ParameterNotDeclaredException."""
+        """Return one of ParameterType's constants; raise ParameterNotDeclaredException."""
         self._require(name)
         return self._parameters[name].type_.value
 
     def get_parameter_types(self, names: Sequence[str]) -> list[int]:
-        """`get_parameter_type` for each name."""
+        """Return `get_parameter_type` of each name."""
         return [self.get_parameter_type(name) for name in names]
 
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
-        """Names below the prefixes (all when there is none), `depth` levels deep (0: any).
+        """Return the names below the prefixes (all if there is none), `depth` levels deep (0: any).
 
-        Raises TypeError for anything but a list of prefixes and a number, ValueError for a negative
-        depth.
+        Raises:
+            TypeError: The arguments are not a list of prefixes and a number.
+            ValueError: The depth is negative.
         """
         if not isinstance(prefixes, list):
             raise TypeError("The prefixes argument must be a list")
@@ -304,32 +310,33 @@ class NodeParameters:
         return result
 
     def add_pre_set_parameters_callback(self, callback: PreSet) -> None:
-        """May change the list before it is checked."""
+        """Add a callback that may change the list of parameters before it is checked."""
         self._pre_set_parameters_callbacks.insert(0, callback)
 
     def add_on_set_parameters_callback(self, callback: OnSet) -> None:
-        """May refuse; also asked when a parameter is declared.
+        """Add a callback that may refuse parameters, also when they are declared.
 
-        Raises TypeError for what cannot be called.
+        Raises:
+            TypeError: It cannot be called.
         """
         _check_is_callable(callback)
         self._on_set_parameters_callbacks.insert(0, callback)
 
     def add_post_set_parameters_callback(self, callback: PostSet) -> None:
-        """Told after the values are set. Raises TypeError for what cannot be called."""
+        """Add a callback that is called after values are set; raise TypeError for no callable."""
         _check_is_callable(callback)
         self._post_set_parameters_callbacks.insert(0, callback)
 
     def remove_pre_set_parameters_callback(self, callback: PreSet) -> None:
-        """Raises ValueError when it was not added."""
+        """Remove a callback; raise ValueError if it was not added."""
         self._pre_set_parameters_callbacks.remove(callback)
 
     def remove_on_set_parameters_callback(self, callback: OnSet) -> None:
-        """Raises ValueError when it was not added."""
+        """Remove a callback; raise ValueError if it was not added."""
         self._on_set_parameters_callbacks.remove(callback)
 
     def remove_post_set_parameters_callback(self, callback: PostSet) -> None:
-        """Raises ValueError when it was not added."""
+        """Remove a callback; raise ValueError if it was not added."""
         self._post_set_parameters_callbacks.remove(callback)
 
     def _require(self, name: str) -> None:
@@ -398,7 +405,7 @@ class NodeParameters:
 def _checked(
     place: int, prefix: str, given: tuple[Any, ...]
 ) -> tuple[str, Any, ParameterDescriptor | None]:
-    """What one declaration says. Raises TypeError, InvalidParameterException."""
+    """Return name, value and descriptor of one declaration; raise an error for bad ones."""
     where = f"at index {place} in parameters list"
     if not 1 <= len(given) <= 3:
         raise TypeError(

@@ -1,4 +1,4 @@
-"""May a parameter have that value? The rules of a descriptor: read-only, type, range, step."""
+"""The rules of a parameter's descriptor: read-only, type, range, step."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ RELATIVE_TOLERANCE = 1e-6  # rclpy's PARAM_REL_TOL
 
 
 def check(parameter: Parameter[Any], descriptor: ParameterDescriptor, *, declaring: bool) -> str:
-    """The reason why not, in rclpy's words, or an empty string."""
+    """Return why a parameter may not have its value, in rclpy's words, or ""."""
     if descriptor.read_only and not declaring:
         return f"Trying to set a read-only parameter: {parameter.name}."
     if not descriptor.dynamic_typing:

@@ -1,14 +1,14 @@
-"""What programs know of rclpy's C layer, under the names it has there: its errors."""
+"""The errors of rclpy's C layer, which programs know by the names they have there."""
 
 from __future__ import annotations
 
 
 class RCLError(RuntimeError):
-    """The client library refused an operation."""
+    """An operation that the client library refused."""
 
 
 class InvalidHandle(RuntimeError):
-    """The object behind this handle has been destroyed."""
+    """A use of an object that has been destroyed."""
 
 
 class UnknownROSArgsError(RuntimeError):
@@ -20,16 +20,16 @@ class RCLInvalidROSArgsError(RCLError):
 
 
 class RMWError(RuntimeError):
-    """The middleware refused an operation."""
+    """An operation that the middleware refused."""
 
 
 class UnsupportedEventTypeError(RCLError):
-    """The middleware does not tell of such events."""
+    """A kind of event that the middleware does not tell of."""
 
 
 class NodeNameNonExistentError(RCLError):
-    """No node of that name is on the graph."""
+    """A node name that is not on the graph."""
 
 
 class TimerCancelledError(RCLError):
-    """A timer that was canceled meanwhile is called."""
+    """A call of a timer that was canceled meanwhile."""

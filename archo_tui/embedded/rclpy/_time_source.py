@@ -1,4 +1,4 @@
-"""Where the engine takes its time from: one object, so that a test can put its own in its place.
+"""The engine's source of time: one object, which a test can replace by its own.
 
 Timers, clocks and the timeouts of every spin and call ask it.
 """
@@ -12,13 +12,13 @@ from typing import Protocol
 
 
 class TimeSource(Protocol):
-    """What the engine asks."""
+    """The interface of a source of time."""
 
     def monotonic_ns(self) -> int:
-        """ns that only grow."""
+        """Return monotonic time, in ns."""
 
     def time_ns(self) -> int:
-        """ns since the Unix epoch."""
+        """Return Unix time, in ns."""
 
     def wait(
         self,
@@ -26,15 +26,19 @@ class TimeSource(Protocol):
         idle: Callable[[], bool],
         until_ns: int | None = None,
     ) -> None:
-        """Let go of `condition`, which the caller holds, until it is notified.
+        """Release `condition`, which the caller holds, until it is notified or the time has come.
 
-        Returns at `until_ns` (of `monotonic_ns`) at the latest, and may return early: the caller
-        looks again. `idle()` is True while there is still nothing to do but wait.
+        The method may return early: the caller looks again.
+
+        Args:
+            condition: The condition.
+            idle: Returns True while there is still nothing to do but wait.
+            until_ns: The latest end, on the clock of `monotonic_ns`; None for no end.
         """
 
 
 class MachineTime:
-    """The machine's own time."""
+    """The time of this machine."""
 
     def monotonic_ns(self) -> int:
         return time.monotonic_ns()
@@ -56,29 +60,29 @@ _source: TimeSource = MachineTime()
 
 
 def use(source: TimeSource) -> TimeSource:
-    """Take the time from `source` from now on; returns the source that was used before."""
+    """Replace the source of time, and return the source that was used before."""
     global _source
     before, _source = _source, source
     return before
 
 
 def monotonic_ns() -> int:
-    """ns that only grow."""
+    """Return monotonic time, in ns."""
     return _source.monotonic_ns()
 
 
 def time_ns() -> int:
-    """ns since the Unix epoch."""
+    """Return Unix time, in ns."""
     return _source.time_ns()
 
 
 def patience_ns(timeout_sec: float | None) -> int | None:
-    """As `deadline_ns`, for waiting on other nodes: there a negative timeout is over at once."""
+    """Return the end of a wait for other nodes: as `deadline_ns`, but at once if negative."""
     return deadline_ns(None if timeout_sec is None else max(timeout_sec, 0.0))
 
 
 def deadline_ns(timeout_sec: float | None) -> int | None:
-    """When a timeout (s) that begins now is over; None for None and for a negative one."""
+    """Return the end of a timeout in s that begins now; None for None and for a negative one."""
     if timeout_sec is None or timeout_sec < 0:
         return None
     return monotonic_ns() + int(timeout_sec * 1e9)
@@ -87,7 +91,7 @@ def deadline_ns(timeout_sec: float | None) -> int | None:
 def wait_until(
     condition: threading.Condition, holds: Callable[[], bool], until_ns: int | None
 ) -> bool:
-    """Wait, with `condition` held, until `holds()`; returns whether it does."""
+    """Wait, with `condition` held, until `holds()`, and return what it returned last."""
     while not holds():
         if until_ns is not None and monotonic_ns() >= until_ns:
             return False
@@ -96,5 +100,5 @@ def wait_until(
 
 
 def wait(condition: threading.Condition, idle: Callable[[], bool], until_ns: int | None) -> None:
-    """See `TimeSource.wait`."""
+    """Wait as `TimeSource.wait` does."""
     _source.wait(condition, idle, until_ns)

@@ -1,4 +1,4 @@
-"""What an action and a callback must be: rclpy finds out at once, and so must we."""
+"""Checks of actions and callbacks that rclpy makes at once, and so this engine does."""
 
 from __future__ import annotations
 
@@ -8,13 +8,17 @@ from typing import Any
 
 
 def check_action(kind: Any) -> None:
-    """Raises AttributeError for anything but an action."""
+    """Raise AttributeError for anything but an action."""
     if not hasattr(kind, "Impl"):
         raise AttributeError(f"{kind!r} has no attribute '_TYPE_SUPPORT': it is no action type")
 
 
 def takes_info(callback: Any) -> bool:
-    """True for a callback of a message and its info. Raises RuntimeError for any other number."""
+    """Return True if a callback takes a message and its info, False if only a message.
+
+    Raises:
+        RuntimeError: It takes another number of arguments.
+    """
     with contextlib.suppress(TypeError):
         signature = inspect.signature(callback)
         for given in (1, 2):

@@ -1,4 +1,4 @@
-"""Which callbacks of a node may run at the same time."""
+"""The rules by which callbacks of a node may run at the same time."""
 
 from __future__ import annotations
 
@@ -8,34 +8,34 @@ from typing import Any
 
 
 class CallbackGroup:
-    """Entities that share a rule about running at the same time."""
+    """A group of entities that share a rule about running at the same time."""
 
     def __init__(self) -> None:
         self.entities: set[weakref.ref[Any]] = set()
 
     def add_entity(self, entity: Any) -> None:
-        """Have the entity share the rule."""
+        """Add an entity to the group."""
         self.entities.add(weakref.ref(entity, self.entities.discard))  # gone with it
 
     def has_entity(self, entity: Any) -> bool:
-        """True when it shares the rule."""
+        """Return True if the entity is in the group."""
         return weakref.ref(entity) in self.entities
 
     def can_execute(self, entity: Any) -> bool:
-        """True when the entity's callback may start now."""
+        """Return True if the entity's callback may start now."""
         raise NotImplementedError
 
     def beginning_execution(self, entity: Any) -> bool:
-        """Claim the group for the entity; False when it is taken."""
+        """Claim the group for the entity, and return False if it is taken."""
         raise NotImplementedError
 
     def ending_execution(self, entity: Any) -> None:
-        """Give the group back."""
+        """Release the group."""
         raise NotImplementedError
 
 
 class ReentrantCallbackGroup(CallbackGroup):
-    """Callbacks run whenever a thread is free."""
+    """A group whose callbacks run whenever a thread is free."""
 
     def can_execute(self, entity: Any) -> bool:
         return True
@@ -48,7 +48,7 @@ class ReentrantCallbackGroup(CallbackGroup):
 
 
 class MutuallyExclusiveCallbackGroup(CallbackGroup):
-    """One callback at a time, until it has returned: a coroutine holds it while it awaits."""
+    """A group that runs one callback at a time; a coroutine holds it while it awaits."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""`rclpy.client.Client`."""
+"""The module `rclpy.client`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SrvResponseT = TypeVar("SrvResponseT")
 
 
 class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
-    """Calls a service. Made by `Node.create_client`."""
+    """A client of a service, made by `Node.create_client`."""
 
     _rank = 4
 
@@ -82,16 +82,16 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
     @property
     def context(self) -> Context:
-        """Its node's context."""
+        """Return the node's context."""
         return self._node.context
 
     def get_pending_request(self, sequence_number: int) -> Future[SrvResponseT]:
-        """The future of a request that is not answered yet. Raises KeyError for any other."""
+        """Return the future of a request without an answer; raise KeyError for any other number."""
         with self._lock:
             return self._pending_requests[sequence_number]
 
     def service_is_ready(self) -> bool:
-        """True when somebody offers the service. Raises InvalidHandle after `destroy()`."""
+        """Return True if a node offers the service; raise InvalidHandle after `destroy()`."""
         self._use()
         return bool(self._node._graph.servers(self._service_name, self.srv_type))
 
@@ -126,7 +126,7 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
 
 
 class _Answer(Future[Any]):
-    """What a call gets; cancelled, its request is forgotten."""
+    """The future of a call; cancelling it forgets the request."""
 
     def __init__(self, client: Client[Any, Any]) -> None:
         super().__init__(executor=client._node.executor)

@@ -1,4 +1,4 @@
-"""`rclpy.clock`: clocks and simulated time."""
+"""The module `rclpy.clock`: clocks and simulated time."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ __all__ = [
 
 
 class Clock:
-    """Tells the time of one kind of clock."""
+    """A clock of one kind."""
 
     def __new__(cls, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> Clock:
-        """A ROSClock for ROS_TIME. Raises TypeError for no ClockType."""
+        """Create a clock, a ROSClock for ROS_TIME; raise TypeError for no ClockType."""
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         return super().__new__(ROSClock if clock_type == ClockType.ROS_TIME else cls)
@@ -41,7 +41,7 @@ class Clock:
 
     @property
     def clock_type(self) -> ClockType:
-        """The kind of clock this is."""
+        """Return the kind of clock this is."""
         return self._clock_type
 
     @property
@@ -49,7 +49,7 @@ class Clock:
         return False
 
     def now(self) -> Time:
-        """The time now: monotonic for STEADY_TIME, else since the Unix epoch."""
+        """Return the time now: monotonic for STEADY_TIME, else since the Unix epoch."""
         steady = self._clock_type == ClockType.STEADY_TIME
         now = _time_source.monotonic_ns() if steady else _time_source.time_ns()
         return Time(nanoseconds=now, clock_type=self._clock_type)
@@ -59,8 +59,12 @@ class Clock:
     def sleep_until(self, until: Time, context: Context | None = None) -> bool:
         """Block until that time on this clock.
 
-        False when the context was shut down before, or simulated time began or ended.
-        Raises ValueError for another kind of clock, NotInitializedException after shutdown.
+        Returns:
+            False if the context was shut down before, or simulated time began or ended.
+
+        Raises:
+            ValueError: The time is of another kind of clock.
+            NotInitializedException: The context has been shut down.
         """
         context = get_default_context() if context is None else context
         if not context.ok():
@@ -90,7 +94,7 @@ class Clock:
 
 
 class _Over:
-    """What the shutdown of a context wakes."""
+    """The condition that the shutdown of a context notifies."""
 
     def __init__(self, condition: threading.Condition) -> None:
         self._condition = condition
@@ -114,7 +118,7 @@ class ROSClock(Clock):
 
     @property
     def ros_time_is_active(self) -> bool:
-        """True while the time is simulated."""
+        """Return True while time is simulated."""
         return self._is_active
 
     @property
@@ -135,7 +139,7 @@ class ROSClock(Clock):
             timer._change_time(simulated=enabled, until_ns=before)
 
     def set_ros_time_override(self, time: Time) -> None:
-        """The simulated time is this now. Raises TypeError for anything but a Time."""
+        """Set the simulated time; raise TypeError for anything but a Time."""
         if not isinstance(time, Time):
             raise TypeError(
                 f"Time must be specified as rclpy.time.Time. Received type: {type(time)}"
@@ -148,11 +152,11 @@ class ROSClock(Clock):
             timer._look()
 
     def _timer_ns(self) -> int:
-        """What timers of this clock count."""
+        """Return the time that timers of this clock count, in ns."""
         return self._override_ns if self._is_active else _time_source.monotonic_ns()
 
     def _take(self, override_ns: int, active: bool) -> None:
-        """Take another time and wake those who sleep."""
+        """Set another time, and wake all sleepers."""
         self._override_ns, self._is_active = override_ns, active
         with self._changed:
             self._changed.notify_all()

@@ -1,4 +1,4 @@
-"""`rclpy.clock_type.ClockType`."""
+"""The module `rclpy.clock_type`."""
 
 from enum import Enum
 

@@ -1,4 +1,4 @@
-"""`rclpy.constants`."""
+"""The module `rclpy.constants`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`rclpy.context.Context`: what `init` begins and `shutdown` ends."""
+"""The module `rclpy.context`: what `init` begins and `shutdown` ends."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Context:
-    """One initialised use of rclpy: arguments, a domain, the nodes made in it."""
+    """A context: arguments, a domain, and the nodes made in it."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -38,12 +38,17 @@ class Context:
         initialize_logging: bool = True,
         domain_id: int | None = None,
     ) -> None:
-        """Begin. `args` defaults to the program's own, `domain_id` to ROS_DOMAIN_ID, or 0.
+        """Begin the context. Contexts of one domain can talk.
 
-        Contexts of one domain talk.
+        Args:
+            args: The command line; None means the program's own.
+            initialize_logging: False leaves the options for log lines without effect.
+            domain_id: The domain; None means ROS_DOMAIN_ID, or 0.
 
-        Raises RuntimeError when it was begun before, RCLError and its kin for bad arguments,
-        UnicodeEncodeError for those that are not UTF-8.
+        Raises:
+            RuntimeError: The context was begun before.
+            RCLError: The arguments are not valid.
+            UnicodeEncodeError: The arguments are not UTF-8.
         """
         with self._lock:
             if self._has_begun:
@@ -63,18 +68,22 @@ class Context:
 
     @property
     def handle(self) -> object:
-        """What stands for the context that rcl has, None before `init`."""
+        """Return the stand-in for rcl's context, or None before `init`."""
         return self._arguments if self._has_begun else None
 
     def ok(self) -> bool:
-        """True between `init` and `shutdown`. Raises InvalidHandle after `destroy()`."""
+        """Return True between `init` and `shutdown`; raise InvalidHandle after `destroy()`."""
         if self._is_destroyed:
             raise InvalidHandle("cannot use Destroyable because destruction was requested")
         return self._ok
 
     def get_domain_id(self) -> int:
-        """The domain whose nodes this context's nodes see. Raises RuntimeError before `init`, and
-        RCLError after `shutdown`."""
+        """Return the domain whose nodes this context's nodes see.
+
+        Raises:
+            RuntimeError: Before `init`.
+            RCLError: After `shutdown`.
+        """
         if not self._has_begun:
             raise RuntimeError("Context must be initialized before it can have a domain id")
         if not self._ok:
@@ -82,10 +91,12 @@ class Context:
         return self._domain_id
 
     def on_shutdown(self, callback: Callable[[], None]) -> None:
-        """Have a function called at shutdown, at once if that was; a bound method unless its
-        object is gone by then.
+        """Call a function at shutdown, or at once after one.
 
-        Raises TypeError for what cannot be called.
+        A bound method is not called if its object is gone by then.
+
+        Raises:
+            TypeError: It cannot be called.
         """
         if not callable(callback):
             raise TypeError(f"callback should be a callable, got {type(callback)}")
@@ -99,7 +110,11 @@ class Context:
             self._callbacks.append(lambda: callback)
 
     def shutdown(self) -> None:
-        """End: nodes leave the graph, executors stop. Raises RuntimeError when not begun."""
+        """End the context: nodes leave the graph, executors stop.
+
+        Raises:
+            RuntimeError: It has not begun.
+        """
         with self._lock:
             if not self._ok:
                 if self._has_begun:
@@ -115,12 +130,12 @@ class Context:
                 callback()
 
     def destroy(self) -> None:
-        """Let go of what it holds; only `init` of another one begins anew."""
+        """Release everything; `init` of this context is no longer possible."""
         self.try_shutdown()
         self._is_destroyed = True
 
     def try_shutdown(self) -> None:
-        """End if begun."""
+        """End the context, if it has begun."""
         if self._ok:
             self.shutdown()
 

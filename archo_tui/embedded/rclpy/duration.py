@@ -1,4 +1,4 @@
-"""`rclpy.duration.Duration`."""
+"""The module `rclpy.duration`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _TOO_LARGE = "Total nanoseconds value is too large to store in C duration."
 
 
 def in_int64(nanoseconds: int, said: str = _TOO_LARGE) -> int:
-    """That many ns. Raises OverflowError, which says so, beyond 64 bits."""
+    """Return the nanoseconds unchanged; raise OverflowError beyond 64 bits."""
     if not -(2**63) <= nanoseconds < 2**63:
         raise OverflowError(said)
     return nanoseconds
@@ -29,7 +29,7 @@ class Duration:
 
     @property
     def nanoseconds(self) -> int:
-        """The whole span, in ns."""
+        """Return the whole span, in ns."""
         return self._nanoseconds
 
     def __str__(self) -> str:
@@ -65,13 +65,13 @@ class Duration:
 
     @classmethod
     def from_msg(cls, msg: builtin_interfaces.msg.Duration) -> Duration:
-        """The span that a message carries. Raises TypeError for another message."""
+        """Return the span that a message carries; raise TypeError for another message."""
         if not isinstance(msg, builtin_interfaces.msg.Duration):
             raise TypeError("Must pass a builtin_interfaces.msg.Duration object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec)
 
     def to_msg(self) -> builtin_interfaces.msg.Duration:
-        """As builtin_interfaces/Duration."""
+        """Return the span as builtin_interfaces/Duration."""
         sec, nanosec = divmod(self._nanoseconds, S_TO_NS)
         return builtin_interfaces.msg.Duration(sec=sec, nanosec=nanosec)
 

@@ -1,4 +1,4 @@
-"""`rclpy.event_handler`: what an endpoint is told of others."""
+"""The module `rclpy.event_handler`: callbacks for the events of an endpoint."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Kind = tuple[IntEnum, type[EventHandler], Told]
 
 
 class SubscriptionEventCallbacks:
-    """What a subscription is told."""
+    """The callbacks of a subscription's events."""
 
     def __init__(
         self,
@@ -58,7 +58,7 @@ class SubscriptionEventCallbacks:
         matched: Told = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        """By default a publisher that does not match is logged, where no callback is given."""
+        """Set the callbacks; a publisher that does not match is logged by default."""
         self.deadline = deadline
         self.incompatible_qos = incompatible_qos
         self.liveliness = liveliness
@@ -70,7 +70,11 @@ class SubscriptionEventCallbacks:
     def create_event_handlers(
         self, callback_group: CallbackGroup, subscription: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Who tells these callbacks. Raises UnsupportedEventTypeError for deadline, liveliness."""
+        """Return the handlers that call these callbacks.
+
+        Raises:
+            UnsupportedEventTypeError: A callback for deadline or liveliness is given.
+        """
         _refuse_timed(self)
         event, qos, kind = QoSSubscriptionEventType, self.incompatible_qos, self.incompatible_type
         if self.use_default_callbacks:
@@ -88,7 +92,7 @@ class SubscriptionEventCallbacks:
 
 
 class PublisherEventCallbacks:
-    """What a publisher is told."""
+    """The callbacks of a publisher's events."""
 
     def __init__(
         self,
@@ -100,7 +104,7 @@ class PublisherEventCallbacks:
         matched: Told = None,
         use_default_callbacks: bool = True,
     ) -> None:
-        """By default a subscription that does not match is logged, where no callback is given."""
+        """Set the callbacks; a subscription that does not match is logged by default."""
         self.deadline = deadline
         self.liveliness = liveliness
         self.incompatible_qos = incompatible_qos
@@ -111,7 +115,11 @@ class PublisherEventCallbacks:
     def create_event_handlers(
         self, callback_group: CallbackGroup, publisher: Any, topic_name: str
     ) -> list[EventHandler]:
-        """Who tells these callbacks. Raises UnsupportedEventTypeError for deadline, liveliness."""
+        """Return the handlers that call these callbacks.
+
+        Raises:
+            UnsupportedEventTypeError: A callback for deadline or liveliness is given.
+        """
         _refuse_timed(self)
         event, qos, kind = QoSPublisherEventType, self.incompatible_qos, self.incompatible_type
         if self.use_default_callbacks:
@@ -128,7 +136,7 @@ class PublisherEventCallbacks:
 
 
 def _refuse_timed(callbacks: SubscriptionEventCallbacks | PublisherEventCallbacks) -> None:
-    """Raise what rclpy does where the middleware does not tell of such events."""
+    """Raise what rclpy raises if the middleware does not tell of such events."""
     for name in ("deadline", "liveliness"):
         if getattr(callbacks, name):
             where = f"{type(callbacks).__name__}({name}=...)"
@@ -150,4 +158,4 @@ def _warns_of_qos(endpoint: Any, said: str) -> Callable[[Any], None]:
 
 
 def _is_never_called(_: IncompatibleTypeInfo) -> None:
-    """Nobody is told of other types."""
+    """Do nothing: no endpoint is told of other types."""

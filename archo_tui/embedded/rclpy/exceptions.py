@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class NotInitializedException(Exception):
-    """rclpy was used before `rclpy.init()`."""
+    """A use of rclpy before `rclpy.init()`."""
 
     def __init__(self, message: str | None = None) -> None:
         said = "rclpy.init() has not been called."
@@ -56,35 +56,35 @@ class InvalidServiceNameException(NameValidationException):
 
 
 class ParameterException(Exception):
-    """Base of what can go wrong with parameters."""
+    """The base of errors with parameters."""
 
     def __init__(self, error_msg: str, parameters: Any, *args: Any) -> None:
         super().__init__(f"{error_msg}: {parameters}", *args)
 
 
 class ParameterNotDeclaredException(ParameterException):
-    """A parameter was used before it was declared."""
+    """A use of a parameter before it is declared."""
 
     def __init__(self, parameters: Any, *args: Any) -> None:
         super().__init__("Invalid access to undeclared parameter(s)", parameters, *args)
 
 
 class ParameterAlreadyDeclaredException(ParameterException):
-    """A parameter was declared twice."""
+    """A second declaration of a parameter."""
 
     def __init__(self, parameters: Any, *args: Any) -> None:
         super().__init__("Parameter(s) already declared", parameters, *args)
 
 
 class InvalidParameterException(ParameterException):
-    """A parameter's name is not allowed."""
+    """A parameter name that is not allowed."""
 
     def __init__(self, parameter: Any, *args: Any) -> None:
         super().__init__("Invalid parameter name", parameter, *args)
 
 
 class InvalidParameterTypeException(ParameterException):
-    """A parameter's value is not of the declared type."""
+    """A parameter value that is not of the declared type."""
 
     def __init__(self, parameter: Parameter[Any], type_name: str, *args: Any) -> None:
         Exception.__init__(
@@ -96,7 +96,7 @@ class InvalidParameterTypeException(ParameterException):
 
 
 class InvalidParameterValueException(ParameterException):
-    """A parameter's value was refused, by its range or by a callback."""
+    """A parameter value that its range or a callback refused."""
 
     def __init__(self, parameter: str, value: object, reason: str) -> None:
         Exception.__init__(
@@ -106,28 +106,28 @@ class InvalidParameterValueException(ParameterException):
 
 
 class ParameterImmutableException(ParameterException):
-    """A read-only parameter was to be changed."""
+    """A change of a read-only parameter."""
 
     def __init__(self, parameter: Any, *args: Any) -> None:
         super().__init__("Attempted to modify read-only parameter", parameter, *args)
 
 
 class ParameterUninitializedException(ParameterException):
-    """A statically typed parameter was read before it had a value."""
+    """A reading of a statically typed parameter without a value."""
 
     def __init__(self, parameter: Any, *args: Any) -> None:
         super().__init__(f"The parameter '{parameter}' is not initialized", parameter, *args)
 
 
 class ROSInterruptException(Exception):
-    """The context was shut down while something slept."""
+    """A shutdown of the context during a sleep."""
 
     def __init__(self) -> None:
         super().__init__("rclpy.shutdown() has been called")
 
 
 class NoTypeSupportImportedException(Exception):
-    """An interface without code to carry it; here every interface file has it."""
+    """An interface without type support; here every interface file has it."""
 
     def __init__(self) -> None:
         super().__init__("no type_support imported")

@@ -1,6 +1,6 @@
-"""Executors: whoever spins one runs the callbacks of its nodes.
+"""Executors, which run the callbacks of their nodes while somebody spins them.
 
-As rclpy's wait set has it, work is done in rounds: the tasks first, then one piece of work of each
+As with rclpy's wait set, work is done in rounds: the tasks first, then one piece of work of each
 entity that is ready by then, timers before subscriptions before clients before services. So a task,
 and a service's answer, never wait behind a queue full of messages.
 Waiting costs nothing: a heap of timers, one condition variable.
@@ -40,7 +40,7 @@ Ready = tuple[Task[Any], "Entity | None", "Node | None"]  # what to call, and wh
 
 
 async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
-    """Call it, and await what an `async def` returns: of another function that is the value."""
+    """Call a function, and await the coroutine of an `async def`."""
     if inspect.iscoroutinefunction(callback):
         return await callback(*args)
     return callback(*args)
@@ -51,25 +51,25 @@ def _never() -> bool:
 
 
 class TimeoutException(Exception):
-    """Nothing became ready in time."""
+    """The end of a wait in which nothing became ready."""
 
 
 class ShutdownException(Exception):
-    """The executor was shut down while it was spun."""
+    """A shutdown of the executor while it was spun."""
 
 
 class ExternalShutdownException(Exception):
-    """The context was shut down while an executor was spun."""
+    """A shutdown of the context while an executor was spun."""
 
 
 class ConditionReachedException(Exception):
-    """What was waited for came about before there was anything to call."""
+    """The fulfilment of the condition before there was anything to call."""
 
 
 class Executor:
-    """Base of the executors: collects what is ready and hands it out one by one.
+    """The base of executors, which collects work and hands it out piece by piece.
 
-    An executor of one's own defines `spin_once`, with `wait_for_ready_callbacks`.
+    A user's own executor defines `spin_once`, using `wait_for_ready_callbacks`.
     """
 
     _is_concurrent = False  # several threads run its callbacks
@@ -96,11 +96,11 @@ class Executor:
 
     @property
     def context(self) -> Context:
-        """The context whose shutdown ends the spinning."""
+        """Return the context whose shutdown ends the spinning."""
         return self._context
 
     def add_node(self, node: Node) -> bool:
-        """Run this node's callbacks from now on, also what waits already. False if it did."""
+        """Run this node's callbacks, also waiting ones; return False if it was added before."""
         with self._condition:
             if node in self._nodes:
                 return False
@@ -115,14 +115,14 @@ class Executor:
             return True
 
     def remove_node(self, node: Node) -> None:
-        """Stop running this node's callbacks, behind those of the round that goes on."""
+        """Stop running this node's callbacks after those of the current round."""
         with self._condition:
             if node in self._nodes:
                 del self._nodes[node]
                 self._drop_work(node)
 
     def _drop_work(self, node: Node) -> None:
-        """What waits of a node is not done any more."""
+        """Drop the waiting work of a node."""
         with self._condition:
             self._timers = [entry for entry in self._timers if entry[2]._node is not node]
             heapq.heapify(self._timers)
@@ -130,7 +130,7 @@ class Executor:
             self._blocked = [e for e in self._blocked if e._node is not node]
 
     def get_nodes(self) -> list[Node]:
-        """The nodes that were added."""
+        """Return the nodes that were added."""
         return list(self._nodes)
 
     def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Task[Any]:
@@ -142,11 +142,11 @@ class Executor:
         return task
 
     def create_future(self) -> Future[Any]:
-        """A future whose callbacks run on this executor."""
+        """Return a future whose callbacks run on this executor."""
         return Future(executor=self)
 
     def wake(self) -> None:
-        """Have a waiting spin look again; by itself this does not end `spin_once`."""
+        """Make a waiting spin check for work; this alone does not end `spin_once`."""
         with self._condition:
             self._notify()
 
@@ -157,7 +157,11 @@ class Executor:
         self.shutdown()
 
     def shutdown(self, timeout_sec: float | None = None) -> bool:
-        """End all spinning and let the nodes go. False if work went on past `timeout_sec` (s)."""
+        """End all spinning and release the nodes.
+
+        Returns:
+            False if work went on for longer than `timeout_sec` (s).
+        """
         with self._condition:
             self._is_shutdown = True
             for node in list(self._nodes):
@@ -167,10 +171,7 @@ class Executor:
         return True
 
     def spin(self) -> None:
-        """Run callbacks until the executor or the context is shut down.
-
-        What a callback raises leaves this call.
-        """
+        """Run callbacks until the executor or the context is shut down, or a callback raises."""
         while self._context.ok() and not self._is_shutdown:
             self.spin_once()
 
@@ -179,7 +180,7 @@ class Executor:
         raise NotImplementedError
 
     def can_execute(self, entity: Entity) -> bool:
-        """True when the entity's callback may start now, as its callback group has it."""
+        """Return True if the entity's callback group lets its callback start now."""
         return entity.callback_group.can_execute(entity)
 
     def wait_for_ready_callbacks(
@@ -188,11 +189,20 @@ class Executor:
         nodes: Collection[Node] | None = None,
         condition: Callable[[], bool] = _never,
     ) -> Ready:
-        """What is to be called next, for an executor of one's own: call the task to do it.
+        """Return the next task to call, with its entity and node, for a user's own executor.
 
-        `nodes` are those to wait for, None for all; `condition()` is looked at before each wait.
-        Raises TimeoutException after `timeout_sec` (s), ShutdownException after `shutdown()`,
-        ExternalShutdownException after that of the context, ConditionReachedException.
+        Entity and node are None for a task of `create_task`.
+
+        Args:
+            timeout_sec: The longest wait in s; None means no limit.
+            nodes: The nodes to wait for; None means all.
+            condition: Checked before each wait; True ends the waiting.
+
+        Raises:
+            TimeoutException: Nothing became ready in time.
+            ShutdownException: The executor was shut down.
+            ExternalShutdownException: The context was shut down.
+            ConditionReachedException: The condition was fulfilled.
         """
         return next(self._wait_for_ready_callbacks(timeout_sec, nodes, condition))
 
@@ -202,7 +212,7 @@ class Executor:
         nodes: Collection[Node] | None = None,
         condition: Callable[[], bool] = _never,
     ) -> Iterator[Ready]:
-        """One after the other, without an end."""
+        """Yield one piece of work after the other, without an end."""
         while True:
             work, entity = self._next_work(timeout_sec, condition, nodes)
             if entity is None:
@@ -238,7 +248,7 @@ class Executor:
         raise NotImplementedError
 
     def _execute(self, work: Work, entity: Entity | None) -> None:
-        """Run one piece of work; raises what it raised. Only what awaits needs a task."""
+        """Run a piece of work, raising what it raises; only coroutines need a task."""
         if entity is None:
             self._run_task(work)  # type: ignore[arg-type]
         else:
@@ -266,13 +276,13 @@ class Executor:
             raise error
 
     def _notify(self) -> None:
-        """Have a waiting spin look again; the condition is held."""
+        """Make a waiting spin check for work; the caller holds the condition."""
         if not self._notified:
             self._notified = True
             self._condition.notify_all()
 
     def _make_ready(self, entity: Entity) -> None:
-        """There is work of an entity."""
+        """Note that an entity has work."""
         with self._lock:
             if entity._node in self._nodes:  # it may have left meanwhile
                 self._ready[entity] = None
@@ -307,7 +317,7 @@ class Executor:
             return self._wait_for_work(timeout_sec, stop, nodes) if found is None else found
 
     def _has_nothing_to_do(self) -> bool:
-        """True before a timer is due, with no work left: the next round begins with its tasks."""
+        """Return True if no work is left and no timer is due, so that a new round begins."""
         if self._round or self._ready or self._tasks:
             return False
         self._had_tasks = False
@@ -317,7 +327,7 @@ class Executor:
     def _wait_for_work(
         self, timeout_sec: float | None, stop: Callable[[], bool], nodes: Collection[Node] | None
     ) -> tuple[Work, Entity | None]:
-        """The condition is held, and there was nothing to do."""
+        """Wait for a piece of work; the caller holds the condition."""
         deadline = _time_source.deadline_ns(timeout_sec)
         while True:
             if stop():
@@ -341,11 +351,11 @@ class Executor:
             raise ExternalShutdownException
 
     def _is_idle(self) -> bool:
-        """True while nobody has said that there is something to do."""
+        """Return True while no work has been announced."""
         return not self._notified
 
     def _collect_timers(self) -> int | None:
-        """Queue the timers that are due; returns when (ns) the next one is, or None."""
+        """Queue the timers that are due, and return the time (ns) of the next one, or None."""
         while self._timers:
             when, _, timer = self._timers[0]
             if when > _time_source.monotonic_ns():
@@ -356,7 +366,7 @@ class Executor:
         return None
 
     def _pop_ready(self, nodes: Collection[Node] | None) -> tuple[Work, Entity | None] | None:
-        """The next piece of work of this round, else of the next one; None when there is none."""
+        """Return the next piece of work of this round or else of the next, or None."""
         others: list[Entity] = []  # of nodes that are not asked for
         found: tuple[Work, Entity | None] | None = None
         while found is None:
@@ -378,7 +388,7 @@ class Executor:
         return found
 
     def _begin_round(self) -> None:
-        """The tasks; what they made ready comes with the entities behind them."""
+        """Queue the tasks; what these make ready comes with the entities behind them."""
         if self._tasks and not (self._had_tasks and self._ready):
             self._had_tasks = True
             self._round.extend(self._tasks)
@@ -390,13 +400,13 @@ class Executor:
         self._ready = {}
 
     def _sorted(self, entities: Iterable[Entity]) -> Iterable[Entity]:
-        """By node, then by kind; among those alike the one that was ready first."""
+        """Sort entities by node, then by kind, then by the order in which they became ready."""
         if len(self._nodes) == 1:
             return sorted(entities, key=_KIND)
         return sorted(entities, key=lambda entity: (self._nodes[entity._node], entity._rank))
 
     def _take(self, entity: Entity) -> Work | None:
-        """One piece of work of an entity, None when its callback group is taken or it has none."""
+        """Return a piece of an entity's work, or None without work or with its group taken."""
         if not entity.callback_group.beginning_execution(entity):
             if entity._node in self._nodes:
                 self._blocked.append(entity)
@@ -410,7 +420,7 @@ class Executor:
 
 
 class SingleThreadedExecutor(Executor):
-    """Runs every callback in the thread that spins."""
+    """An executor that runs every callback in the thread that spins."""
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
         self._spin_once(timeout_sec, _never)
@@ -437,12 +447,20 @@ class SingleThreadedExecutor(Executor):
 
 
 class MultiThreadedExecutor(SingleThreadedExecutor):
-    """Runs callbacks in a pool of threads; callback groups say what may overlap."""
+    """An executor with a pool of threads; callback groups say what may run at the same time."""
 
     _is_concurrent = True
 
     def __init__(self, num_threads: int | None = None, *, context: Context | None = None) -> None:
-        """As many threads as there are cores if not said; warns of one. ValueError for less."""
+        """Create the executor.
+
+        Args:
+            num_threads: The size of the pool; None means one for each core. One gives a warning.
+            context: The context; None means the default one.
+
+        Raises:
+            ValueError: The number of threads is below one.
+        """
         super().__init__(context=context)
         if num_threads is None:
             cores = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 2))
@@ -476,7 +494,7 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
             self.wake()
 
     def shutdown(self, timeout_sec: float | None = None, *, wait_for_threads: bool = True) -> bool:
-        """As the base's; without `wait_for_threads` callbacks may still be running."""
+        """Shut down like the base; without `wait_for_threads` callbacks may still be running."""
         result = super().shutdown(timeout_sec)
         self._executor.shutdown(wait=wait_for_threads)
         return result

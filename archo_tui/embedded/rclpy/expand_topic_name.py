@@ -1,4 +1,4 @@
-"""`rclpy.expand_topic_name`."""
+"""The module `rclpy.expand_topic_name`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from rclpy._names import expand, namespace_problem, node_name_problem, topic_pro
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:
-    """The fully qualified form of a topic's name. Raises ValueError for an invalid one."""
+    """Return the fully qualified form of a topic's name; raise ValueError for an invalid one."""
     for what, name, problem in (
         ("topic name", topic_name, topic_problem(topic_name)),
         ("node name", node_name, node_name_problem(node_name)),

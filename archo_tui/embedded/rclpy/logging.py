@@ -1,4 +1,4 @@
-"""`rclpy.logging`: loggers without a node."""
+"""The module `rclpy.logging`: loggers without a node."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _root_logger = RcutilsLogger()
 
 
 def get_logger(name: str) -> RcutilsLogger:
-    """A logger of that name. Raises ValueError for an empty one."""
+    """Return the logger of that name; raise ValueError for an empty name."""
     if not name:
         raise ValueError("Logger name must not be empty.")
     return _root_logger.get_child(name)
@@ -37,12 +37,12 @@ def set_logger_level(name: str, level: LoggingSeverity | int) -> None:
 
 
 def get_logger_level(name: str) -> LoggingSeverity:
-    """The level that was set for that name itself; UNSET when it inherits one."""
+    """Return the level that was set for that name itself; UNSET if it inherits one."""
     return LoggingSeverity(_logging.own_level(name))
 
 
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
-    """`WARN` as a severity. Raises RuntimeError for another word."""
+    """Return the severity of a word such as `WARN`; raise RuntimeError for another word."""
     try:
         return LoggingSeverity[log_severity.upper()]
     except KeyError:
@@ -55,9 +55,12 @@ def clear_config() -> None:
 
 
 def get_logging_directory() -> Path:
-    """Where ROS keeps its logs: ROS_LOG_DIR, else `log` in ROS_HOME, else `~/.ros/log`.
+    """Return where ROS keeps its logs: ROS_LOG_DIR, else `log` in ROS_HOME, else `~/.ros/log`.
 
-    Nothing is written there by this engine. Raises RuntimeError without a home.
+    This engine writes nothing there.
+
+    Raises:
+        RuntimeError: No home folder is known.
     """
     home = Path(os.environ.get("ROS_HOME") or "~/.ros")
     found = Path(os.environ.get("ROS_LOG_DIR") or home / "log")
@@ -69,5 +72,5 @@ def get_logging_directory() -> Path:
 
 
 def get_logger_effective_level(name: str) -> LoggingSeverity:
-    """The level in force for that name."""
+    """Return the level in force for that name."""
     return LoggingSeverity(_logging.effective_level(name))

@@ -1,4 +1,4 @@
-"""`rclpy.logging_service`: the levels of a process's loggers, seen and set through services."""
+"""The module `rclpy.logging_service`: services that show and set levels of loggers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class LoggingService:
-    """Makes the two services of one node."""
+    """The two services of one node."""
 
     def __init__(self, node: Node) -> None:
         node.create_service(srv.GetLoggerLevels, "~/get_logger_levels", self._get)

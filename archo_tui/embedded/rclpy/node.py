@@ -1,4 +1,4 @@
-"""`rclpy.node.Node`: a participant of the graph."""
+"""The module `rclpy.node`: a participant of the graph."""
 
 from __future__ import annotations
 
@@ -75,7 +75,13 @@ class Node(NodeParameters, Destroyable):
         automatically_declare_parameters_from_overrides: bool = False,
         enable_logger_service: bool = False,
     ) -> None:
-        """Raises NotInitializedException, InvalidNodeNameException, InvalidNamespaceException."""
+        """Create a node, and put it on the graph.
+
+        Raises:
+            NotInitializedException: The context has not begun.
+            InvalidNodeNameException: The name is not allowed.
+            InvalidNamespaceException: The namespace is not allowed.
+        """
         self._context = get_default_context() if context is None else context
         if not self._context.ok():
             raise NotInitializedException("cannot create node")
@@ -133,12 +139,12 @@ class Node(NodeParameters, Destroyable):
 
     @property
     def context(self) -> Context:
-        """The context this node was made in."""
+        """Return the context this node was made in."""
         return self._context
 
     @property
     def executor(self) -> Executor | None:
-        """The executor that runs this node's callbacks, or None."""
+        """Return the executor that runs this node's callbacks, or None."""
         return self._executor
 
     @executor.setter
@@ -153,34 +159,34 @@ class Node(NodeParameters, Destroyable):
             executor.add_node(self)
 
     def get_name(self) -> str:
-        """The name without its namespace. Raises InvalidHandle once destroyed."""
+        """Return the name without its namespace; raise InvalidHandle once destroyed."""
         self._use()
         return self._name
 
     def get_namespace(self) -> str:
-        """The namespace, `/` for the root. Raises InvalidHandle once destroyed."""
+        """Return the namespace, `/` for the root; raise InvalidHandle once destroyed."""
         self._use()
         return self._namespace
 
     def get_fully_qualified_name(self) -> str:
-        """`/namespace/name`. Raises InvalidHandle once destroyed."""
+        """Return `/namespace/name`; raise InvalidHandle once destroyed."""
         self._use()
         return self._full_name
 
     def get_clock(self) -> Clock:
-        """The node's clock."""
+        """Return the node's clock."""
         return self._clock
 
     def get_logger(self) -> RcutilsLogger:
-        """The node's logger."""
+        """Return the node's logger."""
         return self._logger
 
     def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
-        """The name on the graph. Raises RCLError for what cannot be one."""
+        """Return the name on the graph; raise RCLError for what cannot be one."""
         return self._resolve(topic, only_expand)
 
     def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
-        """The name on the graph. Raises RCLError for what cannot be one."""
+        """Return the name on the graph; raise RCLError for what cannot be one."""
         return self._resolve(service, only_expand, is_service=True)
 
     def _resolve(self, name: str, only_expand: bool, *, is_service: bool = False) -> str:
@@ -194,14 +200,14 @@ class Node(NodeParameters, Destroyable):
         return full
 
     def _resolved(self, name: str, only_expand: bool = False, *, is_service: bool = False) -> str:
-        """Expanded and remapped. Raises InvalidHandle, ValueError."""
+        """Return a name expanded and remapped; raise InvalidHandle or ValueError."""
         self._use()
         full = _names.expand(name, self._name, self._namespace)
         rules = () if only_expand else self._remaps
         return _names.remapped(full, self._name, self._namespace, rules, is_service=is_service)
 
     def _validated(self, name: str, *, is_service: bool = False) -> str:
-        """The same. Raises InvalidTopicNameException or InvalidServiceNameException too."""
+        """Return a name expanded and remapped, refusing invalid ones with rclpy's exceptions."""
         _names.validate_topic_name(name, is_service=is_service)
         full = self._resolved(name, is_service=is_service)
         _names.validate_full_topic_name(full, is_service=is_service)
@@ -211,34 +217,34 @@ class Node(NodeParameters, Destroyable):
 
     @property
     def default_callback_group(self) -> CallbackGroup:
-        """The mutually exclusive group of what is made without one."""
+        """Return the mutually exclusive group of what is made without one."""
         return self._default_callback_group
 
     @property
     def publishers(self) -> Iterator[Publisher[Any]]:
-        """This node's publishers, but for the one of its log."""
+        """Return this node's publishers, but for the one of its log."""
         return iter(
             [p for p in self._publishers if not p._is_part_of_action and p is not self._rosout]
         )
 
     @property
     def subscriptions(self) -> Iterator[Subscription[Any]]:
-        """This node's subscriptions."""
+        """Return this node's subscriptions."""
         return self._own(Subscription)
 
     @property
     def services(self) -> Iterator[Service[Any, Any]]:
-        """This node's services."""
+        """Return this node's services."""
         return self._own(Service)
 
     @property
     def clients(self) -> Iterator[Client[Any, Any]]:
-        """This node's clients."""
+        """Return this node's clients."""
         return self._own(Client)
 
     @property
     def timers(self) -> Iterator[Timer]:
-        """This node's timers."""
+        """Return this node's timers."""
         return iter(self._all(Timer))
 
     def create_publisher(
@@ -252,7 +258,13 @@ class Node(NodeParameters, Destroyable):
         qos_overriding_options: None = None,
         publisher_class: type[Publisher[Any]] = Publisher,
     ) -> Publisher[MsgT]:
-        """Raises InvalidTopicNameException, TypeError, ValueError."""
+        """Create a publisher.
+
+        Raises:
+            InvalidTopicNameException: The name is not allowed.
+            TypeError: The class is no message, or the QoS is neither a profile nor a depth.
+            ValueError: The depth is negative.
+        """
         absent.check_arguments("create_publisher", qos_overriding_options=qos_overriding_options)
         self._use()
         check_is_valid_msg_type(msg_type)
@@ -278,9 +290,23 @@ class Node(NodeParameters, Destroyable):
         raw: bool = False,
         content_filter_options: None = None,
     ) -> Subscription[MsgT]:
-        """`callback` takes the message, or the message and its info; serialized bytes when `raw`.
+        """Create a subscription.
 
-        Raises InvalidTopicNameException, TypeError, ValueError.
+        Args:
+            msg_type: The class of its messages.
+            topic: The topic's name.
+            callback: Called with the message, or with the message and its info.
+            qos_profile: The profile, or the depth of a default one.
+            callback_group: The group of the callback; None means the node's default one.
+            event_callbacks: The callbacks of events; None means the default ones.
+            qos_overriding_options: Must be None: this engine has no such options.
+            raw: True hands serialized bytes to the callback.
+            content_filter_options: Must be None: this engine has no such options.
+
+        Raises:
+            InvalidTopicNameException: The name is not allowed.
+            TypeError: The class is no message, or the QoS is neither a profile nor a depth.
+            ValueError: The depth is negative.
         """
         absent.check_arguments(
             "create_subscription",
@@ -307,7 +333,7 @@ class Node(NodeParameters, Destroyable):
         qos_profile: QoSProfile = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Client[Any, Any]:
-        """Raises InvalidServiceNameException."""
+        """Create a client of a service; raise InvalidServiceNameException for a bad name."""
         self._use()
         check_is_valid_srv_type(srv_type)
         name, group = self._validated(srv_name, is_service=True), callback_group
@@ -327,7 +353,7 @@ class Node(NodeParameters, Destroyable):
         qos_profile: QoSProfile = qos_profile_services_default,
         callback_group: CallbackGroup | None = None,
     ) -> Service[Any, Any]:
-        """Raises InvalidServiceNameException."""
+        """Create a service; raise InvalidServiceNameException for a bad name."""
         return self._add_service(Service, srv_type, srv_name, callback, callback_group, qos_profile)
 
     def create_timer(
@@ -338,7 +364,11 @@ class Node(NodeParameters, Destroyable):
         clock: Clock | None = None,
         autostart: bool = True,
     ) -> Timer:
-        """A timer of that period in s. Raises RCLError for a negative one, and after shutdown."""
+        """Create a timer of a period in s.
+
+        Raises:
+            RCLError: The period is negative, or the context was shut down.
+        """
         if not self._context.ok():
             raise RCLError("failed to create timer: the given context is not valid")
         group = callback_group or self._default_callback_group
@@ -352,7 +382,7 @@ class Node(NodeParameters, Destroyable):
         return timer
 
     def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
-        """Sleeps at that frequency (Hz) while another thread spins the node."""
+        """Return a rate of that frequency (Hz); another thread must spin the node."""
         if frequency <= 0:
             raise ValueError("frequency must be > 0")
         timer = self.create_timer(1.0 / frequency, _nothing, clock=clock)
@@ -363,12 +393,12 @@ class Node(NodeParameters, Destroyable):
     guards = absent.Attribute()
 
     def destroy_rate(self, rate: Rate) -> bool:
-        """False when it is not this node's."""
+        """Destroy a rate, and return False if it is not this node's."""
         rate.destroy()
         return self._destroy(rate._timer)
 
     def wait_for_node(self, fully_qualified_node_name: str, timeout: float) -> bool:
-        """Wait up to `timeout` (s) for a node; False when it has not come."""
+        """Wait up to `timeout` (s) for a node, and return False if it has not come."""
         name = f"/{fully_qualified_node_name.lstrip('/')}"
         with self._graph.changed:
             return _time_source.wait_until(
@@ -378,7 +408,7 @@ class Node(NodeParameters, Destroyable):
             )
 
     def destroy_publisher(self, publisher: Publisher[Any]) -> bool:
-        """False when it is not this node's."""
+        """Destroy a publisher, and return False if it is not this node's."""
         if publisher not in self._publishers:
             return False
         self._publishers.remove(publisher)
@@ -386,19 +416,19 @@ class Node(NodeParameters, Destroyable):
         return True
 
     def destroy_subscription(self, subscription: Subscription[Any]) -> bool:
-        """False when it is not this node's."""
+        """Destroy a subscription, and return False if it is not this node's."""
         return self._destroy(subscription)
 
     def destroy_client(self, client: Client[Any, Any]) -> bool:
-        """False when it is not this node's."""
+        """Destroy a client, and return False if it is not this node's."""
         return self._destroy(client)
 
     def destroy_service(self, service: Service[Any, Any]) -> bool:
-        """False when it is not this node's."""
+        """Destroy a service, and return False if it is not this node's."""
         return self._destroy(service)
 
     def destroy_timer(self, timer: Timer) -> bool:
-        """False when it is not this node's."""
+        """Destroy a timer, and return False if it is not this node's."""
         return self._destroy(timer)
 
     def _add_service(
@@ -427,7 +457,7 @@ class Node(NodeParameters, Destroyable):
         return True
 
     def _entities(self) -> list[Entity]:
-        """Everything that has callbacks."""
+        """Return everything that has callbacks."""
         endpoints = itertools.chain(self._publishers, self._all(Subscription))
         return [*self._entity_list, *(event for one in endpoints for event in one.event_handlers)]
 
@@ -435,33 +465,33 @@ class Node(NodeParameters, Destroyable):
         return [entity for entity in self._entity_list.copy() if isinstance(entity, kind)]
 
     def _own(self, kind: type[EntityT]) -> Iterator[EntityT]:
-        """Without those that an action is made of."""
+        """Yield the entities of a kind, without those that an action consists of."""
         return (entity for entity in self._all(kind) if not entity._is_part_of_action)
 
     # what is on the graph
 
     def get_node_names(self) -> list[str]:
-        """Names without namespaces."""
+        """Return the names of all nodes without namespaces."""
         return [name for name, _ in self.get_node_names_and_namespaces()]
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
-        """`(name, namespace)` of every node."""
+        """Return `(name, namespace)` of every node."""
         self._use()
         with self._graph.lock:
             return [(node._name, node._namespace) for node in self._graph.nodes]
 
     def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
-        """`(name, namespace, enclave)` of every node; without security all are in `/`."""
+        """Return `(name, namespace, enclave)` of every node; without security all are in `/`."""
         return [(*names, "/") for names in self.get_node_names_and_namespaces()]
 
     def get_fully_qualified_node_names(self) -> list[str]:
-        """`/namespace/name` of every node."""
+        """Return `/namespace/name` of every node."""
         self._use()
         with self._graph.lock:
             return [node._full_name for node in self._graph.nodes]
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
-        """Every topic that has a publisher or a subscription."""
+        """Return every topic that has a publisher or a subscription."""
         self._use()
         with self._graph.lock:
             return _sorted(
@@ -472,7 +502,7 @@ class Node(NodeParameters, Destroyable):
             )
 
     def get_service_names_and_types(self) -> NamesAndTypes:
-        """Every service that somebody offers, or has a client of: `count_services` tells which."""
+        """Return every service that is offered or has a client; `count_services` tells which."""
         self._use()
         with self._graph.lock:
             return _sorted(
@@ -485,7 +515,7 @@ class Node(NodeParameters, Destroyable):
     def get_publisher_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
-        """What one node publishes. Raises NodeNameNonExistentError."""
+        """Return what a node publishes; raise NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
         publishers = [publisher for node in nodes for publisher in node._publishers]
         return _sorted((p._topic_name, p.msg_type) for p in publishers)
@@ -493,7 +523,7 @@ class Node(NodeParameters, Destroyable):
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
-        """What one node subscribes. Raises NodeNameNonExistentError."""
+        """Return what a node subscribes to; raise NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
         return _sorted(
             (s._topic_name, s.msg_type) for node in nodes for s in node._all(Subscription)
@@ -502,21 +532,21 @@ class Node(NodeParameters, Destroyable):
     def get_service_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """What services one node offers. Raises NodeNameNonExistentError."""
+        """Return the services that a node offers; raise NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
         return _sorted((s._service_name, s.srv_type) for node in nodes for s in node._all(Service))
 
     def get_client_names_and_types_by_node(
         self, node_name: str, node_namespace: str
     ) -> NamesAndTypes:
-        """What services one node is a client of. Raises NodeNameNonExistentError."""
+        """Return the services that a node is a client of; raise NodeNameNonExistentError."""
         nodes = self._named(node_name, node_namespace)
         return _sorted((c._service_name, c.srv_type) for node in nodes for c in node._all(Client))
 
     def get_publishers_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
-        """Who publishes a topic, with which type and QoS. Raises ValueError."""
+        """Return a topic's publishers with types and QoS; raise ValueError for a bad name."""
         name = self._resolved(topic_name)
         with self._graph.lock:
             topic = self._graph.topics.get(name)
@@ -525,28 +555,28 @@ class Node(NodeParameters, Destroyable):
     def get_subscriptions_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
-        """Who subscribes a topic, with which type and QoS. Raises ValueError."""
+        """Return a topic's subscriptions with types and QoS; raise ValueError for a bad name."""
         name = self._resolved(topic_name)
         with self._graph.lock:
             topic = self._graph.topics.get(name)
             return [_info(endpoint) for endpoint in topic.subscriptions] if topic else []
 
     def count_publishers(self, topic_name: str) -> int:
-        """How many publish a topic. Raises ValueError."""
+        """Return how many publishers a topic has; raise ValueError for a bad name."""
         return len(self.get_publishers_info_by_topic(topic_name))
 
     def count_subscribers(self, topic_name: str) -> int:
-        """How many subscribe a topic. Raises ValueError."""
+        """Return how many subscriptions a topic has; raise ValueError for a bad name."""
         return len(self.get_subscriptions_info_by_topic(topic_name))
 
     def count_services(self, service_name: str) -> int:
-        """How many offer a service. Raises ValueError."""
+        """Return how many servers a service has; raise ValueError for a bad name."""
         name = self._resolved(service_name, is_service=True)
         with self._graph.lock:
             return len(self._graph.services.get(name, ()))
 
     def count_clients(self, service_name: str) -> int:
-        """How many have a client of a service. Raises ValueError."""
+        """Return how many clients a service has; raise ValueError for a bad name."""
         name = self._resolved(service_name, is_service=True)
         with self._graph.lock:
             return len(self._graph.clients.get(name, ()))
@@ -625,4 +655,4 @@ def _info(endpoint: Any) -> TopicEndpointInfo:
 
 
 def _nothing() -> None:
-    """What a rate's timer calls before the rate is made."""
+    """Do nothing: a rate's timer calls it before the rate is made."""

@@ -1,4 +1,4 @@
-"""`rclpy.parameter`: a parameter and its type."""
+"""The module `rclpy.parameter`: a parameter and its type."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Parameter(Generic[AllowableParameterValueT]):
 
         @classmethod
         def from_parameter_value(cls, value: Any) -> Parameter.Type:
-            """The type of a Python value. Raises TypeError when no parameter can have it."""
+            """Return the type of a Python value; raise TypeError if no parameter can have it."""
             if value is None:
                 return cls.NOT_SET
             for kind, element in _SCALARS.items():
@@ -57,7 +57,7 @@ class Parameter(Generic[AllowableParameterValueT]):
             raise TypeError(f"The given value is not one of the allowed types '{value}'.")
 
         def check(self, value: Any) -> bool:
-            """True when a parameter of this type may have that value."""
+            """Return True if a parameter of this type may have that value."""
             if self == Parameter.Type.NOT_SET:
                 return value is None
             if self in _SCALARS:
@@ -70,7 +70,12 @@ class Parameter(Generic[AllowableParameterValueT]):
             )
 
     def __init__(self, name: str, type_: Type | None = None, value: Any = None) -> None:
-        """Raises TypeError for a value no parameter can have, ValueError for another type."""
+        """Create a parameter.
+
+        Raises:
+            TypeError: No parameter can have the value.
+            ValueError: The value is of another type.
+        """
         if type_ is None:
             type_ = Parameter.Type.from_parameter_value(value)
         if not isinstance(type_, Parameter.Type):
@@ -83,43 +88,43 @@ class Parameter(Generic[AllowableParameterValueT]):
 
     @property
     def name(self) -> str:
-        """The name, dots part its levels."""
+        """Return the name, in which dots part the levels."""
         return self._name
 
     @property
     def type_(self) -> Type:
-        """The type of the value."""
+        """Return the type of the value."""
         return self._type
 
     @property
     def value(self) -> Any:
-        """The value: bool, int, float, str, or a sequence of one of them."""
+        """Return the value: bool, int, float, str, or a sequence of one of them."""
         return self._value
 
     def get_parameter_value(self) -> ParameterValue:
-        """As rcl_interfaces/ParameterValue."""
+        """Return the value as rcl_interfaces/ParameterValue."""
         message = ParameterValue(type=int(self._type))
         if self._type != Parameter.Type.NOT_SET:
             setattr(message, _field(self._type), self._value)
         return message
 
     def to_parameter_msg(self) -> ParameterMsg:
-        """As rcl_interfaces/Parameter."""
+        """Return the parameter as rcl_interfaces/Parameter."""
         return ParameterMsg(name=self._name, value=self.get_parameter_value())
 
     @classmethod
     def from_parameter_msg(cls, message: ParameterMsg) -> Parameter[Any]:
-        """The parameter that a message carries."""
+        """Return the parameter that a message carries."""
         kind = Parameter.Type(message.value.type)
         unset = kind == Parameter.Type.NOT_SET
         return cls(message.name, kind, None if unset else getattr(message.value, _field(kind)))
 
 
 def get_parameter_value(string_value: str) -> ParameterValue:
-    """The value that a text means on a command line, read as YAML; a string when it cannot be.
+    """Return the value that a text means on a command line: read as YAML, else a string.
 
-    Unlike rcl's own parser, this takes `1e3` for a string, as PyYAML does. Raises what PyYAML
-    raises for characters that begin nothing, AssertionError for a map or a date, as rclpy does.
+    Unlike rcl's own parser, this takes `1e3` for a string, as PyYAML does. It raises what PyYAML
+    raises for characters that begin nothing, and AssertionError for a map or a date, as rclpy does.
     """
     try:
         value = yaml.safe_load(string_value)
@@ -144,10 +149,17 @@ def parameter_dict_from_yaml_file(
     target_nodes: Sequence[str] | None = None,
     namespace: str = "",
 ) -> dict[str, ParameterMsg]:
-    """What a parameter file has for the nodes, behind what it has for all with `use_wildcard`.
+    """Return what a parameter file has for the nodes, after what it has for all nodes.
 
-    `namespace` is put before each name, as it is.
-    Raises RuntimeError when there is nothing for them, FileNotFoundError.
+    Args:
+        parameter_file: The path of the file.
+        use_wildcard: True includes what the file has for all nodes.
+        target_nodes: The full names of the nodes; None means all.
+        namespace: Put before each name, unchanged.
+
+    Raises:
+        RuntimeError: The file has nothing for them.
+        FileNotFoundError: There is no such file.
     """
     patterns = ["/**"] if use_wildcard else []
     for node in filter(None, target_nodes or ()):
@@ -169,9 +181,10 @@ def parameter_dict_from_yaml_file(
 
 
 def parameter_value_to_python(parameter_value: ParameterValue) -> Any:
-    """The Python value of rcl_interfaces/ParameterValue; None when not set.
+    """Return the Python value of rcl_interfaces/ParameterValue; None if it is not set.
 
-    Raises RuntimeError for an unknown type.
+    Raises:
+        RuntimeError: The type is unknown.
     """
     kind = parameter_value.type
     if kind not in Parameter.Type.__members__.values():

@@ -1,4 +1,4 @@
-"""`rclpy.parameter_client.AsyncParameterClient`: another node's parameters."""
+"""The module `rclpy.parameter_client`: another node's parameters."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DoneCallback = Callable[[Future[Any]], Any] | None  # called with the future whe
 
 
 class AsyncParameterClient:
-    """Calls the parameter services of one remote node; each method returns the call's future."""
+    """A client of a remote node's parameter services; each method returns the call's future."""
 
     def __init__(
         self,
@@ -56,11 +56,11 @@ class AsyncParameterClient:
         ]  # fmt: skip
 
     def services_are_ready(self) -> bool:
-        """True when the remote node offers all six services."""
+        """Return True if the remote node offers all six services."""
         return all(client.service_is_ready() for client in self._clients)
 
     def wait_for_services(self, timeout_sec: float | None = None) -> bool:
-        """Block until it does; False when `timeout_sec` (s) passed before."""
+        """Block until all are offered, and return False if `timeout_sec` (s) passed before."""
         deadline = _time_source.patience_ns(timeout_sec)
         for client in self._clients:
             left_ns = None if deadline is None else deadline - _time_source.monotonic_ns()
@@ -74,20 +74,20 @@ class AsyncParameterClient:
         depth: int | None = None,
         callback: DoneCallback = None,
     ) -> Future[Any]:
-        """Names below the prefixes, `depth` levels deep (default: all, any)."""
+        """Request the names below the prefixes (default all), `depth` levels deep (default any)."""
         request = srv.ListParameters.Request(prefixes=prefixes or [], depth=depth or 0)
         return self._call(self._list, request, callback)
 
     def get_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Values, in the order of the names."""
+        """Request values, in the order of the names."""
         return self._call(self._get, srv.GetParameters.Request(names=names), callback)
 
     def get_parameter_types(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Types, in the order of the names."""
+        """Request types, in the order of the names."""
         return self._call(self._types, srv.GetParameterTypes.Request(names=names), callback)
 
     def describe_parameters(self, names: list[str], callback: DoneCallback = None) -> Future[Any]:
-        """Descriptors, in the order of the names."""
+        """Request descriptors, in the order of the names."""
         return self._call(self._describe, srv.DescribeParameters.Request(names=names), callback)
 
     def set_parameters(
@@ -113,14 +113,16 @@ class AsyncParameterClient:
     ) -> Future[Any]:
         """Set what a file has for the node, one by one; with `use_wildcard` also what is for all.
 
-        Raises FileNotFoundError, RuntimeError for a file that is not one of parameters.
+        Raises:
+            FileNotFoundError: There is no such file.
+            RuntimeError: The file is no parameter file.
         """
         return self.set_parameters(self._read(parameter_file, use_wildcard), callback)
 
     def load_parameter_file_atomically(
         self, parameter_file: str, use_wildcard: bool = False, callback: DoneCallback = None
     ) -> Future[Any]:
-        """The same, all or none."""
+        """Set what a file has for the node, all or none."""
         return self.set_parameters_atomically(self._read(parameter_file, use_wildcard), callback)
 
     def on_parameter_event(

@@ -1,4 +1,4 @@
-"""The six services through which every node's parameters are seen and set."""
+"""The services through which every node's parameters are read and set."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class ParameterService:
-    """Makes the services of one node."""
+    """The six parameter services of one node."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

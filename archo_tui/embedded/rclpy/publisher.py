@@ -1,4 +1,4 @@
-"""`rclpy.publisher.Publisher`."""
+"""The module `rclpy.publisher`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _FOR_EVER = Duration(seconds=-1)
 
 
 class Publisher(Endpoint, Generic[MsgT]):
-    """Sends messages of one type on one topic. Made by `Node.create_publisher`."""
+    """A publisher of messages on one topic, made by `Node.create_publisher`."""
 
     def __init__(
         self,
@@ -76,7 +76,7 @@ class Publisher(Endpoint, Generic[MsgT]):
             self._kept.popleft()
 
     def _kept_by(self, make: Callable[[], Any]) -> None:
-        """What a late joiner gets is made when it comes."""
+        """Set the function that makes what a late joiner gets."""
         self._make_kept = make
         self._keeps = False
 
@@ -97,9 +97,11 @@ class Publisher(Endpoint, Generic[MsgT]):
         self._use()
 
     def wait_for_all_acked(self, timeout: Duration = _FOR_EVER) -> bool:
-        """True when everybody has what was published: in one process at once.
+        """Return True: in one process every message has arrived at once.
 
-        Raises InvalidHandle after `destroy()`, TypeError for anything but a Duration.
+        Raises:
+            InvalidHandle: After `destroy()`.
+            TypeError: The timeout is no Duration.
         """
         self._use()
         if not isinstance(timeout, Duration):
@@ -108,17 +110,17 @@ class Publisher(Endpoint, Generic[MsgT]):
 
     @property
     def topic_name(self) -> str:
-        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        """Return the name on the graph; raise InvalidHandle after `destroy()`."""
         self._use()
         return self._topic_name
 
     @property
     def logger_name(self) -> str:
-        """The name of its node's logger."""
+        """Return the name of the node's logger."""
         return self._node.get_logger().name
 
     def get_subscription_count(self) -> int:
-        """How many subscriptions match. Raises InvalidHandle after `destroy()`."""
+        """Return how many subscriptions match; raise InvalidHandle after `destroy()`."""
         self._use()
         return len(self._matched)
 

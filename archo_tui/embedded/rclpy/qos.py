@@ -1,4 +1,4 @@
-"""Quality of service: profiles, and whether two of them match.
+"""Quality of service: profiles, and the check if two of them match.
 
 History depth, reliability and durability are honoured; lifespan ends what is kept for late joiners.
 Deadline and liveliness are compared when endpoints meet, as DDS does, and have no other effect.
@@ -18,7 +18,7 @@ _BEST_TIME = Duration(nanoseconds=9223372036854775806)  # rmw's "best available"
 
 
 class _OldNames(EnumMeta):
-    """Knows `RMW_QOS_POLICY_HISTORY_KEEP_LAST` and its like, which older programs use."""
+    """A metaclass that knows `RMW_QOS_POLICY_HISTORY_KEEP_LAST` and the like, for old programs."""
 
     def __getattr__(cls, name: str) -> Any:
         kind = cls.__name__.removesuffix("Policy")
@@ -32,21 +32,21 @@ class _OldNames(EnumMeta):
 
 
 class QoSPolicyEnum(IntEnum, metaclass=_OldNames):
-    """Base of the policies; a short key is a member's name in small letters."""
+    """The base of policies; a short key is a member's name in small letters."""
 
     @classmethod
     def short_keys(cls) -> list[str]:
-        """Every short key."""
+        """Return every short key."""
         return [member.name.lower() for member in cls]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> int:
-        """The member of that short key. Raises KeyError."""
+        """Return the member of a short key; raise KeyError for an unknown one."""
         return cls[name.upper()].value
 
 
 class HistoryPolicy(QoSPolicyEnum):
-    """How many samples are kept."""
+    """The policy for how many samples are kept."""
 
     SYSTEM_DEFAULT = 0
     KEEP_LAST = 1
@@ -55,7 +55,7 @@ class HistoryPolicy(QoSPolicyEnum):
 
 
 class ReliabilityPolicy(QoSPolicyEnum):
-    """Whether samples may be lost. Inside one process none is, but the policies must match."""
+    """The policy for lost samples: in one process none is lost, but the policies must match."""
 
     SYSTEM_DEFAULT = 0
     RELIABLE = 1
@@ -65,7 +65,7 @@ class ReliabilityPolicy(QoSPolicyEnum):
 
 
 class DurabilityPolicy(QoSPolicyEnum):
-    """Whether a late subscriber gets what was published before it came."""
+    """The policy for late subscribers: do they get what was published before?"""
 
     SYSTEM_DEFAULT = 0
     TRANSIENT_LOCAL = 1
@@ -75,7 +75,7 @@ class DurabilityPolicy(QoSPolicyEnum):
 
 
 class LivelinessPolicy(QoSPolicyEnum):
-    """How a publisher shows that it is alive."""
+    """The policy for how a publisher shows that it is alive."""
 
     SYSTEM_DEFAULT = 0
     AUTOMATIC = 1
@@ -85,7 +85,7 @@ class LivelinessPolicy(QoSPolicyEnum):
 
 
 class QoSPolicyKind(IntEnum):
-    """The policies, as a qos event names them."""
+    """The policies, as an event of QoS names them."""
 
     INVALID = 1 << 0
     DURABILITY = 1 << 1
@@ -149,7 +149,12 @@ class QoSProfile:
         liveliness_lease_duration: Duration = _NO_TIME,
         avoid_ros_namespace_conventions: bool = False,
     ) -> None:
-        """Raises InvalidQoSProfileException without a depth; AssertionError for other types."""
+        """Create a profile.
+
+        Raises:
+            InvalidQoSProfileException: The depth is missing.
+            AssertionError: A value is of another type.
+        """
         if history is None and depth is None:
             raise InvalidQoSProfileException("History and/or depth settings are required.")
         history = HistoryPolicy.KEEP_LAST if history is None else history
@@ -162,7 +167,7 @@ class QoSProfile:
             self.depth = _DEFAULT_DEPTH
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Raises AssertionError for a value of another type, AttributeError for another name."""
+        """Set a policy; raise AssertionError for another type, AttributeError for another name."""
         if name not in _TYPES:
             raise AttributeError(f"'QoSProfile' object has no attribute {name!r}")
         taken, kind = _TYPES[name]
@@ -192,7 +197,7 @@ class QoSProfile:
 
     @property
     def _queue_size(self) -> int | None:
-        """Samples a queue of this profile holds; None for no bound."""
+        """Return how many samples a queue of this profile holds; None for no bound."""
         return None if self.history == HistoryPolicy.KEEP_ALL else max(self.depth, 1)
 
 
@@ -229,7 +234,7 @@ qos_profile_rosout_default = QoSProfile(
 
 
 class QoSPresetProfiles(Enum):
-    """The profiles above, by name; of those alike the later one is another name of the first."""
+    """The preset profiles by name; of equal ones the later is an alias of the first."""
 
     UNKNOWN = qos_profile_unknown
     DEFAULT = qos_profile_default
@@ -244,18 +249,18 @@ class QoSPresetProfiles(Enum):
 
     @classmethod
     def short_keys(cls) -> list[str]:
-        """Every name in small letters."""
+        """Return every name in small letters."""
         return [name.lower() for name in cls.__members__]
 
     @classmethod
     def get_from_short_key(cls, name: str) -> QoSProfile:
-        """The profile of that name. Raises KeyError."""
+        """Return the profile of a name; raise KeyError for an unknown one."""
         profile: QoSProfile = cls[name.upper()].value
         return profile
 
 
 def as_profile(qos: QoSProfile | int) -> QoSProfile:
-    """A profile of its own from a profile or a depth. Raises TypeError and ValueError as rclpy."""
+    """Return a new profile from a profile or a depth, with rclpy's errors for others."""
     if isinstance(qos, QoSProfile):
         return copy(qos)
     if isinstance(qos, bool) or not isinstance(qos, int):
@@ -266,7 +271,7 @@ def as_profile(qos: QoSProfile | int) -> QoSProfile:
 
 
 def qos_policy_name_from_kind(policy_kind: QoSPolicyKind | int) -> str:
-    """The name of a policy. Raises ValueError for no policy."""
+    """Return the name of a policy; raise ValueError for no policy."""
     return QoSPolicyKind(policy_kind).name
 
 

@@ -1,4 +1,4 @@
-"""`rclpy.qos_event`: the old name of `rclpy.event_handler`."""
+"""The module `rclpy.qos_event`, the old name of `rclpy.event_handler`."""
 
 from __future__ import annotations
 

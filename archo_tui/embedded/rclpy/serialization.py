@@ -1,4 +1,4 @@
-"""`rclpy.serialization`: messages as CDR bytes, as a bag or a bridge holds them."""
+"""The module `rclpy.serialization`: messages as CDR bytes, as a bag or a bridge holds them."""
 
 from __future__ import annotations
 
@@ -13,13 +13,18 @@ MsgT = TypeVar("MsgT")
 
 
 def serialize_message(message: Any) -> bytes:
-    """The message as bytes. Raises AttributeError for anything but a message."""
+    """Return a message as bytes; raise AttributeError for anything but a message."""
     check_is_valid_msg_type(type(message))
     return encode(message)
 
 
 def deserialize_message(serialized_message: bytes, message_type: type[MsgT]) -> MsgT:
-    """The message of that type. Raises RMWError for other bytes, TypeError for no bytes at all."""
+    """Return the message that bytes hold.
+
+    Raises:
+        RMWError: The bytes are no such message.
+        TypeError: The argument is no bytes.
+    """
     check_is_valid_msg_type(message_type)
     if not isinstance(serialized_message, bytes):
         raise TypeError(f"expected bytes, got {type(serialized_message)}")

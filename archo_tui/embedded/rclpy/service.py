@@ -1,4 +1,4 @@
-"""`rclpy.service.Service`."""
+"""The module `rclpy.service`."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ SrvResponseT = TypeVar("SrvResponseT")
 
 
 class RequestHeader(NamedTuple):
-    """Whom a response goes to."""
+    """The client and the request that a response is for."""
 
     client: Client[Any, Any]
     sequence_number: int
 
 
 class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
-    """Answers requests. Made by `Node.create_service`."""
+    """A server of a service, made by `Node.create_service`."""
 
     _rank = 5
 

@@ -1,10 +1,10 @@
-"""Which signals `rclpy.init` would handle. The embedded engine takes none away from the program."""
+"""The signals that `rclpy.init` could handle; this engine takes none from the program."""
 
 from enum import IntEnum
 
 
 class SignalHandlerOptions(IntEnum):
-    """As in rclpy; every value means NO here: Ctrl-C raises KeyboardInterrupt."""
+    """The options of rclpy; every value means NO here: Ctrl-C raises KeyboardInterrupt."""
 
     NO = 0
     SIGINT = 1

@@ -1,4 +1,4 @@
-"""`rclpy.subscription.Subscription`."""
+"""The module `rclpy.subscription`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MsgT = TypeVar("MsgT")
 
 
 class MessageInfo(TypedDict):
-    """Of one message: times in ns since the epoch, numbers of the publisher's messages."""
+    """The info of a message: times in ns since the epoch, and the publisher's count."""
 
     source_timestamp: int
     received_timestamp: int
@@ -36,7 +36,7 @@ class MessageInfo(TypedDict):
 
 
 class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
-    """Receives messages of one type from one topic. Made by `Node.create_subscription`."""
+    """A subscription to one topic, made by `Node.create_subscription`."""
 
     _rank = 2
     _follows_changes = False  # of a status, instead of the whole of it
@@ -62,14 +62,14 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         self._gid = list(uuid.uuid4().bytes)
 
     class CallbackType(Enum):
-        """What a callback is given."""
+        """The arguments that a callback takes."""
 
         MessageOnly = 0
         WithMessageInfo = 1
 
     @property
     def callback(self) -> Callable[..., Any]:
-        """What a message is given to: a function of the message, or of the message and its info."""
+        """Return the callback: a function of the message, or of the message and its info."""
         return self._callback
 
     @callback.setter
@@ -81,17 +81,17 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
 
     @property
     def topic_name(self) -> str:
-        """Its name on the graph. Raises InvalidHandle after `destroy()`."""
+        """Return the name on the graph; raise InvalidHandle after `destroy()`."""
         self._use()
         return self._topic_name
 
     @property
     def logger_name(self) -> str:
-        """The name of its node's logger."""
+        """Return the name of the node's logger."""
         return self._node.get_logger().name
 
     def get_publisher_count(self) -> int:
-        """How many publishers match. Raises InvalidHandle after `destroy()`."""
+        """Return how many publishers match; raise InvalidHandle after `destroy()`."""
         self._use()
         graph = self._node._graph
         with graph.lock:
@@ -109,7 +109,7 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
         self._queue.clear()
 
     def _receive(self, message: Any, sender: Publisher[Any]) -> None:
-        """A message that a publisher sends; it is copied here."""
+        """Queue a copy of a message that a publisher sends."""
         copied = encode(message) if self.raw else message.__received__()
         if not self._with_info:
             self._deliver(copied)

@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 
 class _Awaiting(threading.local):
-    """What the coroutine awaits that ran last in this thread."""
+    """The future for which this thread's last coroutine waits."""
 
     future: Future[Any] | None = None
 
@@ -61,26 +61,26 @@ class Future(Generic[T]):
         return value
 
     def done(self) -> bool:
-        """True when a result or an exception is set."""
+        """Return True if a result or an exception is set."""
         return self._state == _FINISHED
 
     def cancelled(self) -> bool:
-        """True when nobody wants the value any more."""
+        """Return True if the future was cancelled."""
         return self._state == _CANCELLED
 
     def cancel(self) -> None:
-        """Say that nobody wants the value any more; no effect once it is there."""
+        """Cancel the future; no effect once it is done."""
         self._finish(_CANCELLED)
 
     def result(self) -> Any:
-        """The value, None when there is none yet; raises the exception if one was set."""
+        """Return the value, None while there is none; raise the exception if one was set."""
         self._is_retrieved = True
         if self._exception is not None:
             raise self._exception
         return self._result
 
     def exception(self) -> BaseException | None:
-        """The exception, or None."""
+        """Return the exception, or None."""
         self._is_retrieved = True
         return self._exception
 
@@ -95,7 +95,7 @@ class Future(Generic[T]):
         self._finish(_FINISHED, force=True)
 
     def add_done_callback(self, callback: Callable[[Any], Any]) -> None:
-        """Have `callback(self)` called when done; at once (or on the executor) if that is now."""
+        """Call `callback(self)` when done; at once (or on the executor) if that is now."""
         with self._lock:
             if self._state == _PENDING:
                 self._callbacks.append(callback)
@@ -107,7 +107,7 @@ class Future(Generic[T]):
             executor.create_task(callback, self)
 
     def remove_done_callback(self, callback: Callable[[Any], Any]) -> bool:
-        """Take a callback back; False when it was not there or has been scheduled."""
+        """Remove a callback, and return False if it was not there or has been scheduled."""
         with self._lock:
             if callback not in self._callbacks:
                 return False
@@ -142,13 +142,13 @@ class Future(Generic[T]):
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
 
     def _when_done(self, hook: Callable[[], None]) -> None:
-        """Have the engine's own `hook()` called at once when done, in whichever thread."""
+        """Call the engine's own `hook()` at once when done, on whichever thread."""
         with self._lock:
             if self._state == _PENDING and hook not in self._hooks:
                 self._hooks.append(hook)
 
     def _wait(self, task: Task[Any]) -> bool:
-        """Have the task resumed when done; False when that is already so."""
+        """Resume a task when done, and return False if that is already so."""
         with self._lock:
             if self._state != _PENDING:
                 return False
@@ -166,9 +166,14 @@ class Task(Future[T]):
         kwargs: dict[str, Any] | None = None,
         executor: Executor | None = None,
     ) -> None:
-        """`handler` is a function, a coroutine function, or a coroutine.
+        """Create the task.
 
-        What a plain function returns is the value, a coroutine too: nobody awaits that.
+        Args:
+            handler: A function, a coroutine function, or a coroutine. What a plain function returns
+                is the value, a coroutine too: nobody awaits that.
+            args: Positional arguments of a function.
+            kwargs: Keyword arguments of a function.
+            executor: Runs the task's callbacks.
         """
         super().__init__(executor=executor)
         kwargs = kwargs or {}
@@ -187,7 +192,7 @@ class Task(Future[T]):
         super()._finish(state, force=force)
 
     def executing(self) -> bool:
-        """True while it runs; not while it waits in the middle."""
+        """Return True while the task runs; False while it waits in the middle."""
         return self._is_executing
 
     def __call__(self) -> None:
@@ -206,7 +211,7 @@ class Task(Future[T]):
         self._is_executing = False
 
     def cancel(self) -> None:
-        """Say that nobody wants the value: a coroutine is closed."""
+        """Cancel the task: a coroutine is closed."""
         if self._state == _PENDING and self._coroutine is not None:
             self._coroutine.close()
         super().cancel()
@@ -231,8 +236,10 @@ class Task(Future[T]):
             self._itself = None
 
     def _resume(self) -> None:
-        """Queue for the executor's next turn. Does not wake it: a future set from another thread
-        is noticed when the executor next wakes, as on ROS 2."""
+        """Queue the task for the executor's next turn, without waking the executor.
+
+        A future set from another thread is noticed when the executor next wakes, as on ROS 2.
+        """
         self._itself = None
         executor = self._executor()
         if executor is not None:
@@ -240,7 +247,11 @@ class Task(Future[T]):
 
 
 def wait_for(future: Future[Any], timeout_sec: float | None) -> bool:
-    """Block until the future is done, while another thread spins; False after `timeout_sec` (s)."""
+    """Block until the future is done, while another thread spins.
+
+    Returns:
+        False if `timeout_sec` (s) passed before.
+    """
     answered = threading.Condition()
 
     def wake(_: Future[Any]) -> None:

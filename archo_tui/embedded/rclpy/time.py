@@ -1,4 +1,4 @@
-"""`rclpy.time.Time`: a point in time of one kind of clock."""
+"""The module `rclpy.time`: a point in time of one kind of clock."""
 
 from __future__ import annotations
 
@@ -24,7 +24,13 @@ class Time:
         nanoseconds: int = 0,
         clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
-        """Raises TypeError for no ClockType, ValueError for a negative one, OverflowError."""
+        """Create a time.
+
+        Raises:
+            TypeError: The clock type is no ClockType.
+            ValueError: The time is negative.
+            OverflowError: The time has more than 64 bits.
+        """
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         if seconds < 0:
@@ -37,16 +43,16 @@ class Time:
 
     @property
     def nanoseconds(self) -> int:
-        """ns since the epoch."""
+        """Return the nanoseconds since the epoch."""
         return self._nanoseconds
 
     @property
     def clock_type(self) -> ClockType:
-        """The kind of clock that told this time."""
+        """Return the kind of clock that told this time."""
         return self._clock_type
 
     def seconds_nanoseconds(self) -> tuple[int, int]:
-        """Whole seconds, and the nanoseconds left."""
+        """Return whole seconds, and the nanoseconds left."""
         return divmod(self._nanoseconds, S_TO_NS)
 
     def __repr__(self) -> str:
@@ -107,7 +113,7 @@ class Time:
     def from_msg(
         cls, msg: builtin_interfaces.msg.Time, clock_type: ClockType = ClockType.ROS_TIME
     ) -> Time:
-        """The time that a message carries. Raises TypeError for another message."""
+        """Return the time that a message carries; raise TypeError for another message."""
         if not isinstance(msg, builtin_interfaces.msg.Time):
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")
         return cls(seconds=msg.sec, nanoseconds=msg.nanosec, clock_type=clock_type)

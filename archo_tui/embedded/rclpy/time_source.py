@@ -1,4 +1,4 @@
-"""`rclpy.time_source`: simulated time, from the parameter `use_sim_time` and the topic `/clock`."""
+"""The module `rclpy.time_source`: simulated time, by `use_sim_time` and the topic `/clock`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ USE_SIM_TIME_NAME = "use_sim_time"
 
 
 class TimeSource:
-    """Gives the clocks that are attached the time of /clock while its node asks for that."""
+    """A source that gives attached clocks the time of /clock while its node asks for that."""
 
     def __init__(self, *, node: Node | None = None) -> None:
         self._get_node: Any = lambda: None
@@ -34,7 +34,7 @@ class TimeSource:
 
     @property
     def ros_time_is_active(self) -> bool:
-        """True while the time is simulated."""
+        """Return True while time is simulated."""
         return self._is_active
 
     @ros_time_is_active.setter
@@ -65,12 +65,12 @@ class TimeSource:
         node.add_on_set_parameters_callback(self._on_parameters)
 
     def detach_node(self) -> None:
-        """Follow nothing any more."""
+        """Stop following the node."""
         self._unsubscribe()
         self._get_node = lambda: None
 
     def attach_clock(self, clock: ROSClock) -> None:
-        """Give that clock the time. Raises ValueError for another kind of clock."""
+        """Attach a clock; raise ValueError for another kind of clock."""
         if not isinstance(clock, ROSClock):
             raise ValueError("Only clocks with type ROS_TIME can be attached.")
         clock.set_ros_time_override(self._last)
@@ -78,7 +78,7 @@ class TimeSource:
         self._clocks.add(clock)
 
     def clock_callback(self, msg: ClockMsg) -> None:
-        """A message of /clock."""
+        """Take the time of a message of /clock."""
         self._last = Time.from_msg(msg.clock)
         for clock in self._clocks:
             clock.set_ros_time_override(self._last)

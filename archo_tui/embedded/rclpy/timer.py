@@ -1,4 +1,4 @@
-"""`rclpy.timer.Timer`."""
+"""The module `rclpy.timer`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class TimerInfo:
-    """When a timer should have called back, and when it does; for callbacks that ask for it."""
+    """The times at which a timer's callback was due and was called."""
 
     def __init__(
         self,
@@ -32,7 +32,7 @@ class TimerInfo:
         actual_call_time: int = 0,
         clock_type: ClockType = ClockType.SYSTEM_TIME,
     ) -> None:
-        """Times in ns of the timer's clock. Raises TypeError and ValueError as rclpy."""
+        """Set the times, in ns of the timer's clock, with rclpy's errors for others."""
         if not isinstance(clock_type, ClockType):
             raise TypeError("Clock type must be a ClockType enum")
         if expected_call_time < 0 or actual_call_time < 0:
@@ -42,20 +42,20 @@ class TimerInfo:
 
     @property
     def expected_call_time(self) -> Time:
-        """When it should have been."""
+        """Return when the callback was due."""
         return self._expected
 
     @property
     def actual_call_time(self) -> Time:
-        """When it was."""
+        """Return when the callback was called."""
         return self._actual
 
 
 class Timer(TimedEntity):
-    """Calls back once a period, first after one period. Late ticks are skipped, never queued.
+    """A timer, made by `Node.create_timer`; it calls back once a period, first after one.
 
-    Made by `Node.create_timer`. Counts monotonic time; simulated time while its clock has that.
-    Destroyed, every method raises InvalidHandle.
+    Late ticks are skipped, never queued. The timer counts monotonic time, or simulated time while
+    its clock has that. After `destroy()` every method raises InvalidHandle.
     """
 
     def __init__(
@@ -83,12 +83,12 @@ class Timer(TimedEntity):
 
     @property
     def clock(self) -> Clock:
-        """The clock whose time it counts."""
+        """Return the clock whose time is counted."""
         return self._clock
 
     @property
     def timer_period_ns(self) -> int:
-        """The period in ns; a new one counts from the next call on (or from `reset()`)."""
+        """Return the period in ns; a new one counts from the next call on (or from `reset()`)."""
         self._use()
         return self._period_ns
 
@@ -98,12 +98,12 @@ class Timer(TimedEntity):
         self._period_ns = int(value)
 
     def is_ready(self) -> bool:
-        """True when the callback is due."""
+        """Return True if the callback is due."""
         self._use()
         return self._is_due()
 
     def is_canceled(self) -> bool:
-        """True between `cancel()` and `reset()`."""
+        """Return True between `cancel()` and `reset()`."""
         self._use()
         return self._canceled
 
@@ -120,17 +120,17 @@ class Timer(TimedEntity):
         self._schedule()
 
     def time_since_last_call(self) -> int:
-        """ns since the callback was last called (or the timer made)."""
+        """Return the ns since the callback was last called (or the timer made)."""
         self._use()
         return self._now_ns() - self._last_ns
 
     def time_until_next_call(self) -> int | None:
-        """ns until the callback is due, negative when late, None when canceled."""
+        """Return the ns until the callback is due, negative if late, None if canceled."""
         self._use()
         return None if self._canceled else self._next_ns - self._now_ns()
 
     def destroy(self) -> None:
-        """Never tick again."""
+        """End the ticking for good."""
         self._destroyed = self._canceled = True
 
     def _is_due(self) -> bool:
@@ -151,7 +151,10 @@ class Timer(TimedEntity):
             executor._add_timer(self)
 
     def _look(self) -> None:
-        """Simulated time has gone on; behind a jump backward a full period is waited for."""
+        """Announce the timer if the new simulated time makes it due.
+
+        After a jump backward a full period is waited for.
+        """
         if self._now_ns() < self._last_ns:
             self._last_ns = self._now_ns()
             self._next_ns = self._last_ns + self._period_ns
@@ -159,10 +162,14 @@ class Timer(TimedEntity):
             self._notify()
 
     def _change_time(self, *, simulated: bool, until_ns: int) -> None:
-        """Another time is counted from now on; of the one before it was `until_ns`.
+        """Count another time from now on.
 
         Into simulated time, which is behind, the next message of /clock begins a period. Out of it
         what was left of the period has passed, and what had passed is left, as in rcl.
+
+        Args:
+            simulated: True if the new time is simulated.
+            until_ns: The last reading of the time before, in ns.
         """
         if simulated:
             shift_ns = _time_source.time_ns() - _time_source.monotonic_ns()
@@ -189,7 +196,7 @@ class Timer(TimedEntity):
         return self._with_info(expected, now)
 
     def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
-        """The callback, given a TimerInfo when one of its arguments is annotated so."""
+        """Return the callback, given a TimerInfo if one of its arguments is annotated so."""
         if self.callback is None:  # rclpy stumbles over a variable of its own, by this name
             raise UnboundLocalError("local variable 'arg_name' is not associated with a value")
         if self._asked_of is not self.callback:
@@ -206,7 +213,7 @@ class Timer(TimedEntity):
 
 
 def _info_argument(callback: Any) -> str:
-    """The name of the argument annotated as TimerInfo, if there is one."""
+    """Return the name of the argument annotated as TimerInfo, or ""."""
     code = getattr(getattr(callback, "__func__", callback), "__code__", None)
     if code is not None and not getattr(callback, "__annotations__", None):
         return ""
@@ -219,7 +226,7 @@ def _info_argument(callback: Any) -> str:
 
 
 class Rate:
-    """Sleeps at a fixed rate. Made by `Node.create_rate`; another thread must spin the node."""
+    """A sleeper at a fixed rate, made by `Node.create_rate`; another thread must spin the node."""
 
     def __init__(self, timer: Timer, *, context: Context) -> None:
         self._timer, self._context = timer, context
@@ -230,13 +237,13 @@ class Rate:
         context.on_shutdown(self.destroy)
 
     def destroy(self) -> None:
-        """Let go of those that sleep."""
+        """Wake all sleepers, and end the rate."""
         with self._ticked:
             self._is_destroyed = True
             self._ticked.notify_all()
 
     def sleep(self) -> None:
-        """Block until the next tick. Raises ROSInterruptException after shutdown."""
+        """Block until the next tick; raise ROSInterruptException after shutdown."""
         if self._is_destroyed and self._context.ok():
             raise RuntimeError("Rate cannot sleep because it has been destroyed")
         with self._ticked:

@@ -1,4 +1,4 @@
-"""`rclpy.topic_endpoint_info`: one publisher or subscription of a topic, as discovery tells it."""
+"""The module `rclpy.topic_endpoint_info`: an endpoint of a topic, as discovery tells it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from archo_tui.embedded import absent
 
 
 class TopicEndpointTypeEnum(IntEnum):
-    """Which side of a topic."""
+    """The two sides of a topic."""
 
     INVALID = 0
     PUBLISHER = 1
@@ -21,7 +21,7 @@ class TopicEndpointTypeEnum(IntEnum):
 
 @dataclass
 class TopicEndpointInfo:
-    """What DDS tells of an endpoint: its history and depth stay with it."""
+    """The description of an endpoint by DDS, which leaves out history and depth."""
 
     node_name: str = ""
     node_namespace: str = ""
@@ -32,7 +32,7 @@ class TopicEndpointInfo:
     topic_type_hash = absent.Attribute()
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """Raises AttributeError for another name, AssertionError for a value of another type."""
+        """Set an attribute, with rclpy's errors for other names and types."""
         if name not in _TYPES:
             raise AttributeError(f"'TopicEndpointInfo' object has no attribute {name!r}")
         if name == "endpoint_gid":

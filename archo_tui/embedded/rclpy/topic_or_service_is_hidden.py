@@ -1,4 +1,4 @@
-"""`rclpy.topic_or_service_is_hidden`: names that tools leave out."""
+"""The module `rclpy.topic_or_service_is_hidden`: names that tools leave out."""
 
 from __future__ import annotations
 
@@ -6,5 +6,5 @@ HIDDEN_TOPIC_PREFIX = "_"
 
 
 def topic_or_service_is_hidden(name: str) -> bool:
-    """True when a part of the name begins with `_`."""
+    """Return True if a part of the name begins with `_`."""
     return any(part.startswith(HIDDEN_TOPIC_PREFIX) for part in name.split("/"))

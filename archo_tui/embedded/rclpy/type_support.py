@@ -1,6 +1,6 @@
-"""`rclpy.type_support`: whether a class is an interface, and of which kind.
+"""The module `rclpy.type_support`: checks of interface classes.
 
-What is given to a node is what it should be: rclpy finds out at once, and so must we.
+rclpy refuses other classes at once, and so does this engine.
 """
 
 from __future__ import annotations
@@ -16,9 +16,11 @@ _ROS_1 = (
 
 
 def check_for_type_support(msg_or_srv_type: Any) -> None:
-    """Raises AttributeError for anything but an interface.
+    """Check that a class is an interface.
 
-    NoTypeSupportImportedException for a class of somebody's own whose support cannot be loaded.
+    Raises:
+        AttributeError: The class is none.
+        NoTypeSupportImportedException: A class of the user's own has no type support.
     """
     if hasattr(msg_or_srv_type, "__type_name__") and isinstance(msg_or_srv_type, type):
         return
@@ -33,7 +35,7 @@ def check_for_type_support(msg_or_srv_type: Any) -> None:
 
 
 def check_is_valid_msg_type(msg_type: Any) -> None:
-    """As `check_for_type_support`; RuntimeError for a service or an action."""
+    """Check that a class is a message, as `check_for_type_support`; raise RuntimeError if not."""
     check_for_type_support(msg_type)
     if not hasattr(msg_type, "get_fields_and_field_types"):
         raise RuntimeError(
@@ -43,7 +45,7 @@ def check_is_valid_msg_type(msg_type: Any) -> None:
 
 
 def check_is_valid_srv_type(srv_type: Any) -> None:
-    """As `check_for_type_support`; RuntimeError for a message or an action."""
+    """Check that a class is a service, as `check_for_type_support`; raise RuntimeError if not."""
     check_for_type_support(srv_type)
     if not (hasattr(srv_type, "Request") and hasattr(srv_type, "Response")):
         raise RuntimeError(

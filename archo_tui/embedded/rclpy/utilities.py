@@ -1,4 +1,4 @@
-"""`rclpy.utilities`: the default context."""
+"""The module `rclpy.utilities`: the default context."""
 
 from __future__ import annotations
 
@@ -14,7 +14,11 @@ _default: Context | None = None
 
 
 def get_default_context(*, shutting_down: bool = False) -> Context:
-    """The context that is meant when none is given; `shutting_down`, for the last time."""
+    """Return the context that is meant if none is given.
+
+    Args:
+        shutting_down: True forgets it: the next call makes a new one.
+    """
     global _default
     with _lock:
         context = _default or Context()
@@ -23,9 +27,11 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
 
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
-    """The arguments (of the program, if not given) that are not ROS's.
+    """Return the arguments (of the program, if None) that are not ROS's.
 
-    Raises RCLInvalidROSArgsError and UnknownROSArgsError for those of ROS that cannot be.
+    Raises:
+        RCLInvalidROSArgsError: An argument of ROS is not valid.
+        UnknownROSArgsError: An argument of ROS is unknown.
     """
     given = sys.argv if args is None else args
     _arguments.parse(given)
@@ -33,30 +39,30 @@ def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
 
 
 def ok(*, context: Context | None = None) -> bool:
-    """True when the (default) context is initialised."""
+    """Return True if the (default) context is initialised."""
     return (context or get_default_context()).ok()
 
 
 def shutdown(*, context: Context | None = None) -> None:
-    """End the (default) context. Raises RuntimeError when not begun."""
+    """End the (default) context; raise RuntimeError if it has not begun."""
     (context or get_default_context(shutting_down=True)).shutdown()
 
 
 def try_shutdown(*, context: Context | None = None) -> None:
-    """End the (default) context if begun."""
+    """End the (default) context, if it has begun."""
     (context or get_default_context(shutting_down=True)).try_shutdown()
 
 
 def timeout_sec_to_nsec(timeout_sec: float | None) -> int:
-    """A timeout in ns; -1 for None and for a negative one, which never pass."""
+    """Return a timeout in ns; -1 for None and for a negative one, which never pass."""
     return -1 if timeout_sec is None or timeout_sec < 0 else int(timeout_sec * 1e9)
 
 
 def get_available_rmw_implementations() -> set[str]:
-    """The names of what can be used."""
+    """Return the names of the middlewares that can be used."""
     return {get_rmw_implementation_identifier()}
 
 
 def get_rmw_implementation_identifier() -> str:
-    """The name of the middleware: there is none, messages stay in the process."""
+    """Return the name of the middleware, of which there is none: messages stay in the process."""
     return "embedded"

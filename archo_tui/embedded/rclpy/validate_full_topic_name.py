@@ -1,4 +1,4 @@
-"""`rclpy.validate_full_topic_name`: whether a name is one on the graph."""
+"""The module `rclpy.validate_full_topic_name`: a check of names on the graph."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ from rclpy import _names
 
 
 def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
-    """True. Raises InvalidTopicNameException or InvalidServiceNameException."""
+    """Return True, or raise InvalidTopicNameException or InvalidServiceNameException."""
     _names.validate_full_topic_name(name, is_service=is_service)
     return True

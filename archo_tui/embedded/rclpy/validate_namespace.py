@@ -1,4 +1,4 @@
-"""`rclpy.validate_namespace`: whether a namespace is allowed."""
+"""The module `rclpy.validate_namespace`: a check of namespaces."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ from rclpy import _names
 
 
 def validate_namespace(namespace: str) -> bool:
-    """True. Raises InvalidNamespaceException."""
+    """Return True, or raise InvalidNamespaceException."""
     _names.validate_namespace(namespace)
     return True

@@ -1,4 +1,4 @@
-"""`rclpy.validate_node_name`: whether a node's name is allowed."""
+"""The module `rclpy.validate_node_name`: a check of node names."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ from rclpy import _names
 
 
 def validate_node_name(node_name: str) -> bool:
-    """True. Raises InvalidNodeNameException."""
+    """Return True, or raise InvalidNodeNameException."""
     _names.validate_node_name(node_name)
     return True

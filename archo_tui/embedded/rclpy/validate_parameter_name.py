@@ -1,4 +1,4 @@
-"""`rclpy.validate_parameter_name`: whether a parameter may be called so."""
+"""The module `rclpy.validate_parameter_name`: a check of parameter names."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from rclpy.exceptions import InvalidParameterException
 
 
 def validate_parameter_name(name: str) -> bool:
-    """True. Raises InvalidParameterException for an empty name."""
+    """Return True, or raise InvalidParameterException for an empty name."""
     if not name:
         raise InvalidParameterException(name)
     return True

@@ -1,4 +1,4 @@
-"""The states of a goal and what leads from one to another (ROS 2's action design)."""
+"""The states of a goal and the transitions between them, as ROS 2's action design has them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ ACTIVE = (
 
 
 def next_state(state: int, event: str) -> int:
-    """The state after an event. Raises RCLError when the event is not allowed in that state."""
+    """Return the state after an event; raise RCLError if the state does not allow the event."""
     try:
         return _NEXT[state, event]
     except KeyError:
@@ -43,5 +43,5 @@ def next_state(state: int, event: str) -> int:
 
 
 def is_cancelable(state: int) -> bool:
-    """True when a cancel request can still be taken."""
+    """Return True if a cancel request can still be taken."""
     return (state, CANCEL_GOAL) in _NEXT

@@ -1,4 +1,4 @@
-"""`rclpy.action.ActionClient`."""
+"""The module `rclpy.action.client`."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 class ClientGoalHandle:
-    """One goal that was sent, as its client sees it."""
+    """A goal that was sent, as its client sees it."""
 
     def __init__(self, client: ActionClient, goal_id: UUID, response: Any) -> None:
         self._client = client
@@ -54,22 +54,22 @@ class ClientGoalHandle:
 
     @property
     def goal_id(self) -> UUID:
-        """The goal's UUID."""
+        """Return the goal's UUID."""
         return self._goal_id
 
     @property
     def accepted(self) -> bool:
-        """True when the server took the goal."""
+        """Return True if the server accepted the goal."""
         return bool(self._response.accepted)
 
     @property
     def stamp(self) -> Any:
-        """When the server took the goal."""
+        """Return when the server accepted the goal."""
         return self._response.stamp
 
     @property
     def status(self) -> int:
-        """The last status heard, one of GoalStatus's constants."""
+        """Return the last status received, one of GoalStatus's constants."""
         return self._status
 
     def get_result_async(self) -> Future[Any]:
@@ -87,16 +87,16 @@ class ClientGoalHandle:
         return self._client._cancel_client.call_async(CancelGoal.Request(goal_info=info))
 
     def get_result(self) -> Any:
-        """Like `get_result_async`, blocking; another thread must spin the node."""
+        """Return the result like `get_result_async`, blocking; another thread must spin."""
         return _wait(self.get_result_async())
 
     def cancel_goal(self) -> Any:
-        """Like `cancel_goal_async`, blocking; another thread must spin the node."""
+        """Cancel like `cancel_goal_async`, blocking; another thread must spin."""
         return _wait(self.cancel_goal_async())
 
 
 class ActionClient:
-    """Sends goals of one action."""
+    """A client of an action."""
 
     configure_introspection = absent.Attribute()
 
@@ -113,7 +113,7 @@ class ActionClient:
         feedback_sub_qos_profile: QoSProfile = QoSProfile(depth=10),  # noqa: B008
         status_sub_qos_profile: QoSProfile = qos_profile_action_status_default,
     ) -> None:
-        """Raises ValueError for an invalid name."""
+        """Create the client; raise ValueError for an invalid name."""
         check_action(action_type)
         problem = topic_problem(action_name)
         if problem:
@@ -201,16 +201,17 @@ class ActionClient:
         return accepted
 
     def send_goal(self, goal: Any, **options: Any) -> Any:
-        """Like `send_goal_async` and its result, blocking; another thread must spin the node.
+        """Send a goal and return its result, blocking; another thread must spin the node.
 
         The result of a goal that was refused has STATUS_UNKNOWN.
         """
         return _wait(self.send_goal_async(goal, **options)).get_result()
 
     def server_is_ready(self) -> bool:
-        """True when a server offers the action and its feedback and status reach this client.
+        """Return True if a server offers the action, and its feedback and status reach this client.
 
-        Raises RCLError after `destroy()`.
+        Raises:
+            RCLError: After `destroy()`.
         """
         self._use("check if action server is available")
         return all(client.service_is_ready() for client in self._clients) and all(
@@ -232,10 +233,10 @@ class ActionClient:
             return self.server_is_ready()
 
     def __enter__(self) -> None:
-        """As rclpy's: it gives nothing, and nothing is destroyed behind it."""
+        """Return None, as rclpy does; the end of the `with` destroys nothing."""
 
     def __exit__(self, *_: object) -> None:
-        """Nothing ends here."""
+        """Do nothing."""
 
     def destroy(self) -> None:
         """Leave the graph. Raises ValueError the second time, as rclpy does."""
@@ -258,8 +259,10 @@ class ActionClient:
         return found if inspect.iscoroutinefunction(callback) else None
 
     def _on_status(self, news: Any) -> None:
-        """The whole status at first, then what changed in it: all of it, before a result that
-        came with it."""
+        """Take the whole status at first, then what changed in it.
+
+        All of it is taken before a result that arrived together with it.
+        """
         self._take_status(news)
         with contextlib.suppress(IndexError):  # until there is no more
             while True:
@@ -277,7 +280,7 @@ class ActionClient:
 
 
 class _Together(Entity):
-    """What an action client hears, taken one of each in one go, as rclpy's waitable does it."""
+    """The received messages of an action client, taken one of each at once as by rclpy."""
 
     _rank, _is_part_of_action = 0, True
 
@@ -301,7 +304,7 @@ class _Together(Entity):
 
 
 def _all(taken: Sequence[Callable[[], Any]]) -> Any:
-    """Do all of it; returns the coroutine of an async feedback callback, if there is one."""
+    """Run all pieces of work, and return the coroutine of an async feedback callback, if any."""
     return next(filter(None, [work() for work in taken]), None)
 
 

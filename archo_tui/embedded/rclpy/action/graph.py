@@ -1,4 +1,4 @@
-"""Which actions are on the graph: every topic `<name>/_action/feedback` is one."""
+"""The actions on the graph: every topic `<name>/_action/feedback` is one."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ _TYPE_SUFFIX = "_FeedbackMessage"
 
 
 def get_action_names_and_types(node: Node) -> NamesAndTypes:
-    """Every action that has a server or a client."""
+    """Return every action that has a server or a client."""
     return _actions(node.get_topic_names_and_types())
 
 
 def get_action_server_names_and_types_by_node(
     node: Node, remote_node_name: str, remote_node_namespace: str
 ) -> NamesAndTypes:
-    """The actions that one node serves. Raises NodeNameNonExistentError."""
+    """Return the actions that a node serves; raise NodeNameNonExistentError."""
     return _actions(
         node.get_publisher_names_and_types_by_node(remote_node_name, remote_node_namespace)
     )
@@ -28,7 +28,7 @@ def get_action_server_names_and_types_by_node(
 def get_action_client_names_and_types_by_node(
     node: Node, remote_node_name: str, remote_node_namespace: str
 ) -> NamesAndTypes:
-    """The actions that one node is a client of. Raises NodeNameNonExistentError."""
+    """Return the actions that a node is a client of; raise NodeNameNonExistentError."""
     return _actions(
         node.get_subscriber_names_and_types_by_node(remote_node_name, remote_node_namespace)
     )

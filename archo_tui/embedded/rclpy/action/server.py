@@ -1,4 +1,4 @@
-"""`rclpy.action.ActionServer`."""
+"""The module `rclpy.action.server`."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class CancelResponse(Enum):
 
 
 class ServerGoalHandle:
-    """One accepted goal, as its server sees it."""
+    """An accepted goal, as its server sees it."""
 
     def __init__(self, server: ActionServer, info: GoalInfo, request: Any) -> None:
         self._server = server
@@ -65,32 +65,32 @@ class ServerGoalHandle:
 
     @property
     def request(self) -> Any:
-        """The goal message."""
+        """Return the goal message."""
         return self._request
 
     @property
     def goal_id(self) -> Any:
-        """The goal's UUID."""
+        """Return the goal's UUID."""
         return self._info.goal_id
 
     @property
     def status(self) -> int:
-        """One of GoalStatus's constants; unknown once it is forgotten."""
+        """Return one of GoalStatus's constants; unknown once the goal is forgotten."""
         self._server._forget_expired()
         return GoalStatus.STATUS_UNKNOWN if self._destroyed else int(self._status)
 
     @property
     def is_active(self) -> bool:
-        """True until the goal has succeeded, was aborted or canceled."""
+        """Return True until the goal has succeeded, was aborted or canceled."""
         return self.status in states.ACTIVE
 
     @property
     def is_cancel_requested(self) -> bool:
-        """True once a cancel was accepted, until the goal has ended."""
+        """Return True once a cancel was accepted, until the goal has ended."""
         return self.status == GoalStatus.STATUS_CANCELING
 
     def execute(self, execute_callback: Callable[[ServerGoalHandle], Any] | None = None) -> None:
-        """Have the goal executed, in a later turn of the executor."""
+        """Schedule the goal's execution in a later turn of the executor."""
         if not self.is_cancel_requested:
             self._update(states.EXECUTE)
         self._server.notify_execute(self, execute_callback)
@@ -119,7 +119,7 @@ class ServerGoalHandle:
         self._update(states.CANCELED)
 
     def destroy(self) -> None:
-        """Have nothing more done to the goal: it cannot be cancelled, its end is not told."""
+        """Forget the goal: it can no longer be cancelled, and its end is not told."""
         self._destroyed = True
 
     def _update(self, event: str) -> None:
@@ -131,7 +131,7 @@ class ServerGoalHandle:
 
 
 class GoalEvent(Enum):
-    """What moves a goal from one state to another."""
+    """The events that move a goal from one state to another."""
 
     EXECUTE = 0
     CANCEL_GOAL = 1
@@ -146,17 +146,17 @@ def default_handle_accepted_callback(goal_handle: ServerGoalHandle) -> None:
 
 
 def default_goal_callback(goal_request: Any) -> GoalResponse:
-    """Accept it."""
+    """Accept the goal."""
     return GoalResponse.ACCEPT
 
 
 def default_cancel_callback(cancel_request: Any) -> CancelResponse:
-    """Reject it."""
+    """Reject the cancel."""
     return CancelResponse.REJECT
 
 
 class ActionServer:
-    """Serves one action. Cancels are rejected unless `cancel_callback` accepts them."""
+    """A server of an action. Cancels are rejected unless `cancel_callback` accepts them."""
 
     configure_introspection = absent.Attribute()
 
@@ -180,11 +180,28 @@ class ActionServer:
         status_pub_qos_profile: QoSProfile = qos_profile_action_status_default,
         result_timeout: float = 10,
     ) -> None:
-        """`result_timeout` is how long a result is kept after the goal has ended, in s by the
-        node's clock: with simulated time it does not pass while no clock is published.
+        """Create the server.
 
-        Raises TypeError for an `execute_callback` that cannot be called, ValueError for an
-        invalid name and a negative timeout.
+        Args:
+            node: The node.
+            action_type: The class of the action.
+            action_name: The action's name.
+            execute_callback: Executes a goal, called with its handle; returns the result.
+            callback_group: The group of the callbacks; None means the node's default one.
+            goal_callback: Accepts or refuses a goal.
+            handle_accepted_callback: Called with the handle of an accepted goal.
+            cancel_callback: Accepts or refuses a cancel.
+            goal_service_qos_profile: The QoS of the goal service.
+            result_service_qos_profile: The QoS of the result service.
+            cancel_service_qos_profile: The QoS of the cancel service.
+            feedback_pub_qos_profile: The QoS of the feedback topic.
+            status_pub_qos_profile: The QoS of the status topic.
+            result_timeout: How long a result is kept after the goal has ended, in s of the node's
+                clock: simulated time does not pass while no clock is published.
+
+        Raises:
+            TypeError: `execute_callback` cannot be called.
+            ValueError: The name is invalid, or the timeout is negative.
         """
         check_action(action_type)
         problem = topic_problem(action_name)
@@ -239,42 +256,42 @@ class ActionServer:
 
     @property
     def _goal_handles(self) -> dict[bytes, ServerGoalHandle]:
-        """Those whose results are not forgotten yet, by their id."""
+        """Return the goals whose results are not forgotten yet, by their id."""
         self._forget_expired()
         return self._kept
 
     def register_execute_callback(self, execute_callback: Callable[..., Any]) -> None:
-        """Execute goals with this from now on. Raises TypeError for what cannot be called."""
+        """Execute goals with this callback from now on; raise TypeError for no callable."""
         if not callable(execute_callback):
             raise TypeError("Failed to register goal execution callback: not callable")
         self._execute_callback = execute_callback
 
     def register_goal_callback(self, goal_callback: Callable[..., Any] | None) -> None:
-        """Ask this whether to take a goal; None: the default."""
+        """Let this callback accept or refuse goals; None means the default."""
         self._goal_callback = goal_callback or default_goal_callback
 
     def register_cancel_callback(self, cancel_callback: Callable[..., Any] | None) -> None:
-        """Ask this whether to cancel a goal; None: the default."""
+        """Let this callback accept or refuse cancels; None means the default."""
         self._cancel_callback = cancel_callback or default_cancel_callback
 
     def register_handle_accepted_callback(
         self, handle_accepted_callback: Callable[..., Any] | None
     ) -> None:
-        """Hand accepted goals to this; None: the default."""
+        """Hand accepted goals to this callback; None means the default."""
         self._handle_accepted_callback = (
             handle_accepted_callback or default_handle_accepted_callback
         )
 
     @property
     def action_type(self) -> Any:
-        """The action's type."""
+        """Return the action's type."""
         return self._action_type
 
     def __enter__(self) -> None:
-        """As rclpy's: it gives nothing, and nothing is destroyed behind it."""
+        """Return None, as rclpy does; the end of the `with` destroys nothing."""
 
     def __exit__(self, *_: object) -> None:
-        """Nothing ends here."""
+        """Do nothing."""
 
     def destroy(self) -> None:
         """Stop offering the action. Raises ValueError the second time, as rclpy does."""
@@ -313,7 +330,12 @@ class ActionServer:
     def notify_execute(
         self, goal_handle: ServerGoalHandle, execute_callback: Callable[..., Any] | None
     ) -> None:
-        """Have a goal executed, in a later turn of the executor; None: by the server's callback."""
+        """Schedule a goal's execution in a later turn of the executor.
+
+        Args:
+            goal_handle: The goal.
+            execute_callback: The callback; None means the server's.
+        """
         if self._node.executor is not None:
             callback = execute_callback or self._execute_callback
             self._node.executor.create_task(self._execute, goal_handle, callback)
@@ -351,7 +373,7 @@ class ActionServer:
         return response
 
     def _asked_to_cancel(self, info: GoalInfo) -> tuple[int, list[ServerGoalHandle]]:
-        """The goals that a cancel request names: all, those until a time, or one of them too."""
+        """Return the goals of a cancel request: all, those until a time, or one of them too."""
         goal_id, until = bytes(info.goal_id.uuid), _ns(info.stamp)
         if any(goal_id) and not until:
             goal = self._goal_handles.get(goal_id)
@@ -380,7 +402,7 @@ class ActionServer:
         )
 
     def _publish_status(self, changed: ServerGoalHandle) -> None:
-        """Tell of every goal that is kept; an action client of this engine, of the changed one."""
+        """Publish the status of all kept goals; clients of this engine get the changed one."""
         key, status = bytes(changed.goal_id.uuid), changed.status
         self._status._publish_lazily(self._all_statuses, ((key, status),))
 

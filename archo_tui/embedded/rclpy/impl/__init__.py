@@ -1,1 +1,1 @@
-"""As in rclpy: the room of the logger class."""
+"""The package `rclpy.impl`, which holds the class of loggers."""

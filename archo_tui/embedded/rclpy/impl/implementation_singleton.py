@@ -1,4 +1,4 @@
-"""`rclpy_implementation`: the errors of rclpy's C layer, under the name that programs know."""
+"""The name `rclpy_implementation`, by which programs know the errors of rclpy's C layer."""
 
 from __future__ import annotations
 

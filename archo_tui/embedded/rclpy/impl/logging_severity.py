@@ -1,10 +1,10 @@
-"""`LoggingSeverity`: the levels of a log line."""
+"""The module `rclpy.impl.logging_severity`: the levels of a log line."""
 
 from enum import IntEnum
 
 
 class LoggingSeverity(IntEnum):
-    """As in rcl_interfaces/Log."""
+    """The severities of rcl_interfaces/Log."""
 
     UNSET = 0
     DEBUG = 10

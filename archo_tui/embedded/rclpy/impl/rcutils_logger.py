@@ -1,4 +1,4 @@
-"""`RcutilsLogger`: what `node.get_logger()` returns."""
+"""The module `rclpy.impl.rcutils_logger`: the loggers that `node.get_logger()` returns."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _BY_WARN = "warn", __file__, 0, 0  # in rclpy the place of the decorator that ca
 
 
 class RcutilsLogger:
-    """A named logger. Each line goes to standard error and, for a node's logger, to /rosout.
+    """A named logger, whose lines go to standard error and, for a node's logger, to /rosout.
 
     `once`, `skip_first` and `throttle_duration_sec` (s) count per place in the source.
     """
@@ -27,7 +27,7 @@ class RcutilsLogger:
         self._places: dict[_Where, _Place] = {}
 
     def get_child(self, name: str) -> RcutilsLogger:
-        """A logger below this one. Raises ValueError for an empty name, TypeError for none."""
+        """Return a logger below this one; raise ValueError for "", TypeError for None."""
         if not name:
             raise ValueError("Child logger name must not be empty.")
         return RcutilsLogger(self.name + "." + name if self.name else name)
@@ -37,11 +37,11 @@ class RcutilsLogger:
         _logging.set_level(self.name, LoggingSeverity(level))
 
     def get_effective_level(self) -> LoggingSeverity:
-        """The level in force, own or inherited."""
+        """Return the level in force, own or inherited."""
         return LoggingSeverity(_logging.effective_level(self.name))
 
     def is_enabled_for(self, severity: LoggingSeverity | int) -> bool:
-        """True when a line of this severity is logged."""
+        """Return True if a line of this severity is logged."""
         return int(severity) >= _logging.effective_level(self.name)
 
     def log(
@@ -111,7 +111,7 @@ class RcutilsLogger:
         return self.log(message, LoggingSeverity.WARN, **options)
 
     def warn(self, message: str, **options: Any) -> bool:
-        """The old name of `warning`. All its calls are one place in the source, as in rclpy."""
+        """Log at WARN under the old name; all calls count as one place, as in rclpy."""
         warnings.warn("Deprecated in favor of `RcutilsLogger.warning`.", DeprecationWarning, 2)
         return self.warning(message, **options)
 
@@ -136,7 +136,7 @@ _SYSTEM = ROSClock()  # of no node: never simulated
 
 
 def _asked(given: dict[str, Any]) -> dict[str, Any]:
-    """The options of those filters that are switched on. Raises TypeError."""
+    """Return the options of those filters that are switched on; raise TypeError for bad ones."""
     found = {name for name, options in _OPTIONS.items() if any(map(given.get, options))}
     if "throttle" in found and "throttle_duration_sec" not in given:
         raise TypeError(
@@ -157,10 +157,10 @@ def _asked(given: dict[str, Any]) -> dict[str, Any]:
 
 
 class _Place:
-    """One place in the source that logs."""
+    """A place in the source that logs."""
 
     def __init__(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:
-        """Raises ValueError for a throttle by anything but a clock."""
+        """Create the place; raise ValueError for a throttle by anything but a clock."""
         clock = asked.get("throttle_time_source_type", _MACHINE)
         if not isinstance(clock, Clock):
             raise ValueError(
@@ -172,7 +172,7 @@ class _Place:
         self._is_first, self._is_logged = True, False
 
     def check(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:
-        """Raises ValueError for another than the first time."""
+        """Raise ValueError if a call differs from the first one at this place."""
         if self._first == (severity, name, asked):
             return
         if self._first[0] != severity:
@@ -186,7 +186,10 @@ class _Place:
         raise ValueError(f"{what} cannot be changed between calls.")
 
     def passes(self) -> bool:
-        """True when each filter lets it pass; those before the one that does not, count it."""
+        """Return True if every filter lets the line pass.
+
+        They are asked in their order, and those behind the first that refuses count nothing.
+        """
         asked = self._asked
         if "throttle_duration_sec" in asked:
             now = asked["throttle_time_source_type"].now().nanoseconds

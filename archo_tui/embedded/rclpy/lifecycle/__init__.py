@@ -1,4 +1,4 @@
-"""`rclpy.lifecycle`: nodes that are configured, activated and so on by whoever manages them."""
+"""The package `rclpy.lifecycle`: nodes that a manager configures, activates and so on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The state machine of a lifecycle node (ROS 2's design): states, transitions, what leads where."""
+"""The state machine of a lifecycle node, as ROS 2's design has it: states and transitions."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from rclpy._rclpy_pybind11 import RCLError
 
 
 class TransitionCallbackReturn(Enum):
-    """What a transition's callback says of it."""
+    """The outcome of a transition's callback."""
 
     SUCCESS = Transition.TRANSITION_CALLBACK_SUCCESS
     FAILURE = Transition.TRANSITION_CALLBACK_FAILURE
     ERROR = Transition.TRANSITION_CALLBACK_ERROR
 
     def to_label(self) -> str:
-        """The label of the transition that follows."""
+        """Return the label of the transition that follows."""
         return f"transition_{self.name.lower()}"
 
 
 class LifecycleState(NamedTuple):
-    """A state by label and id."""
+    """A state, with its label and id."""
 
     label: str
     state_id: int
 
 
 class Step(NamedTuple):
-    """One transition."""
+    """A transition between two states."""
 
     number: int
     label: str
@@ -55,7 +55,7 @@ LABELS = {
 def _through(
     state: int, begins: dict[int, int], label: str, ends: int, success: int, failure: int
 ) -> list[Step]:
-    """The transitions into a state from others (start: number), and out of it by its callback."""
+    """Return the transitions into a state, and those by which its callback leaves it."""
     error = State.TRANSITION_STATE_ERRORPROCESSING
     if state == error:
         error = State.PRIMARY_STATE_FINALIZED
@@ -98,7 +98,7 @@ STEPS = [
 
 
 class StateMachine:
-    """Where a node stands, and what leads on from there."""
+    """The current state of a node, and the transitions from there."""
 
     # the node's services, when it has a communication interface
     service_change_state: Any = None
@@ -112,16 +112,16 @@ class StateMachine:
 
     @property
     def current_state(self) -> tuple[int, str]:
-        """Id and label."""
+        """Return id and label of the state."""
         return self._state, LABELS[self._state]
 
     @property
     def steps(self) -> list[Step]:
-        """The transitions from here."""
+        """Return the transitions from this state."""
         return [step for step in STEPS if step.start == self._state]
 
     def take(self, transition: int | str) -> Step:
-        """Go on by a transition's number or label. Raises RCLError when it does not start here."""
+        """Go through a transition by number or label; raise RCLError if it does not start here."""
         for step in self.steps:
             if transition in (step.number, step.label):
                 self._state = step.goal

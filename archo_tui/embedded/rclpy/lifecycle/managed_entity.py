@@ -1,4 +1,4 @@
-"""`rclpy.lifecycle.managed_entity`: what follows the state of the node that it belongs to."""
+"""The module `rclpy.lifecycle.managed_entity`: entities that follow their node's state."""
 
 from __future__ import annotations
 
@@ -14,35 +14,38 @@ _SUCCESS = TransitionCallbackReturn.SUCCESS
 
 
 class ManagedEntity:
-    """Told of its node's transitions; each callback says how it went."""
+    """An entity that is told of its node's transitions; each callback returns how it went."""
 
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """From the state `unconfigured`."""
+        """Configure, from the state `unconfigured`."""
         return _SUCCESS
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """From the state `inactive`."""
+        """Clean up, from the state `inactive`."""
         return _SUCCESS
 
     def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """From any state but `finalized`."""
+        """Shut down, from any state but `finalized`."""
         return _SUCCESS
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """From the state `inactive`."""
+        """Activate, from the state `inactive`."""
         return _SUCCESS
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """From the state `active`."""
+        """Deactivate, from the state `active`."""
         return _SUCCESS
 
     def on_error(self, state: LifecycleState) -> TransitionCallbackReturn:
-        """Another callback went wrong; SUCCESS leads to `unconfigured`, else to `finalized`."""
+        """Handle an error of another callback.
+
+        SUCCESS leads to `unconfigured`, any other outcome to `finalized`.
+        """
         return _SUCCESS
 
 
 class SimpleManagedEntity(ManagedEntity):
-    """Knows whether its node is active."""
+    """An entity that knows if its node is active."""
 
     def __init__(self) -> None:
         self._enabled = False
@@ -57,7 +60,7 @@ class SimpleManagedEntity(ManagedEntity):
 
     @property
     def is_activated(self) -> bool:
-        """True while the node is active."""
+        """Return True while the node is active."""
         return self._enabled
 
     @staticmethod
@@ -66,9 +69,9 @@ class SimpleManagedEntity(ManagedEntity):
         *,
         when_not_enabled: Callable[..., None] | None = None,
     ) -> Any:
-        """A method that does its work only while the node is active, and returns nothing.
+        """Wrap a method so that it runs only while the node is active, and returns nothing.
 
-        Else `when_not_enabled` is called, if given, with the arguments but for the entity.
+        Otherwise `when_not_enabled` is called, if given, with the arguments without the entity.
         """
 
         def decorate(method: Callable[..., None]) -> Callable[..., None]:

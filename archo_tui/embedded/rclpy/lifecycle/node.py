@@ -1,4 +1,4 @@
-"""`rclpy.lifecycle.node`: a node with states, and the services through which they change."""
+"""The module `rclpy.lifecycle.node`: nodes with states, and services that change them."""
 
 from __future__ import annotations
 
@@ -38,14 +38,18 @@ _CALLBACKS = {  # of the states in which they run
 
 
 class LifecycleNodeMixin(ManagedEntity):
-    """What makes a Node a lifecycle node; it stands before Node among the bases.
+    """A mixin that makes a Node a lifecycle node; it is listed before Node among the bases.
 
-    The callbacks of ManagedEntity are the node's to override. As they stand here they pass the
-    transition on to the managed entities: an `on_activate` of one's own calls this one as well.
+    A node may override the callbacks of ManagedEntity. These pass the transition on to the managed
+    entities, so an overriding `on_activate` calls this one as well.
     """
 
     def __init__(self, *, enable_communication_interface: bool = True) -> None:
-        """Raises TypeError for what is no bool; without the interface there are no services."""
+        """Create the services, unless `enable_communication_interface` is False.
+
+        Raises:
+            TypeError: That is no bool.
+        """
         if not isinstance(enable_communication_interface, bool):
             raise TypeError("enable_communication_interface must be a bool")
         self._state_machine = StateMachine()
@@ -72,35 +76,38 @@ class LifecycleNodeMixin(ManagedEntity):
     # what the node's owner calls
 
     def trigger_configure(self) -> TransitionCallbackReturn:
-        """Configure; what its callback returned, ERROR when that is not possible now."""
+        """Configure, and return the callback's outcome, ERROR if that is not possible now."""
         return self._go("configure")
 
     def trigger_cleanup(self) -> TransitionCallbackReturn:
-        """Clean up; what its callback returned, ERROR when that is not possible now."""
+        """Clean up, and return the callback's outcome, ERROR if that is not possible now."""
         return self._go("cleanup")
 
     def trigger_activate(self) -> TransitionCallbackReturn:
-        """Activate; what its callback returned, ERROR when that is not possible now."""
+        """Activate, and return the callback's outcome, ERROR if that is not possible now."""
         return self._go("activate")
 
     def trigger_deactivate(self) -> TransitionCallbackReturn:
-        """Deactivate; what its callback returned, ERROR when that is not possible now."""
+        """Deactivate, and return the callback's outcome, ERROR if that is not possible now."""
         return self._go("deactivate")
 
     def trigger_shutdown(self) -> TransitionCallbackReturn:
-        """Shut down; what its callback returned. Raises RCLError in the state `finalized`."""
+        """Shut down, and return the callback's outcome; raise RCLError in the state `finalized`."""
         if all(step.label != "shutdown" for step in self._state_machine.steps):
             raise RCLError("Shutdown transtion not possible")  # rclpy's own spelling
         return self._go("shutdown")
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
-        """Have an entity told of the transitions. Raises TypeError for anything but an entity."""
+        """Add an entity that is told of the transitions; raise TypeError for anything else."""
         if not isinstance(entity, ManagedEntity):
             raise TypeError("Expected a rclpy.lifecycle.ManagedEntity instance.")
         self._managed_entities.add(entity)
 
     def create_lifecycle_publisher(self, *args: Any, **kwargs: Any) -> LifecyclePublisher[Any]:
-        """A publisher that is silent unless the node is active; arguments as `create_publisher`."""
+        """Return a publisher that is silent unless the node is active.
+
+        The arguments are those of `create_publisher`.
+        """
         node: Any = self
         made = node.create_publisher(*args, publisher_class=LifecyclePublisher, **kwargs)
         publisher: LifecyclePublisher[Any] = made
@@ -108,7 +115,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return publisher
 
     def destroy_lifecycle_publisher(self, publisher: LifecyclePublisher[Any]) -> bool:
-        """False when it is not this node's."""
+        """Destroy a publisher, and return False if it is not this node's."""
         self._managed_entities.discard(publisher)
         node: Any = self
         destroyed: bool = node.destroy_publisher(publisher)
@@ -135,7 +142,7 @@ class LifecycleNodeMixin(ManagedEntity):
         return self._pass_on("on_error", state)
 
     def _pass_on(self, callback: str, state: LifecycleState) -> TransitionCallbackReturn:
-        """To every managed entity, until one says something else than SUCCESS."""
+        """Call a callback of every managed entity, until one does not return SUCCESS."""
         for entity in list(self._managed_entities):
             said: TransitionCallbackReturn = getattr(entity, callback)(state)
             if said != _SUCCESS:
@@ -145,7 +152,7 @@ class LifecycleNodeMixin(ManagedEntity):
     # the transitions
 
     def _go(self, transition: int | str) -> TransitionCallbackReturn:
-        """A transition from here with its callback, and that of errors if it goes wrong."""
+        """Go through a transition with its callback, and through that of errors if it fails."""
         node: Any = self
         number, label = self._state_machine.current_state
         before = LifecycleState(label, number)
@@ -201,7 +208,7 @@ class LifecycleNodeMixin(ManagedEntity):
 
 
 class LifecycleNode(LifecycleNodeMixin, Node):
-    """A Node with states; arguments as Node's."""
+    """A Node with states; the arguments are those of Node."""
 
     def __init__(
         self, node_name: str, *, enable_communication_interface: bool = True, **kwargs: Any

@@ -1,4 +1,4 @@
-"""`rclpy.lifecycle.publisher.LifecyclePublisher`."""
+"""The module `rclpy.lifecycle.publisher`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ MsgT = TypeVar("MsgT")
 
 
 class LifecyclePublisher(SimpleManagedEntity, Publisher[MsgT]):
-    """Publishes while its node is active. Made by `LifecycleNode.create_lifecycle_publisher`."""
+    """A publisher that is silent unless its node is active.
+
+    `LifecycleNode.create_lifecycle_publisher` makes it.
+    """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         SimpleManagedEntity.__init__(self)
