@@ -24,12 +24,8 @@ _VALUES = {
     "type": "object",
     "description": 'the values of the goal by name, as {"shelf_number": 12}',
 }
-_NO_REQUEST = (
-    "asked",
-    "done",
-    "accepted",
-    "arrived",
-)  # Codes that no request without a number has.
+# Codes that no request without a number has.
+_NO_REQUEST = ("asked", "done", "accepted", "arrived")
 _ENDS = {
     "arrived": "The goal arrived: the robot's own result says so.",
     "denied": "A person said no, and this request moved nothing. Ask them what they want instead.",

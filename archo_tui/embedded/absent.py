@@ -26,7 +26,7 @@ MODULES = {
         "waitable",
     )
 }
-NAMES: dict[str, tuple[str, ...]] = {  # of modules that are here
+NAMES: dict[str, tuple[str, ...]] = {  # Missing names of modules that exist here.
     "rclpy.clock": ("ClockChange", "JumpHandle", "JumpThreshold", "TimeJump"),
     "rclpy.event_handler": (
         "QoSEventHandler",

@@ -45,7 +45,7 @@ def decode(data: bytes, message_class: Any) -> Any:
 
 
 def _write_message(data: bytearray, message: Any) -> None:
-    if not message.__layout__:  # an empty structure is one byte
+    if not message.__layout__:  # rosidl gives an empty message a dummy byte.
         data.append(0)
     for slot, kind, _ in message.__layout__:
         value = getattr(message, slot)
@@ -66,7 +66,7 @@ def _write(data: bytearray, kind: FieldType, value: Any) -> None:
     elif kind.base == "wstring":
         units = value.encode("utf-16-le")
         _write_number(data, "I", len(units) // 2)
-        for place in range(0, len(units), 2):  # as Fast DDS has it: four bytes each
+        for place in range(0, len(units), 2):  # Fast DDS takes four bytes a character.
             _write_number(data, "I", int.from_bytes(units[place : place + 2], "little"))
     elif kind.base in _FORMATS:
         _write_number(data, _FORMATS[kind.base], value)

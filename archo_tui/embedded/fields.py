@@ -86,7 +86,7 @@ def array_check(name: str, kind: FieldType, element: Check) -> Check:
             return value
         if size is None:
             return array.array(code, value)
-        if isinstance(value, bytes):  # numpy takes it for a number's digits
+        if isinstance(value, bytes):  # numpy would read bytes as digits.
             raise ValueError(f"invalid literal for int() with base 10: {value!r}")
         return FixedArray(code, value)
 
@@ -149,7 +149,8 @@ def copier(kind: FieldType, check: Check, message_class: Any) -> Copy | None:
             return lambda value: value[:]
         if message_class is not None:
             return lambda value: [item.__received__() for item in check(value)]
-        return lambda value: list(check(value))  # it can be changed in place: checked again
+        # The list may have been changed since: check again.
+        return lambda value: list(check(value))
     if message_class is not None:
         return message_class.__received__  # type: ignore[no-any-return]
     return round_to_float32 if kind.base == "float32" else None

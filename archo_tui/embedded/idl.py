@@ -15,12 +15,12 @@ from . import idl_values
 from .idl_types import FLOAT32_MAX, PRIMITIVES, FieldType
 
 _PARTS = {".msg": 1, ".srv": 2, ".action": 3}
-_PACKAGE = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")  # a field's name, too
+_PACKAGE = re.compile(r"(?!.*__)(?!.*_$)[a-z][a-z0-9_]*")  # A field's name has the same form.
 _CONSTANT = re.compile(r"[A-Z](_?[A-Z0-9])*")
 _MESSAGE = re.compile(r"[A-Z][A-Za-z0-9]*")
 _STRING = re.compile(r"(w?string)<=(.*)")
 _ARRAY = re.compile(r"(.*)\[(<=)?([^\[]*)\]")
-# of the messages that are made of services and actions
+# Ends of the names of messages that services and actions are made of.
 _SUFFIXES = ("_Request", "_Response", "_Goal", "_Result", "_Feedback")
 
 
@@ -151,7 +151,8 @@ class _Reader:
         numbers = default if isinstance(default, list) else [default]
         for value in numbers if kind.base == "float32" else ():
             if isinstance(value, float) and FLOAT32_MAX < abs(value) < float("inf"):
-                raise ValueError(f"{value:g} is too large for {kind.base}")  # its setter would say
+                # As the setter of the message would.
+                raise ValueError(f"{value:g} is too large for {kind.base}")
         self._fields[name] = Field(kind, name, default, number)
 
 

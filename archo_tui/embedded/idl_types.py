@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-# name -> (lowest, highest) of the integer types; `char` is uint8 in ROS 2
+# The lowest and the highest value of each integer type; `char` is uint8 in ROS 2.
 INTEGERS = {
     f"{sign}int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
     for sign in ("", "u")
     for bits in (8, 16, 32, 64)
 } | {"char": (0, 255)}
 FLOATS = ("float32", "float64")
-# element types that rosidl keeps in array.array, with array's type codes
+# Element types that rosidl keeps in array.array, with array's type codes.
 TYPE_CODES = {
     "int8": "b", "uint8": "B", "char": "B", "int16": "h", "uint16": "H", "int32": "i",
     "uint32": "I", "int64": "q", "uint64": "Q", "float32": "f", "float64": "d",
 }  # fmt: skip
-# as rosidl's `get_fields_and_field_types` calls them
+# The names in rosidl's `get_fields_and_field_types`.
 _IDL_NAMES = {"bool": "boolean", "byte": "octet", "char": "uint8"} | {
     "float32": "float",
     "float64": "double",

@@ -10,9 +10,9 @@ import warnings
 
 from .idl_types import FLOATS, INTEGERS, FieldType
 
-_SHOWN = 40  # characters of a wrong value that are shown
+_SHOWN = 40  # Characters of a wrong value that an error quotes.
 _BOOLS = {"true": True, "1": True, "false": False, "0": False}
-_ELEMENT = re.compile(  # of a list of texts, up to the comma
+_ELEMENT = re.compile(  # An element of a list of texts, up to the comma.
     r""" *(?:"((?:[^"\\]|\\.)*)"|'((?:[^'\\]|\\.)*)'|([^,"' ][^,]*)) *,?"""
 )
 
@@ -27,7 +27,7 @@ def read(text: str, kind: FieldType) -> object:
         raise ValueError(f"expected a list like [1, 2], not {text[:_SHOWN]}")
     inside = text[1:-1]
     if kind.base in ("string", "wstring"):
-        items = _texts(inside)  # whose escapes stay as they are written
+        items = _texts(inside)  # Their escapes are not decoded.
     else:
         items = inside.split(",") if inside else []
     if kind.fixed_size is not None and len(items) != kind.fixed_size:
@@ -51,7 +51,7 @@ def _single(text: str, kind: FieldType, *, is_element: bool = False) -> object:
             return float(text)
         except ValueError:
             raise ValueError(f"expected a number, not {text[:_SHOWN]}") from None
-    low, high = INTEGERS.get(kind.base, (0, 255))  # a byte's
+    low, high = INTEGERS.get(kind.base, (0, 255))  # The default is a byte's range.
     value = _whole(text)
     if value is None or not low <= value <= high:
         raise ValueError(f"expected a whole number within {low} .. {high}, not {text[:_SHOWN]}")
@@ -59,7 +59,7 @@ def _single(text: str, kind: FieldType, *, is_element: bool = False) -> object:
 
 
 def _whole(text: str) -> int | None:
-    for base in (10, 0):  # 010 is ten, 0x10 sixteen
+    for base in (10, 0):  # 010 is ten, 0x10 is sixteen.
         try:
             return int(text, base)
         except ValueError:
@@ -84,7 +84,7 @@ def _unescaped(text: str) -> str:
     r"""Return a text with `\t` and the like decoded, as rosidl does by way of a Latin-1 file."""
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # "\d" is as written
+            warnings.simplefilter("ignore", DeprecationWarning)  # "\d" stays as written.
             plain = text.encode().decode("unicode_escape")
         return plain.encode("iso-8859-1").decode()
     except UnicodeError:

@@ -21,11 +21,11 @@ from .idl import Field, InterfaceError, Section, is_package, parse
 from .messages import make_action, make_message, make_service
 
 KINDS = ("msg", "srv", "action")
-NEEDED = (  # what rclpy itself is made of: other fields in them would end it
+NEEDED = (  # rclpy itself uses these; a user's copy with other fields would break it.
     *("action_msgs", "builtin_interfaces", "lifecycle_msgs", "rcl_interfaces"),
     *("rosgraph_msgs", "unique_identifier_msgs"),
 )
-_DEEPEST = 50  # messages in messages: beyond every real one, and far from Python's own limit
+_DEEPEST = 50  # Levels of nested messages; far below Python's recursion limit.
 
 
 class InterfaceFinder:
@@ -44,8 +44,8 @@ class InterfaceFinder:
         self._share = share
         self._packages, self._own = dict(packages), dict(own or {})
         self._classes: dict[str, Any] = {}
-        self._making: list[str] = []  # each contains the one behind it
-        self._lock = threading.RLock()  # nodes on several threads ask for classes
+        self._making: list[str] = []  # Types being made; each contains the next one.
+        self._lock = threading.RLock()  # Nodes on several threads import classes.
 
     def folders(self, package: str) -> list[Path]:
         """Return the folders with the package's msg/, srv/ and action/, in the order of search."""
@@ -125,13 +125,13 @@ class InterfaceFinder:
     ) -> importlib.machinery.ModuleSpec | None:
         package, _, kind = fullname.partition(".")
         if kind and kind not in KINDS:
-            return None  # nearly all of what is imported: nothing is looked up for it
+            return None  # Most imports end here, without a look at the disk.
         folders = self.folders(package)
         if kind:
             folders = [f for f in folders if (f / kind).is_dir()]
         if not folders:
             return None
-        # a loader by its methods: importlib.abc, for the type's sake, takes long to import
+        # A loader by its methods only, since importlib.abc takes long to import.
         origin, loader = str(folders[0]), cast(Any, self)
         return importlib.machinery.ModuleSpec(fullname, loader, origin=origin, is_package=True)
 
@@ -144,7 +144,7 @@ class InterfaceFinder:
             return
         names = self.names(package, kind)
 
-        def __getattr__(name: str) -> Any:  # PEP 562: makes the class when it is asked for
+        def __getattr__(name: str) -> Any:  # PEP 562: makes a class at its first use.
             if name not in names:
                 raise AttributeError(f"{package} has no {kind} {name!r}")
             made = self.load(f"{package}/{kind}/{name}")
@@ -155,7 +155,7 @@ class InterfaceFinder:
 
 
 def _has_interfaces(folder: Path) -> bool:
-    # most folders that are asked for are not there: one look each, at every import of a package
+    # Checked first, because most folders that are asked for do not exist.
     return folder.is_dir() and any((folder / kind).is_dir() for kind in KINDS)
 
 
@@ -171,7 +171,7 @@ def name_of(package: Path) -> str:
     Raises:
         InterfaceError: There is no name that can be used; it has file and line.
     """
-    from xml.etree import ElementTree  # slow to import, and needed for the user's packages only
+    from xml.etree import ElementTree  # Slow to import, and needed for the user's packages only.
 
     file = package / "package.xml"
     try:
@@ -182,7 +182,7 @@ def name_of(package: Path) -> str:
         raise InterfaceError(f"{file}:1: {said}") from None
     except ElementTree.ParseError as error:
         raise InterfaceError(f"{file}:{error.position[0]}: not XML: {error}") from None
-    except (LookupError, ValueError):  # `encoding="none such"`
+    except (LookupError, ValueError):  # As for `encoding="none such"`.
         raise InterfaceError(f"{file}:1: not XML: its encoding is not known") from None
     line = text.count(b"\n", 0, max(text.find(b"<name"), 0)) + 1
     if not is_package(name):

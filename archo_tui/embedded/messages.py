@@ -19,7 +19,7 @@ from .fixed_array import Truths
 from .idl import Field, InterfaceError, Section
 from .idl_types import TYPE_CODES, FieldType
 
-MOST_ELEMENTS = 1_000_000  # of a message as it is made: some tens of MB
+MOST_ELEMENTS = 1_000_000  # Of a new message: some tens of MB.
 Resolve = Callable[[Section, Field], Any]
 
 
@@ -40,12 +40,12 @@ class Message(metaclass=_MessageType):
     __slots__ = ()
     __type_name__: ClassVar[str]
     __field_types__: ClassVar[dict[str, str]]
-    # of each field its name, its slot, its check and its default
+    # Name, slot, check and default of each field.
     __inits__: ClassVar[tuple[tuple[str, str, rules.Check, Callable[[], Any]], ...]]
-    __number_arrays__: ClassVar[dict[str, str]]  # those of any length, with array's type code
+    __number_arrays__: ClassVar[dict[str, str]]  # Arrays of any length, with array's type code.
     __copiers__: ClassVar[tuple[tuple[str, Callable[[Any], Any] | None], ...]]
-    __elements__: ClassVar[int]  # values in it when it is made, those of nested messages too
-    __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # slot, type, nested class
+    __elements__: ClassVar[int]  # Values in a new message, nested ones included.
+    __layout__: ClassVar[tuple[tuple[str, FieldType, Any], ...]]  # Slot, type, nested class.
 
     def __init__(self, **values: Any) -> None:
         """Create a message from fields by name.
@@ -54,7 +54,7 @@ class Message(metaclass=_MessageType):
         """
         values.pop("check_fields", None)
         for name, code in self.__number_arrays__.items():
-            if name in values:  # converted, unlike in an assignment: [1, 2] are two floats
+            if name in values:  # Converted, unlike in an assignment: [1, 2] is two floats.
                 values[name] = array(code, values[name])
         for name, slot, check, default in self.__inits__:
             setattr(self, slot, check(values.pop(name) if name in values else default()))

@@ -25,7 +25,7 @@ _BOOLS = {
     for word in words.split()
     for form in (word, word.capitalize(), word.upper())
 }
-# As C's strtoll and strtod take them, which rcl calls: a leading 0 is octal, 0x hexadecimal.
+# Numbers as C's strtoll and strtod take them, which rcl calls: 0 begins an octal, 0x a hexadecimal.
 _INTEGER = re.compile(r"([-+]?)(0[xX][0-9a-fA-F]+|0[0-7]*|[1-9][0-9]*)")
 _DECIMAL = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _HEXADECIMAL = re.compile(
@@ -37,7 +37,7 @@ _SIGNIFICANT = re.compile(r"[1-9a-fA-F]")
 _STRING_TAG = re.compile(r"(&\S+\s+)?!(!str|<tag:yaml.org,2002:str>)(\s|$)")
 _NODE_PART = re.compile(r"[A-Za-z_][A-Za-z0-9_]*|\*\*?")
 
-_DIGITS = 400  # of a number; no double has more before its point
+_DIGITS = 400  # No double has more digits before its point.
 
 
 class ParameterFileError(YamlError):

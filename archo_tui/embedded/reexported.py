@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
-REEXPORTED: dict[str, dict[str, str]] = {  # by module: where its names are made, and the names
+REEXPORTED: dict[
+    str, dict[str, str]
+] = {  # By module: the modules that define the names, and the names.
     "rclpy": {
         "rclpy.parameter": "Parameter",
         "rclpy.signals": "install_signal_handlers uninstall_signal_handlers",

@@ -35,10 +35,8 @@ class Player:
         self.bag, self.file, self._clock = bag, file, clock
         self.start, self.end = bag.start, bag.end
         self.speed, self.is_playing = 1.0, False
-        self._base, self._base_time = (
-            self.start,
-            clock.monotonic(),
-        )  # The position at that monotonic time.
+        # A position, and the monotonic time at which it was reached.
+        self._base, self._base_time = self.start, clock.monotonic()
         self._last_position = self._base  # The position at the last refresh.
         self._namespace = namespace_of(bag, file)
         self._state = self._new_state()

@@ -96,10 +96,8 @@ class ReplayState:
         actions = {kind.action: "not recorded" for kind in file.goals}
         offered = frozenset(heard | {*actions, *file.services})
         self._initial = ConsoleState(namespace=namespace, offered=offered, faults=actions)
-        self.console, self._state_json = (
-            self._initial,
-            "",
-        )  # The state, and the JSON it was parsed from.
+        # The state, and the JSON it was parsed from.
+        self.console, self._state_json = self._initial, ""
         self.goal: Goal | None = None
         self._log = EventLog()
         self._paces: dict[str, Pace] = {}  # Of each topic, by its full name.

@@ -71,9 +71,8 @@ class Window:
                 self._mark_event(state.snapshot, message.time)
             self._messages.append(message)
             self._times.append(message.time)
-        self.history.take(
-            state.snapshot, self.end
-        )  # A goal may have ended in the last part of a second.
+        # A goal may have ended in the last part of a second.
+        self.history.take(state.snapshot, self.end)
         if len(self._messages) >= MAX_MESSAGES:  # The next window reads the rest.
             self.end = self._times[-1]
         self._checkpoints = self._checkpoints or [state.checkpoint()]

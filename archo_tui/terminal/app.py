@@ -121,9 +121,8 @@ class TerminalApp(App[None]):
 
     def get_driver_class(self) -> type[Driver]:
         chosen = super().get_driver_class()
-        if (
-            sys.platform != "win32" and chosen.__name__ == "LinuxDriver"
-        ):  # Tests have drivers of their own.
+        # Tests have drivers of their own.
+        if sys.platform != "win32" and chosen.__name__ == "LinuxDriver":
             from archo_tui.terminal.driver import SteadyDriver
 
             return SteadyDriver
@@ -195,9 +194,8 @@ class TerminalApp(App[None]):
 
         async def write() -> None:
             try:
-                await in_daemon(
-                    lambda: remember_theme(self.theme)
-                )  # The last choice, not this one.
+                # The last choice, not this one.
+                await in_daemon(lambda: remember_theme(self.theme))
             except OSError as error:
                 self.notify(f"cannot remember the theme: {error.strerror}", markup=False)
 

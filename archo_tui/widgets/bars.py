@@ -34,9 +34,8 @@ def header(view: View, width: int) -> Content:
     doing, left = _activity(view)
     watching = view.replay or ("watching" if view.watching else "")
     what = [harmless(view.snapshot.file.name), _contact(view), watching, doing]
-    if (
-        width < _NARROW and view.snapshot.file.battery is not None
-    ):  # The battery's panel may be out of sight.
+    # The battery's panel may be out of sight.
+    if width < _NARROW and view.snapshot.file.battery is not None:
         what.insert(2, f"{fixed_width(view.snapshot.battery.percentage, '.1f')} %")
     assistants = [client for client in view.clients if client.startswith(ASSISTANT)]
     programs = len(view.clients) - len(assistants)

@@ -73,9 +73,8 @@ class Board(LineWidget, can_focus=True):
         by = {"left": -1, "right": 1, "up": -grid.columns, "down": grid.columns}
         by |= {"pageup": -grid.page, "pagedown": grid.page, "home": -self._index, "end": last}
         target = self._index + by[key]
-        if (
-            key not in ("up", "down") or 0 <= target <= last
-        ):  # At the end of a column the cursor stays.
+        # At the end of a column the cursor stays.
+        if key not in ("up", "down") or 0 <= target <= last:
             self._move(min(max(target, 0), last))
 
     def action_take(self) -> None:

@@ -42,9 +42,8 @@ class ParametersPanel(Panel):
         self._shows_standard = False
         self._standard_count = 0  # Standard parameters that the key hides or shows.
         self.lines = 0  # Lines for everything with the titles, so that a filter moves no panel.
-        self._flashing: frozenset[tuple[str, str]] = (
-            frozenset()
-        )  # Changed by somebody else just now.
+        # Changed by somebody else just now.
+        self._flashing: frozenset[tuple[str, str]] = frozenset()
         self._rows: Rows[Parameter] = Rows(
             self._draw_parameter,
             lambda p: (p.node, p.name),

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 _BLANK = 0x2800
-_DOTS = (
-    (0x01, 0x02, 0x04, 0x40),
-    (0x08, 0x10, 0x20, 0x80),
-)  # Left and right column of dots, from above.
+# Left and right column of dots, from above.
+_DOTS = ((0x01, 0x02, 0x04, 0x40), (0x08, 0x10, 0x20, 0x80))
 MARK = "┄"  # Dashes in the marked row.
 
 Range = tuple[float, float]  # Least and greatest value.

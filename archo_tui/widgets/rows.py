@@ -233,9 +233,8 @@ class Rows(ScrollView, LineWidget, QuietFocus, Generic[T], can_focus=True):
         quiet = style == QUIET
         drawn = base + Style.parse(self.app.theme_variables[QUIET] if quiet else style or "none")
         if selected:
-            base = drawn = drawn + Style(
-                reverse=not drawn.reverse
-            )  # A highlighted row stays visible.
+            # A highlighted row stays visible.
+            base = drawn = drawn + Style(reverse=not drawn.reverse)
         return Strip([Segment(text, drawn)]).crop_extend(left, left + width, base)
 
     def action_press(self, key: str) -> None:

@@ -61,7 +61,7 @@ class InitContextManager:
 
     def __init__(self, context: Context, options: SignalHandlerOptions) -> None:
         self.context = context
-        # as rclpy would have it; this engine installs none
+        # The value that rclpy would have; this engine installs no handlers.
         self.installed_signal_handlers = options != SignalHandlerOptions.NO
 
     def __enter__(self) -> InitContextManager:

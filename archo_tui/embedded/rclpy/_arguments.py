@@ -15,7 +15,7 @@ from archo_tui.yaml_text.bounded_yaml import YamlError
 
 LEVELS = {"unset": 0, "debug": 10, "info": 20, "warn": 30, "error": 40, "fatal": 50}
 
-# given by rclpy, without effect in one process: there is no log file and no enclave
+# Options of ROS without effect here, since there is no log file and no enclave.
 _IGNORED_FLAGS = re.compile(r"--(enable|disable)-external-lib-logs|--enable-stdout-logs")
 
 
@@ -40,7 +40,7 @@ class Arguments(NamedTuple):
         found: dict[str, Any] = {}
         for pattern, values in by_pattern.items():
             if matches(pattern, node):
-                # rcl takes an empty list, which has no type, as a parameter that is not set
+                # An empty list has no type: rcl takes the parameter as not set.
                 found |= {name: None if v == [] else v for name, v in values.items()}
         return found
 
@@ -53,7 +53,7 @@ def parse(args: Sequence[str] | None) -> Arguments:
         UnknownROSArgsError: An argument is unknown.
     """
     remaps: list[Remap] = []
-    overrides: list[Override] = []  # of files and single ones, in their order
+    overrides: list[Override] = []  # From files and single options, in their order.
     unknown: list[str] = []
     level, stdout_logs, rosout_logs = 0, True, True
     words = iter(split(args or ())[1])

@@ -24,7 +24,7 @@ class Destroyable:
     """An object that can be destroyed; using it afterwards raises InvalidHandle."""
 
     _destroyed = False
-    _is_part_of_action = False  # and not one of those that its node tells of
+    _is_part_of_action = False  # Then the node does not list it.
 
     @property
     def handle(self) -> Handle:
@@ -58,10 +58,10 @@ class Handle:
 class Entity(Destroyable):
     """A part of a node that has callbacks to run."""
 
-    # in a round: actions, timers, subscriptions, clients, services
+    # The order in a round: actions, timers, subscriptions, clients, services.
     _rank = 1
     callback: Any = None
-    _taken_by: Entity | None = None  # who takes its work together with that of others
+    _taken_by: Entity | None = None  # An entity that takes the work of several.
 
     def __init__(self, node: Node, callback_group: CallbackGroup) -> None:
         self._node = node
@@ -100,7 +100,7 @@ class Entity(Destroyable):
 class TimedEntity(Entity):
     """An entity that the executor must look at when its time has come."""
 
-    _next_ns = 0  # when, in monotonic ns
+    _next_ns = 0  # Monotonic time, in ns.
 
     def _is_due(self) -> bool:
         """Return True if there is, or may be, work by now."""
@@ -138,7 +138,7 @@ class QueueEntity(Entity):
 
     def __init__(self, node: Node, callback_group: CallbackGroup, size: int | None) -> None:
         super().__init__(node, callback_group)
-        self._queue: deque[Any] = deque(maxlen=size)  # both its ends are safe among threads
+        self._queue: deque[Any] = deque(maxlen=size)  # append and popleft are thread-safe.
 
     def _deliver(self, item: Any) -> None:
         if not self._destroyed:

@@ -107,7 +107,7 @@ class Graph:
         matched = list(publisher._matched)
         for subscription in subscriptions:
             if subscription.msg_type is not publisher.msg_type:
-                continue  # as in DDS: other types do not see each other
+                continue  # As in DDS, endpoints of other types do not see each other.
             policy = incompatible_policy(publisher.qos_profile, subscription.qos_profile)
             if policy is None:
                 matched.append(subscription)

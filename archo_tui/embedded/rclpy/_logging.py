@@ -9,7 +9,7 @@ from typing import Any
 Publish = Callable[[Any], None]
 
 _stdout_logs = True
-_default_level = _INFO = 20  # that of the root, and so of all that have none
+_default_level = _INFO = 20  # The root's level, which all loggers without one inherit.
 _levels: dict[str, int] = {}
 _rosout: dict[str, Publish] = {}
 

@@ -23,10 +23,10 @@ class Remap(NamedTuple):
     node: str | None
     match: str
     replacement: str
-    kind: str | None = None  # rostopic or rosservice, when it holds for one of them only
+    kind: str | None = None  # `rostopic` or `rosservice` if it holds for one of them.
 
 
-Problem = tuple[str, int] | None  # what is wrong with a name, and at which character
+Problem = tuple[str, int] | None  # What is wrong with a name, and at which character.
 
 
 def validate_node_name(name: str) -> None:

@@ -124,7 +124,7 @@ class NodeParameters:
                 )
             descriptor.type, value = int(value), None
         elif isinstance(value, ParameterValue):
-            # taken for its type only: rclpy has no way from it to a value
+            # Only the type counts: rclpy does not convert it to a value.
             if not descriptor.dynamic_typing:
                 descriptor.type = value.type
         elif not descriptor.dynamic_typing:
@@ -211,7 +211,7 @@ class NodeParameters:
         """
         _check_are_parameters(parameter_list)
         before = self._pre_set_parameters_callbacks
-        if before:  # each is given what was asked for, and all that they return is set
+        if before:  # Each callback gets the request; all that they return is set.
             parameter_list = [one for callback in before for one in callback(parameter_list)]
             if not parameter_list:
                 return SetParametersResult(successful=False, reason=_EMPTY)

@@ -15,7 +15,7 @@ class CallbackGroup:
 
     def add_entity(self, entity: Any) -> None:
         """Add an entity to the group."""
-        self.entities.add(weakref.ref(entity, self.entities.discard))  # gone with it
+        self.entities.add(weakref.ref(entity, self.entities.discard))  # Discarded with the entity.
 
     def has_entity(self, entity: Any) -> bool:
         """Return True if the entity is in the group."""

@@ -37,8 +37,8 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         super().__init__(node, callback_group, qos_profile._queue_size)
         self.srv_type = srv_type
         self.qos_profile = qos_profile
-        self.srv_name = srv_name  # as it was given
-        self._service_name = service_name  # as it is on the graph
+        self.srv_name = srv_name  # As given.
+        self._service_name = service_name  # As on the graph.
         self._lock = threading.Lock()
         self._sequence_number = 0
         self._pending_requests: dict[int, Future[Any]] = {}
@@ -120,7 +120,7 @@ class Client(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         number, response = item
         with self._lock:
             future = self._pending_requests.get(number)
-        if future is not None:  # until it is done: every server of the name answers
+        if future is not None:  # Only the first response counts: every server of the name answers.
             future._set_executor(self._node.executor)
             future.set_result(response)
 

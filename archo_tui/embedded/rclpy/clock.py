@@ -34,7 +34,7 @@ class Clock:
 
     def __init__(self, *, clock_type: ClockType = ClockType.SYSTEM_TIME) -> None:
         self._clock_type = clock_type
-        self._changed = threading.Condition()  # of simulated time
+        self._changed = threading.Condition()  # Notified when simulated time changes.
 
     def __repr__(self) -> str:
         return f"Clock(clock_type={self._clock_type.name})"

@@ -55,7 +55,7 @@ class Context:
                 raise RuntimeError("Context.init() must only be called once")
             args = sys.argv if args is None else args
             for argument in args:
-                argument.encode()  # as rcl takes it: UnicodeEncodeError for what is not UTF-8
+                argument.encode()  # Raises UnicodeEncodeError for what is not UTF-8, as in rcl.
             self._arguments = _arguments.parse(args)
             if domain_id is None:
                 domain_id = int(os.environ.get("ROS_DOMAIN_ID") or 0)

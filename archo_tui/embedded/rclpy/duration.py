@@ -7,7 +7,7 @@ from functools import total_ordering
 import builtin_interfaces.msg
 
 S_TO_NS = 1_000_000_000
-_INFINITE = 2**63 - 1  # ns
+_INFINITE = 2**63 - 1  # In ns.
 
 
 _TOO_LARGE = "Total nanoseconds value is too large to store in C duration."

@@ -33,10 +33,10 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
-Work = Callable[[], Any]  # a task, or what an entity has to call
+Work = Callable[[], Any]  # A task, or what an entity wants called.
 ExecutorT = TypeVar("ExecutorT", bound="Executor")
 _KIND = attrgetter("_rank")
-Ready = tuple[Task[Any], "Entity | None", "Node | None"]  # what to call, and whose it is
+Ready = tuple[Task[Any], "Entity | None", "Node | None"]  # What to call, its entity and its node.
 
 
 async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
@@ -72,26 +72,26 @@ class Executor:
     A user's own executor defines `spin_once`, using `wait_for_ready_callbacks`.
     """
 
-    _is_concurrent = False  # several threads run its callbacks
+    _is_concurrent = False  # True if several threads run callbacks.
 
     def __init__(self, *, context: Context | None = None) -> None:
         self._context = get_default_context() if context is None else context
         if not self._context.ok():
             raise RuntimeError("Context must be initialized before an executor can be created")
-        self._nodes: dict[Node, int] = {}  # with its place among them
+        self._nodes: dict[Node, int] = {}  # With its place in the order of adding.
         self._lock = threading.RLock()
         self._condition = threading.Condition(self._lock)
         self._tasks: deque[Task[Any]] = deque()
-        self._ready: dict[Entity, None] = {}  # in the order in which they became so
-        self._round: deque[Entity | Task[Any]] = deque()  # what is left of the one that goes on
-        self._blocked: list[Entity] = []  # ready, but their callback group is taken
+        self._ready: dict[Entity, None] = {}  # In the order in which they became ready.
+        self._round: deque[Entity | Task[Any]] = deque()  # The rest of the current round.
+        self._blocked: list[Entity] = []  # Ready, but their callback group is taken.
         self._timers: list[tuple[int, int, TimedEntity]] = []
-        self._due_ns: int | None = None  # when the next one is; known where no work is left
+        self._due_ns: int | None = None  # The next timer; known if no work is left.
         self._order = itertools.count()
-        self._asked: tuple[object, ...] = ()  # what the round that goes on is for
+        self._asked: tuple[object, ...] = ()  # The nodes for which the current round began.
         self._is_shutdown = False
-        self._had_tasks = False  # this round: its entities come next
-        self._notified = False  # since somebody last began to wait: all who wait are awake
+        self._had_tasks = False  # True if the round's tasks are done and its entities come next.
+        self._notified = False  # True once all waiting threads have been woken.
         self._context.on_shutdown(self.wake)
 
     @property
@@ -284,7 +284,7 @@ class Executor:
     def _make_ready(self, entity: Entity) -> None:
         """Note that an entity has work."""
         with self._lock:
-            if entity._node in self._nodes:  # it may have left meanwhile
+            if entity._node in self._nodes:  # The node may have left meanwhile.
                 self._ready[entity] = None
                 if not self._notified:
                     self._notify()
@@ -296,7 +296,7 @@ class Executor:
 
     def _add_timer(self, timer: TimedEntity) -> None:
         with self._condition:
-            if timer._node in self._nodes:  # else it is added with its node
+            if timer._node in self._nodes:  # Otherwise it is added with its node.
                 heapq.heappush(self._timers, (timer._next_ns, next(self._order), timer))
                 self._notify()
 
@@ -309,7 +309,7 @@ class Executor:
         with self._condition:
             self._check_alive()
             asked = timeout_sec, stop, nodes
-            if asked != self._asked:  # rclpy waits anew then: what was removed has left
+            if asked != self._asked:  # rclpy builds a new wait set then, without what was removed.
                 self._asked = asked
                 kept = [e for e in self._round if isinstance(e, Task) or e._node in self._nodes]
                 self._round = deque(kept)
@@ -361,13 +361,14 @@ class Executor:
             if when > _time_source.monotonic_ns():
                 return when
             heapq.heappop(self._timers)
-            if timer._node.executor is self and timer._is_due():  # not what is simulated by now
+            # The timer may count simulated time by now.
+            if timer._node.executor is self and timer._is_due():
                 self._make_ready(timer)
         return None
 
     def _pop_ready(self, nodes: Collection[Node] | None) -> tuple[Work, Entity | None] | None:
         """Return the next piece of work of this round or else of the next, or None."""
-        others: list[Entity] = []  # of nodes that are not asked for
+        others: list[Entity] = []  # Entities of nodes that are not spun now.
         found: tuple[Work, Entity | None] | None = None
         while found is None:
             if not self._round:
@@ -412,7 +413,7 @@ class Executor:
                 self._blocked.append(entity)
             return None
         work = entity._take()
-        if entity._waiting() and entity._node in self._nodes:  # it may have left in this round
+        if entity._waiting() and entity._node in self._nodes:  # The node may have left.
             self._ready[entity] = None
         if work is None:
             entity.callback_group.ending_execution(entity)
@@ -478,7 +479,7 @@ class MultiThreadedExecutor(SingleThreadedExecutor):
         return super()._is_idle() and all(future.done() for future in self._running)
 
     def _spin_once(self, timeout_sec: float | None, stop: Callable[[], bool]) -> None:
-        with suppress(ExternalShutdownException):  # this one ends without a word
+        with suppress(ExternalShutdownException):  # `spin` ends silently on shutdown.
             super()._spin_once(timeout_sec, stop)
 
     def _run(self, work: Work, entity: Entity | None) -> None:

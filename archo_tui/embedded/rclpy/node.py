@@ -213,8 +213,6 @@ class Node(NodeParameters, Destroyable):
         _names.validate_full_topic_name(full, is_service=is_service)
         return full
 
-    # what the node talks by
-
     @property
     def default_callback_group(self) -> CallbackGroup:
         """Return the mutually exclusive group of what is made without one."""
@@ -468,8 +466,6 @@ class Node(NodeParameters, Destroyable):
         """Yield the entities of a kind, without those that an action consists of."""
         return (entity for entity in self._all(kind) if not entity._is_part_of_action)
 
-    # what is on the graph
-
     def get_node_names(self) -> list[str]:
         """Return the names of all nodes without namespaces."""
         return [name for name, _ in self.get_node_names_and_namespaces()]
@@ -498,7 +494,9 @@ class Node(NodeParameters, Destroyable):
                 (name, kind)
                 for name, topic in self._graph.topics.items()
                 for endpoints in (topic.publishers, topic.subscriptions)
-                for kind in {endpoint.msg_type for endpoint in endpoints}  # a thousand of /rosout
+                for kind in {
+                    endpoint.msg_type for endpoint in endpoints
+                }  # /rosout may have a thousand.
             )
 
     def get_service_names_and_types(self) -> NamesAndTypes:
@@ -595,8 +593,6 @@ class Node(NodeParameters, Destroyable):
             )
         return nodes
 
-    # the end
-
     def destroy_node(self) -> None:
         """Destroy everything this node made and leave the graph; its executor still lists it."""
         self._leave_graph()
@@ -636,7 +632,7 @@ def _sorted(pairs: Iterable[tuple[str, Any]]) -> NamesAndTypes:
 
 def _info(endpoint: Any) -> TopicEndpointInfo:
     node, qos = endpoint._node, as_profile(endpoint.qos_profile)
-    qos.history, qos.depth = HistoryPolicy.UNKNOWN, 0  # DDS does not tell them
+    qos.history, qos.depth = HistoryPolicy.UNKNOWN, 0  # DDS does not tell these two.
     if qos.liveliness == LivelinessPolicy.SYSTEM_DEFAULT:
         qos.liveliness = LivelinessPolicy.AUTOMATIC
     for name in ("lifespan", "deadline", "liveliness_lease_duration"):

@@ -199,7 +199,7 @@ def _field(kind: Parameter.Type) -> str:
     return f"{kind.name.lower()}_value"
 
 
-# bool stands before int, because a Python bool is an int
+# bool comes before int, because a Python bool is an int.
 _SCALARS = {
     Parameter.Type.BOOL: bool,
     Parameter.Type.INTEGER: int,

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
 
-DoneCallback = Callable[[Future[Any]], Any] | None  # called with the future when it is done
+DoneCallback = Callable[[Future[Any]], Any] | None  # Called with the future when it is done.
 
 
 class AsyncParameterClient:

@@ -34,16 +34,16 @@ class Publisher(Endpoint, Generic[MsgT]):
     ) -> None:
         self._node = node
         self.msg_type = msg_type
-        self.topic = topic  # as it was given
-        self._topic_name = topic_name  # as it is on the graph
+        self.topic = topic  # As given.
+        self._topic_name = topic_name  # As on the graph.
         self.qos_profile = qos_profile
         self._sent = 0
         self._gid = list(uuid.uuid4().bytes)
         self._matched: tuple[Subscription[Any], ...] = ()
         self._keeps = qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-        # for late joiners, each with the time (ns) when it was sent
+        # Kept for late joiners, each with the time (ns) of its sending.
         self._kept: deque[tuple[int, Any]] = deque(maxlen=qos_profile._queue_size)
-        self._lifespan = qos_profile.lifespan.nanoseconds  # 0: for ever
+        self._lifespan = qos_profile.lifespan.nanoseconds  # 0 means for ever.
         self._make_kept: Callable[[], Any] | None = None
         self._has_published = False
 
@@ -61,7 +61,7 @@ class Publisher(Endpoint, Generic[MsgT]):
         message: Any = msg
         self._sent += 1
         if self._keeps:
-            with self._node._graph.lock:  # so that a late joiner gets each one once
+            with self._node._graph.lock:  # So that a late joiner gets each message once.
                 now = monotonic_ns()
                 self._drop_expired(now)
                 self._kept.append((now, message.__received__()))

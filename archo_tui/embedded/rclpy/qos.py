@@ -14,7 +14,7 @@ from typing import Any
 from rclpy.duration import Duration
 
 _NO_TIME = Duration()
-_BEST_TIME = Duration(nanoseconds=9223372036854775806)  # rmw's "best available"
+_BEST_TIME = Duration(nanoseconds=9223372036854775806)  # rmw's "best available".
 
 
 class _OldNames(EnumMeta):
@@ -105,9 +105,11 @@ QoSReliabilityPolicy = ReliabilityPolicy
 QoSDurabilityPolicy = DurabilityPolicy
 QoSLivelinessPolicy = LivelinessPolicy
 DeadlineBestAvailable = _BEST_TIME
-LivelinessLeaseDurationeBestAvailable = _BEST_TIME  # rclpy's own spelling
+LivelinessLeaseDurationeBestAvailable = _BEST_TIME  # rclpy's own spelling.
 
-_TYPES: dict[str, tuple[type, type | None]] = {  # of each policy: what it takes and becomes
+_TYPES: dict[
+    str, tuple[type, type | None]
+] = {  # Of each policy: the type it takes and the one it becomes.
     "history": (int, HistoryPolicy),
     "depth": (int, None),
     "reliability": (int, ReliabilityPolicy),

@@ -43,8 +43,8 @@ class Service(QueueEntity, ServiceEnd, Generic[SrvRequestT, SrvResponseT]):
         super().__init__(node, callback_group, qos_profile._queue_size)
         self.srv_type = srv_type
         self.qos_profile = qos_profile
-        self.srv_name = srv_name  # as it was given
-        self._service_name = service_name  # as it is on the graph
+        self.srv_name = srv_name  # As given.
+        self._service_name = service_name  # As on the graph.
         self.callback = callback
 
     def send_response(self, response: SrvResponseT, header: RequestHeader) -> None:

@@ -39,7 +39,7 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
     """A subscription to one topic, made by `Node.create_subscription`."""
 
     _rank = 2
-    _follows_changes = False  # of a status, instead of the whole of it
+    _follows_changes = False  # True takes the changes of a status instead of all of it.
 
     def __init__(
         self,
@@ -54,8 +54,8 @@ class Subscription(QueueEntity, Endpoint, Generic[MsgT]):
     ) -> None:
         super().__init__(node, callback_group, qos_profile._queue_size)
         self.msg_type = msg_type
-        self.topic = topic  # as it was given
-        self._topic_name = topic_name  # as it is on the graph
+        self.topic = topic  # As given.
+        self._topic_name = topic_name  # As on the graph.
         self.callback = callback
         self.qos_profile = qos_profile
         self.raw = raw

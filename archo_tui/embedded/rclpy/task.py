@@ -54,7 +54,7 @@ class Future(Generic[T]):
 
     def __await__(self) -> Generator[Any, None, T]:
         while self._state == _PENDING:
-            _awaiting.future = self  # and nothing is yielded: asyncio takes that for a pause
+            _awaiting.future = self  # Yields None, which asyncio takes for a pause.
             yield
             _awaiting.future = None
         value: T = self.result()
@@ -184,7 +184,7 @@ class Task(Future[T]):
         self._call: Any = None if is_begun else partial(handler, *args, **kwargs)
         self._is_executing = False
         self._itself: Task[T] | None = None
-        self._release: Callable[[], None] | None = None  # gives the callback group back
+        self._release: Callable[[], None] | None = None  # Releases the callback group.
 
     def _finish(self, state: str, *, force: bool = False) -> None:
         if self._release is not None:
@@ -228,8 +228,8 @@ class Task(Future[T]):
             if awaited is None:
                 self._resume()
                 return
-            # kept by itself alone: were it freed while the collector closes an inner coroutine of
-            # its own, that would be closed a second time from inside
+            # The task keeps itself alive. If it were freed while the garbage collector closes its
+            # inner coroutine, that coroutine would be closed a second time.
             self._itself = self
             if awaited._wait(self):
                 return

@@ -9,7 +9,7 @@ import builtin_interfaces.msg
 from rclpy.clock_type import ClockType
 from rclpy.duration import S_TO_NS, Duration, in_int64
 
-_LAST_SECOND = 2**31 - 1  # of builtin_interfaces/Time, whose `sec` is an int32
+_LAST_SECOND = 2**31 - 1  # `sec` of builtin_interfaces/Time is an int32.
 _TOO_LARGE = "Total nanoseconds value is too large to store in C time point."
 
 

@@ -70,7 +70,7 @@ class Timer(TimedEntity):
         if period_ns < 0:
             raise RCLError("failed to create timer: timer period must be non-negative")
         self.callback: Callable[..., Any] | None = callback
-        self._asked_of: object = None  # the callback that was looked at for such an argument
+        self._asked_of: object = None  # The callback that was last inspected for such an argument.
         self._wanted = ""
         self._clock = clock
         self._ros_clock = clock if isinstance(clock, ROSClock) else None
@@ -197,7 +197,7 @@ class Timer(TimedEntity):
 
     def _with_info(self, expected: int, actual: int) -> Callable[[], Any]:
         """Return the callback, given a TimerInfo if one of its arguments is annotated so."""
-        if self.callback is None:  # rclpy stumbles over a variable of its own, by this name
+        if self.callback is None:  # rclpy fails with this name of its own variable.
             raise UnboundLocalError("local variable 'arg_name' is not associated with a value")
         if self._asked_of is not self.callback:
             self._asked_of, self._wanted = self.callback, _info_argument(self.callback)

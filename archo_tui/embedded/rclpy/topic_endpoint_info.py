@@ -27,7 +27,7 @@ class TopicEndpointInfo:
     node_namespace: str = ""
     topic_type: str = ""
     endpoint_type: TopicEndpointTypeEnum = TopicEndpointTypeEnum.INVALID
-    endpoint_gid: list[int] = field(default_factory=list)  # 16 bytes
+    endpoint_gid: list[int] = field(default_factory=list)  # 16 bytes.
     qos_profile: QoSProfile = field(default_factory=lambda: as_profile(qos_profile_unknown))
     topic_type_hash = absent.Attribute()
 

@@ -122,7 +122,7 @@ class ActionClient:
                 f"{problem[0]}"
             )
         self._node = node
-        self._was_destroyed = False  # and not only with its node
+        self._was_destroyed = False  # True after `destroy()`, False if only the node was.
         self._action_type = action_type
         self._goal_handles: weakref.WeakValueDictionary[bytes, ClientGoalHandle] = (
             weakref.WeakValueDictionary()
@@ -152,7 +152,7 @@ class ActionClient:
         for entity in (*self._clients, *self._subscriptions):
             entity._rank, entity._is_part_of_action = 0, True
         feedback, self._status = self._subscriptions
-        # in rclpy's order, but for the status: a goal's is there when its result is
+        # In rclpy's order, except that a goal's status comes before its result.
         self._together = _Together(
             node,
             callback_group or node.default_callback_group,
@@ -160,7 +160,8 @@ class ActionClient:
         )
         node._entity_list.append(self._together)
         self._status._follows_changes = True
-        self._status._queue = deque(self._status._queue)  # no change may be lost
+        # Without a bound, so that no change is lost.
+        self._status._queue = deque(self._status._queue)
 
     def send_goal_async(
         self,
@@ -196,7 +197,7 @@ class ActionClient:
                 self._feedback_callbacks.pop(bytes(goal_id.uuid), None)
             accepted.set_result(handle)
 
-        answer._when_done(on_response)  # at once: the goal's status may be next in the queue
+        answer._when_done(on_response)  # At once, since the goal's status may be next in the queue.
         accepted.add_done_callback(lambda future: answer.cancel() if future.cancelled() else None)
         return accepted
 
@@ -264,7 +265,7 @@ class ActionClient:
         All of it is taken before a result that arrived together with it.
         """
         self._take_status(news)
-        with contextlib.suppress(IndexError):  # until there is no more
+        with contextlib.suppress(IndexError):  # The queue is empty.
             while True:
                 self._take_status(self._status._queue.popleft())
 

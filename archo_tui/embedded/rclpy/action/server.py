@@ -55,7 +55,7 @@ class ServerGoalHandle:
         self._status = GoalStatus.STATUS_ACCEPTED
         self._lock = threading.Lock()
         self._result: Future[Any] = Future()
-        self._expires = 0  # ns of the node's clock, once the goal has ended
+        self._expires = 0  # In ns of the node's clock, once the goal has ended.
         self._destroyed = False
 
     def __eq__(self, other: object) -> bool:
@@ -213,7 +213,7 @@ class ActionServer:
         if result_timeout < 0:
             raise ValueError("Failed to create action server: timer period must be non-negative")
         self._node = node
-        self._was_destroyed = False  # and not only with its node
+        self._was_destroyed = False  # True after `destroy()`, False if only the node was.
         self._action_type = action_type
         self.register_execute_callback(execute_callback)
         self.register_goal_callback(goal_callback)
@@ -221,7 +221,7 @@ class ActionServer:
         self.register_cancel_callback(cancel_callback)
         self._clock, self._result_timeout = node.get_clock(), round(result_timeout * 1e9)  # ns
         self._kept: dict[bytes, ServerGoalHandle] = {}
-        self._ended: deque[ServerGoalHandle] = deque()  # the first to expire first
+        self._ended: deque[ServerGoalHandle] = deque()  # The first to expire comes first.
         self._logger = node.get_logger().get_child("action_server")
         impl = action_type.Impl
         goal_qos, cancel_qos = goal_service_qos_profile, cancel_service_qos_profile

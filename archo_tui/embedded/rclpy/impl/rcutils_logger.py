@@ -12,8 +12,8 @@ from rclpy import _logging
 from rclpy.clock import Clock, ROSClock
 from rclpy.impl.logging_severity import LoggingSeverity
 
-_Where = tuple[str, str, int, int]  # of a call: function, file, line, instruction
-_BY_WARN = "warn", __file__, 0, 0  # in rclpy the place of the decorator that calls it deprecated
+_Where = tuple[str, str, int, int]  # Function, file, line and instruction of a call.
+_BY_WARN = "warn", __file__, 0, 0  # In rclpy, the place of the decorator of deprecated functions.
 
 
 class RcutilsLogger:
@@ -124,15 +124,15 @@ class RcutilsLogger:
         return self.log(message, LoggingSeverity.FATAL, **options)
 
 
-# of each filter, in the order in which they are asked, what it may be given
+# The options of each filter, in the order in which the filters are asked.
 _OPTIONS = {
     "throttle": ("throttle_duration_sec", "throttle_time_source_type"),
     "skip_first": ("skip_first",),
     "once": ("once",),
 }
 _KNOWN = [option for options in _OPTIONS.values() for option in options]
-_MACHINE = Clock()  # a throttle's, unless it is given one
-_SYSTEM = ROSClock()  # of no node: never simulated
+_MACHINE = Clock()  # The throttle's clock by default.
+_SYSTEM = ROSClock()  # Without a node it is never simulated.
 
 
 def _asked(given: dict[str, Any]) -> dict[str, Any]:
@@ -168,7 +168,7 @@ class _Place:
             )
         self._first = severity, name, asked
         self._asked = asked
-        self._last = 0  # ns of the throttle's clock, when it last let one pass
+        self._last = 0  # When the throttle last let a line pass, in ns of its clock.
         self._is_first, self._is_logged = True, False
 
     def check(self, severity: LoggingSeverity, name: str, asked: dict[str, Any]) -> None:

@@ -7,7 +7,7 @@ from rclpy.lifecycle.managed_entity import ManagedEntity, SimpleManagedEntity
 from rclpy.lifecycle.node import LifecycleNode, LifecycleNodeMixin
 from rclpy.lifecycle.publisher import LifecyclePublisher
 
-# the short names, for those who import nothing else
+# The short names, which rclpy has as well.
 Node = LifecycleNode
 NodeMixin = LifecycleNodeMixin
 Publisher = LifecyclePublisher

@@ -100,7 +100,7 @@ STEPS = [
 class StateMachine:
     """The current state of a node, and the transitions from there."""
 
-    # the node's services, when it has a communication interface
+    # The node's services, if it has a communication interface.
     service_change_state: Any = None
     service_get_state: Any = None
     service_get_available_states: Any = None

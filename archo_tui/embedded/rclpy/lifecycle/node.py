@@ -28,7 +28,7 @@ from rclpy.publisher import Publisher
 __all__ = ["LifecycleNode", "LifecycleNodeMixin", "LifecycleState", "TransitionCallbackReturn"]
 
 _SUCCESS, _ERROR = TransitionCallbackReturn.SUCCESS, TransitionCallbackReturn.ERROR
-_CALLBACKS = {  # of the states in which they run
+_CALLBACKS = {  # By the state in which they run.
     State.TRANSITION_STATE_CONFIGURING: "on_configure",
     State.TRANSITION_STATE_CLEANINGUP: "on_cleanup",
     State.TRANSITION_STATE_ACTIVATING: "on_activate",
@@ -73,8 +73,6 @@ class LifecycleNodeMixin(ManagedEntity):
             setattr(self, f"_service_{name}", service)
             setattr(self._state_machine, f"service_{name}", service)
 
-    # what the node's owner calls
-
     def trigger_configure(self) -> TransitionCallbackReturn:
         """Configure, and return the callback's outcome, ERROR if that is not possible now."""
         return self._go("configure")
@@ -94,7 +92,7 @@ class LifecycleNodeMixin(ManagedEntity):
     def trigger_shutdown(self) -> TransitionCallbackReturn:
         """Shut down, and return the callback's outcome; raise RCLError in the state `finalized`."""
         if all(step.label != "shutdown" for step in self._state_machine.steps):
-            raise RCLError("Shutdown transtion not possible")  # rclpy's own spelling
+            raise RCLError("Shutdown transtion not possible")  # rclpy's own spelling.
         return self._go("shutdown")
 
     def add_managed_entity(self, entity: ManagedEntity) -> None:
@@ -121,8 +119,6 @@ class LifecycleNodeMixin(ManagedEntity):
         destroyed: bool = node.destroy_publisher(publisher)
         return destroyed
 
-    # the callbacks, unless the node has its own
-
     def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
         return self._pass_on("on_configure", state)
 
@@ -148,8 +144,6 @@ class LifecycleNodeMixin(ManagedEntity):
             if said != _SUCCESS:
                 return said
         return _SUCCESS
-
-    # the transitions
 
     def _go(self, transition: int | str) -> TransitionCallbackReturn:
         """Go through a transition with its callback, and through that of errors if it fails."""
@@ -179,12 +173,10 @@ class LifecycleNodeMixin(ManagedEntity):
     def _take(self, transition: int | str) -> Step:
         step = self._state_machine.take(transition)
         if self._transition_events is not None:
-            # without its time and the transition's name: as rcl publishes it
+            # rcl publishes it without its time and the transition's name.
             start, goal = _state(step.start), _state(step.goal)
             self._transition_events.publish(TransitionEvent(start_state=start, goal_state=goal))
         return step
-
-    # the services
 
     def _change(self, request: Any, response: Any) -> Any:
         response.success = self._go(request.transition.label or request.transition.id) == _SUCCESS
