@@ -62,11 +62,11 @@ class _Parser(argparse.ArgumentParser):
         typed = next((word.partition("=")[0] for word in wrong if word.startswith("--")), "")
         if not typed:
             return ""
-        import difflib
+        from archo_tui.nearest import nearest
 
         known = [option for action in self._actions for option in action.option_strings]
-        near = difflib.get_close_matches(typed, known, n=1)
-        return f", nearest: {near[0]}" if near else ""
+        near = nearest(typed, known)
+        return f", nearest: {near}" if near else ""
 
 
 class _Behind(argparse.Action):

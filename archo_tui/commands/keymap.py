@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from textual.keys import _character_to_key, format_key
 
 from archo_tui.commands.base import EVERYWHERE, IN_PANEL, Command
 from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest
 from archo_tui.yaml_text import bounded_yaml
 
 _CHOOSE_ANOTHER = "choose another"
@@ -56,8 +56,8 @@ def load_keymap(path: Path, commands: Iterable[Command]) -> tuple[dict[str, str]
     others: list[str] = []
     for line, name, key in _read_entries(path):
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f", nearest: {near[0]}" if near else ""
+            near = nearest(name, known)
+            hint = f", nearest: {near}" if near else ""
             others.append(f"{name} (line {line}{hint})")
             continue
         keys[name] = _checked_key(f"{path}:{line}", known[name], key)

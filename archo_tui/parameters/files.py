@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from pathlib import Path
 
 from archo_tui.embedded.parameter_files import Override, matches, read
 from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest_hint
 from archo_tui.yaml_text.bounded_yaml import YamlError
 
 EVERY_NODE = "/**"  # The pattern of a parameter that is typed without a node.
+_SIMILAR = 0.4  # Lower than difflib's 0.6: a distant name is a better hint than none.
 _MAX_NAMED = 3  # Unknown nodes of a file that get a line each.
 _PACKAGE = Path(__file__).parent.parent
 
@@ -70,7 +71,7 @@ def unknown_lines(overrides: Iterable[Override], declared: dict[str, set[str]]) 
         if override.pattern == EVERY_NODE and override.where.startswith("-p "):
             every = {name for names in declared.values() for name in names}
             if override.name not in every:
-                near = _nearest(override.name, every)
+                near = nearest_hint(override.name, every, _SIMILAR)
                 lines.append(f"{override.where}: no node has a parameter {override.name}{near}")
         if "*" in override.pattern:
             continue
@@ -81,7 +82,7 @@ def unknown_lines(overrides: Iterable[Override], declared: dict[str, set[str]]) 
             missing.setdefault(file, {}).setdefault(pattern, override.where)
         for node in nodes:
             if override.name not in declared[node]:
-                near = _nearest(override.name, declared[node])
+                near = nearest_hint(override.name, declared[node], _SIMILAR)
                 lines.append(f"{override.where}: {node} has no parameter {override.name}{near}")
     return [*_unknown_node_lines(missing, declared), *dict.fromkeys(lines)]
 
@@ -96,9 +97,4 @@ def _unknown_node_lines(
             yield f"{file}: {len(nodes)} of its nodes are not here: {first} ..."
             continue
         for node, where in nodes.items():
-            yield f"{where}: no node {node} here{_nearest(node, declared)}"
-
-
-def _nearest(word: str, possible: Iterable[str]) -> str:
-    found = difflib.get_close_matches(word, list(possible), n=1, cutoff=0.4)
-    return f" (nearest: {found[0]})" if found else ""
+            yield f"{where}: no node {node} here{nearest_hint(node, declared, _SIMILAR)}"

@@ -210,9 +210,9 @@ def _unreached(
 
 def _nearest(word: str, others: Iterable[str]) -> str:
     """Return the word that is spelled most alike; empty if none is."""
-    import difflib
+    from archo_tui.nearest import nearest
 
-    return next(iter(difflib.get_close_matches(word.lower(), others, n=1)), "")
+    return nearest(word.lower(), others)
 
 
 def _with_nearest(text: str, word: str, others: Iterable[str]) -> str:

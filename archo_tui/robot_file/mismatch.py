@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection, Iterable, Sequence
+
+from archo_tui.nearest import nearest_hint
 
 
 def unexpected_type(name: str, found: Sequence[str], expected: Collection[str]) -> str:
@@ -43,7 +44,5 @@ def unknown_field(kind: str, wanted: Iterable[tuple[str, str]], known: Collectio
     """
     for where, path in wanted:
         if path not in known:
-            near = difflib.get_close_matches(path, known, n=1)
-            hint = f" (nearest: {near[0]})" if near else ""
-            return f"{where}: {kind} has no field {path}{hint}"
+            return f"{where}: {kind} has no field {path}{nearest_hint(path, known)}"
     return ""

@@ -6,7 +6,6 @@ named `where` receives `FILE:LINE`.
 
 from __future__ import annotations
 
-import difflib
 import functools
 import math
 import sys
@@ -19,6 +18,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 import yaml
 
 from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest_hint
 from archo_tui.yaml_text import core_schema
 
 NONE_WORDS = ("", "~", "null", "none")
@@ -99,8 +99,7 @@ def _read_dataclass(kind: Any, node: yaml.Node, path: Path) -> Any:
         if name in known and hints[name] is str and name not in needed and _is_left_out(value):
             continue
         if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f" (nearest: {near[0]})" if near else f": one of {', '.join(known)}"
+            hint = nearest_hint(name, known) or f": one of {', '.join(known)}"
             raise _error(key, path, f"unknown key {name}{hint}")
         given[name] = _read_named(name, hints[name], value, path)
         if known[name].metadata.get("filled") and not given[name]:
@@ -159,8 +158,7 @@ def _read_literal(words: tuple[Any, ...], node: yaml.Node, path: Path) -> Any:
     for word in words:
         if text == str(word):
             return word
-    near = difflib.get_close_matches(text, map(str, words), n=1)
-    hint = f" (nearest: {near[0]})" if near else ""
+    hint = nearest_hint(text, map(str, words))
     raise _error(node, path, f"{text or '?'} is not one of {', '.join(map(str, words))}{hint}")
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.nearest import nearest_hint
 from archo_tui.robot import forms
 from archo_tui.robot.state import Leaf, Snapshot, in_namespace
 from archo_tui.robot.typed_request import mapping
@@ -26,12 +26,6 @@ def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
         return name
     inside, outside = in_namespace(snapshot.namespace, name), f"/{name}"
     return outside if outside in found and inside not in found else inside
-
-
-def nearest_hint(word: str, possible: Iterable[str]) -> str:
-    """Return ` (nearest: /motor_controller)`; empty when nothing is alike."""
-    near = difflib.get_close_matches(word, list(possible), n=1)
-    return f" (nearest: {near[0]})" if near else ""
 
 
 def nearest_node(name: str, nodes: Iterable[str]) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
+from archo_tui.nearest import nearest_hint
 from archo_tui.parameters import save_load
 from archo_tui.robot.acts import Act
 from archo_tui.robot.asker import asking
@@ -20,7 +21,7 @@ from archo_tui.robot.text import safe
 from archo_tui.robot.values import text_of
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
-from archo_tui.verbs.anything import full_name, nearest_hint, nearest_node
+from archo_tui.verbs.anything import full_name, nearest_node
 from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
 
 _NODE, _NAME = Argument("node"), Argument("name")

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from archo_tui.nearest import nearest_hint
 from archo_tui.robot.fields import INTEGERS, element_of
 from archo_tui.robot.state import Snapshot
 from archo_tui.station.station import Station
-from archo_tui.verbs.anything import nearest_hint
 from archo_tui.verbs.base import Argument, Values, Verb
 
 YES = "--yes"  # the answer to what a verb asks
