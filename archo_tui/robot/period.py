@@ -10,6 +10,8 @@ UNMEASURED = 90.0  # s of silence before the period is known: longer than that o
 LONGEST_SET = 10.0  # s; a longer period that a parameter seems to be is not believed
 _ALIKE = 0.1  # of a parameter's value by which a period may differ from it
 _SMOOTHING = 0.2  # weight of the newest interval in a pace
+_MAYBE_A_BURST = 15.0  # s of silence behind it; longer than between most bursts
+_FEW = 3  # intervals that may be a burst
 _DENSE = LEAST_SILENCE / 3  # s; intervals up to that make no difference to LEAST_SILENCE
 _LEARNT = 10.0  # s of messages at least, by which it is known what is typical of a topic
 _MOST = 20  # longer intervals by which it is known at the latest
@@ -133,6 +135,14 @@ class Period(NamedTuple):
         if self.learnt is not None:
             return self.learnt
         return self.known if self._span < LEAST_SILENCE else self._middle
+
+    @property
+    def grace(self) -> float:
+        """The silence in s that is allowed while nothing is typical yet.
+
+        Several messages at once are a burst, or the first words of a robot that then died.
+        """
+        return _MAYBE_A_BURST if len(self.intervals) >= _FEW else UNMEASURED
 
 
 class Pause(NamedTuple):

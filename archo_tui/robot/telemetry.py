@@ -293,7 +293,10 @@ class Telemetry:
         return self._periods[key].typical
 
     def _grace(self, key: object) -> float | None:
-        return self._graces.get(key, UNMEASURED)
+        """Return the allowed silence in s of a topic whose period is not known; None: any."""
+        if self._graces.get(key, UNMEASURED) != UNMEASURED:
+            return self._graces[key]
+        return self._periods.get(key, Period()).grace
 
     def _fixed(self, topic: Any) -> float | None:
         return None if topic is None else topic.period

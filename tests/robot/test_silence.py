@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Float32
 
-from archo_tui.robot.period import UNMEASURED, Period, is_silent
+from archo_tui.robot.period import Period, is_silent
 from tests.support import clock
 from tests.support.clock import seconds
 from tests.support.plain import Typed, operated
@@ -178,7 +178,7 @@ def bursts(count: int, each: float, pause: float, total: float = 300.0) -> Itera
         (bursts(1, 0.0, 10.0), 30.0),
         (bursts(1, 0.0, 60.0), 180.0),
         (bursts(10, 0.01, 10.0), 30.0),
-        (bursts(20, 0.1, 60.0), 180.0),
+        (bursts(20, 0.1, 14.0), 42.0),
         (bursts(3, 1.0, 8.0), 24.0),
         (bursts(5, 0.2, 2.0), 6.0),
     ],
@@ -190,20 +190,27 @@ def test_silence_is_judged_by_what_is_typical_and_noticed(
     period, last = Period(), next(times)
     period = period.heard(last)
     for at in times:
-        assert not is_silent(last, period.typical, at, UNMEASURED), at
+        assert not is_silent(last, period.typical, at, period.grace), at
         period, last = period.heard(at), at
-    assert not is_silent(last, period.typical, last + lost - 0.1, UNMEASURED)
-    assert is_silent(last, period.typical, last + lost + 0.1, UNMEASURED)
+    assert not is_silent(last, period.typical, last + lost - 0.1, period.grace)
+    assert is_silent(last, period.typical, last + lost + 0.1, period.grace)
 
 
 def lost(times: Iterable[float]) -> tuple[Period, list[float]]:
     """Return the period, and when messages came behind a silence, in s."""
     period, last, found = Period(), 0.0, list[float]()
     for at in times:
-        if is_silent(last, period.typical, at, UNMEASURED):
+        if is_silent(last, period.typical, at, period.grace):
             found.append(round(at, 1))
         period, last = period.heard(at), at
     return period, found
+
+
+def test_bursts_that_are_far_apart_are_missed_once() -> None:
+    """The robot may have died: what is heard first says no more than that."""
+    period, silences = lost(bursts(20, 0.1, 60.0))
+    assert silences == [61.9]
+    assert period.typical == pytest.approx(60.0)
 
 
 def test_pauses_that_come_regularly_between_long_bursts_become_typical() -> None:
@@ -248,3 +255,11 @@ async def test_what_holds_is_old_when_its_node_has_left() -> None:
         await until(lambda: person._plain._station.robot.snapshot.battery.received)
         person.type("halt teller\n")
         await person.until("alarm unacknowledged: CONTACT LOST for ")
+
+
+def test_a_robot_that_dies_after_its_first_words_is_soon_missed() -> None:
+    period = Period()
+    for number in range(5):
+        period = period.heard(100.0 + 0.2 * number)
+    assert not is_silent(100.8, period.typical, 115.7, period.grace)  # it may have been a burst
+    assert is_silent(100.8, period.typical, 115.9, period.grace)
