@@ -133,7 +133,13 @@ class HostedNode:
             return state
         where, line = self.file.place(stack_of(self._thread))
         said = in_its_file(self.file, f"{where}{line}")
-        return state._replace(name=self.name, error=said)
+        return state._replace(name=self.name, error=said, serves=self._serves_by_now())
+
+    def _serves_by_now(self) -> tuple[str, ...]:
+        """Return what a node serves whose constructor runs, which may spin it for good."""
+        with contextlib.suppress(Exception):  # how far its constructor is nobody knows
+            return tuple(sorted({name for node in self._begun for name in _served(node)}))
+        return ()
 
     def wait(self) -> bool:
         """Wait until the node is made. Raises what its constructor raises.
@@ -349,6 +355,7 @@ class HostedNode:
         self._may_spin.set()
         if self._thread.is_alive():
             if not self.is_made:
+                self.state = self.state._replace(serves=self._serves_by_now())
                 raise_in(self._thread)
             self._global.create_task(_end_spinning)
             if self._executor is not self._global:

@@ -9,7 +9,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.robot.acts import Act
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import LEVELS, Hosted, Life
+from archo_tui.robot.state import LEVELS, Hosted
 from archo_tui.robot.stops import NOT_SENT
 from archo_tui.station.station import Station
 from archo_tui.verbs.anything import full_name, nearest_node
@@ -102,7 +102,7 @@ class Halt(_OfNode):
 
     def asks(self, station: Station, values: Values) -> Question | None:
         goal, hosted = station.running_goal, self.found(station, values["node"])
-        if goal is None or hosted.life != Life.UP:
+        if goal is None or not hosted.life.is_running:
             return None
         grave = (_last(goal.kind.action), _stop(station))
         needed = " and ".join(name for name in _served(hosted) if name in grave)

@@ -170,6 +170,21 @@ def test_one_that_spins_for_good_in_its_constructor_ends_with_the_console() -> N
         assert state(session, "/lamp").life is Life.STARTING
 
 
+def test_what_one_serves_that_spins_in_its_constructor_is_known_and_goes_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    spinning = LAMP.replace(
+        "\n    def blink", "        import rclpy\n        rclpy.spin(self)\n\n    def blink"
+    )
+    with hosting(written("lamp.py", spinning), written("asker.py", ASKER)) as session:
+        wait_until(is_up(session, "/asker"))  # which the lamp answers
+        assert state(session, "/lamp").serves == ("/blink",)
+        gone: list[str] = []
+        monkeypatch.setattr(session.host, "_on_end", gone.extend)
+        assert session.host.stop_node("/lamp").ok
+        assert gone == ["/blink"]
+
+
 def test_one_that_fails_late_has_crashed_and_names_its_line() -> None:
     fails = MOTOR.replace("\n    def halt", "        1 / 0\n\n    def halt")
     with hosting(written("motor.py", fails)) as session:
