@@ -311,8 +311,10 @@ class Session:
                 if name not in taken:
                     self.host.add(kind)
         except expected as error:
-            said = str(error).splitlines()[0]
-            raise ArchoError(f"{name}: {said}: --only leaves the robot's own nodes out") from None
+            from archo_tui.hosting.node_files import reason_of
+
+            said = f"{name}: {reason_of(error)}"
+            raise ArchoError(f"{said}: --only leaves the robot's own nodes out") from None
 
     def _ros_args(self) -> list[str]:
         args = ["--ros-args", "--disable-stdout-logs"]

@@ -33,9 +33,21 @@ T = TypeVar("T")
 IMPORT_TIME = 10.0  # s that a file may take to be imported
 # what rclpy raises without a word
 WORDLESS = {"TypeError": "TypeError: a message of another type is expected here"}
+# what rcl says of a second type of a topic, which Fast DDS refuses within a process; the second
+# one is of a subscription, whose own reason rcl overwrites
+_TWO_TYPES = ("with incompatible type", "Failed to create subscription: invalid allocator")
+_ONE_TYPE = "another node of this process has the topic with another type, and Fast DDS allows one"
 _OF_INTERFACES = ("_msgs", "_srvs", "_interfaces")  # how packages of messages are named
 _NOT_CALLED = "give the callback itself: self.name, not self.name()"
 _OURS = ("archo_tui", "archo_bringup", "rclpy")  # never read again, wherever the file is
+
+
+def reason_of(error: BaseException) -> str:
+    """Return the first line of an error's text; of one of rcl's with no reason what it means."""
+    text = (str(error).splitlines() or [""])[0]
+    if any(two in text for two in _TWO_TYPES):
+        return f"{text.partition(':')[0]}: {_ONE_TYPE}"
+    return text
 
 
 class NodeFileError(ArchoError):
@@ -278,7 +290,7 @@ class NodeFile:
 
         The line is the last one of the file itself, or of its own modules, that was running.
         """
-        name, why = type(error).__name__, (str(error).splitlines() or [""])[0]
+        name, why = type(error).__name__, reason_of(error)
         report = own_frames(error, rclpy, archo_tui)
         if isinstance(error, SyntaxError) and self.is_own(error.filename or ""):
             place = f"{self.named(error.filename or '')}:{error.lineno}"
