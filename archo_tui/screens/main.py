@@ -25,6 +25,7 @@ from archo_tui.widgets.battery_panel import BatteryPanel
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
 from archo_tui.widgets.events_panel import EventsPanel
+from archo_tui.widgets.field import Field
 from archo_tui.widgets.goal_panel import GoalPanel
 from archo_tui.widgets.graph_panel import GraphPanel
 from archo_tui.widgets.history_panel import HistoryPanel
@@ -135,6 +136,8 @@ class MainScreen(Base[None]):
             self._focused_last = focused  # the terminal may lose the focus and give it back
             if isinstance(focused, Rows):  # by tab or a click
                 focused.show_cursor()
+        if self._view is not None and self._is_filled:
+            self._show_footer(self._view, self._commands)
 
     def _mark_focused(self) -> None:
         """By hand: a style for `:focus-within` has Textual look at all that the panels contain."""
@@ -307,14 +310,20 @@ class MainScreen(Base[None]):
         self._header.show(bars.header(view, width - 9))
         self._clock.show(bars.clock(view))
         self._banner.show(bars.banner(view, width))
-        below = commands, width, view.key("palette")
+        self._show_footer(view, commands)
+        for panel in panels:
+            self._show_panel(panel, view)
+        self._fit()
+
+    def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
+        """Show the keys that work now: of a field that has the focus, its own."""
+        focused = self.focused
+        field_keys = focused.keys if isinstance(focused, Field) else ()
+        below = commands, self.size.width, view.key("palette"), field_keys
         if below != self._below:  # some ten texts: not at each view
             self._below = below
             self._footer.show(bars.footer(*below))
             self.everywhere = bars.footer_keys(key for key in commands if key.everywhere)
-        for panel in panels:
-            self._show_panel(panel, view)
-        self._fit()
 
     def on_panel_resized(self, message: Panel.Resized) -> None:
         if self._view is not None and self._is_filled:

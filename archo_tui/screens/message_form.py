@@ -57,9 +57,7 @@ class MessageForm(Dialog[None]):
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog form") as box:
             box.border_title = escape(str(self.title))
-            box.border_subtitle = (
-                "^s send   esc cancel" if self._is_yaml else "enter send   esc cancel"
-            )
+            box.border_subtitle = self._keys
             if self._is_yaml:
                 yield widgets.TextArea(self._typed.get("", _yaml(self._leaves)), id="yaml")
             else:
@@ -69,6 +67,14 @@ class MessageForm(Dialog[None]):
             with Horizontal(classes="answers"):
                 yield Button("Cancel", self.action_close, id="leave")
                 yield Button("Send", self.action_send, id="send")
+
+    @property
+    def _keys(self) -> str:
+        if self._is_yaml:
+            return "^s send   esc cancel"
+        if len(self._leaves) > 1:
+            return "enter next, then send   ↑ ↓ field   ^s send   esc cancel"
+        return "enter send   esc cancel"
 
     def _rows(self) -> ComposeResult:
         width = max((len(self._label(leaf)) for leaf in self._leaves), default=0) + 1

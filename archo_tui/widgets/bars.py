@@ -190,9 +190,26 @@ def footer_keys(commands: Iterable[FooterKey]) -> Content:
     )
 
 
-def footer(commands: Iterable[FooterKey], width: int, palette_key: str) -> Content:
-    """Return the keys, and at the right end the palette's if there is room for it."""
-    made = footer_keys(commands)
+def footer(
+    commands: Iterable[FooterKey],
+    width: int,
+    palette_key: str,
+    field_keys: Iterable[tuple[str, str]] = (),
+) -> Content:
+    """Return the keys, and at the right end the palette's if there is room for it.
+
+    Args:
+        commands: The commands of the footer.
+        width: Its width in cells.
+        palette_key: The key of the palette.
+        field_keys: The keys of the field that has the focus, with their words. They stand first,
+            and of the commands only those that work everywhere: other keys may be text there.
+    """
+    own = [Content.assemble(" ", (key, "bold"), f" {word} ") for key, word in field_keys]
+    rest = footer_keys(c for c in commands if c.everywhere or not own)
+    while own and sum(one.cell_length for one in (*own, rest)) > width:  # STOP's key stays
+        own.pop()
+    made = Content("").join([*own, rest])
     shown = key_content("palette", palette_key, "palette", blocked=False)
     palette = Content.assemble(shown, " ")
     gap = width - made.cell_length - palette.cell_length

@@ -39,6 +39,7 @@ class Field(Input, inherit_css=False):
     # Unlike in Textual, a change does not lay out the whole screen: a field never grows.
     virtual_size = Reactive(Size(0, 0))
     next_field: Field | None = None  # The field that enter leads to.
+    keys: tuple[tuple[str, str], ...] = ()  # For the footer: keys that work in it, and their words.
 
     def __init__(
         self,

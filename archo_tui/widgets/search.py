@@ -45,6 +45,8 @@ class SearchLine(Horizontal):
 class Search(Field):
     """The search field: enter leaves it and keeps the filter, escape clears it."""
 
+    keys = ("enter", "Keep filter"), ("esc", "Clear")
+
     def __init__(self, target: Widget, changed: Callable[[], object]) -> None:
         super().__init__(placeholder="type to search", changed=changed, submitted=self._leave)
         self._target = target

@@ -246,6 +246,15 @@ async def test_numbers_in_a_text_are_read_as_in_a_field() -> None:
         assert str(list(sample.f32s)) == "[1000.0, nan, 1.0]"
 
 
+async def test_a_forms_keys_stand_on_its_border() -> None:
+    async with counting() as (op, _):
+        await form(op, "C", *"plan", "enter")
+        await op.until("enter next, then send   ↑ ↓ field   ^s send   esc cancel")
+        await op.press("escape")
+        await form(op, "G", *"fib", "enter")
+        await op.until("enter send   esc cancel")
+
+
 async def test_what_was_used_is_kept_as_a_robot_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -14,6 +14,7 @@ from textual.geometry import Size
 from textual.screen import Screen
 
 from archo_tui.screens.edit_parameter import EditParameter
+from archo_tui.widgets.bars import FooterKey, footer
 from archo_tui.widgets.field import Field
 from tests.support.console import FAST, LONG, console
 
@@ -224,3 +225,36 @@ async def test_a_letter_is_a_command_behind_enter_at_whatever_moment_it_comes(
             await op.until("Keys")
             await op.press("escape")
             assert op.app.main.goal.fields[0].value == "", turns
+
+
+async def test_the_footer_shows_the_keys_of_the_field_that_has_the_focus() -> None:
+    async with console() as op:
+        await op.until("g Go  ^c Cancel  ^x STOP  r Reset  1-8 Panels")
+        await op.press("g")
+        assert op.text.splitlines()[-1].startswith(
+            " enter Go  ↑ ↓ Former goals  esc Leave  ^c Cancel  ^x STOP  "
+        )
+        await op.press("escape", "4", "slash")
+        await op.until("enter Keep filter  esc Clear  ^c Cancel  ^x STOP")
+        await op.press("escape")
+        await op.until("1-8 Panels")
+
+
+COMMANDS = [
+    FooterKey("go", "g", "Go", False, False),
+    FooterKey("stop", "^x", "STOP", False, True),
+]
+
+
+@pytest.mark.parametrize(
+    ("width", "shown"),
+    [
+        (60, " enter Go  ↑ ↓ Former goals  esc Leave  ^x STOP "),
+        (47, " enter Go  ↑ ↓ Former goals  ^x STOP "),
+        (20, " enter Go  ^x STOP "),
+        (10, " ^x STOP "),
+    ],
+)
+def test_a_fields_keys_leave_room_for_the_one_that_stops(width: int, shown: str) -> None:
+    keys = ("enter", "Go"), ("↑ ↓", "Former goals"), ("esc", "Leave")
+    assert footer(COMMANDS, width, "^p", keys).plain.partition("  ^p")[0].rstrip() == shown.rstrip()
