@@ -8,6 +8,7 @@ import io
 import os
 import re
 import sys
+import threading
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -26,7 +27,7 @@ from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot import secret_names
 from archo_tui.robot_file import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
-from archo_tui.station.journal import Flood, Journal
+from archo_tui.station.journal import Flood, Journal, unreleased_stop
 from archo_tui.station.station import Station
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ class Options(NamedTuple):
     remote: bool = False  # other programs of this user can reach it through a socket
 
 
+_EARLIER = 12 * 3600.0  # s in which a STOP from before the start is told
 END = 2.5  # s that an end may take, of the 3 s of docs/ssh.md
 _LEAST = 0.2  # s of these that a recording gets, whatever hangs
 _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # as ROS has it
@@ -99,6 +101,7 @@ class Session:
         interfaces = self._activate()
         self._init_rclpy()
         self.journal, self._flood = Journal(journal_file()), Flood()
+        self._place = self._journal_place()
         self._make_nodes()
         self.station = Station(
             self.robot,
@@ -282,12 +285,45 @@ class Session:
             by_node = kind == "event" and event.source != "console"
             if by_node and event.count == 1 and not self._flood.spares(event.source, event.text):
                 return
-            what = {"level": event.level, "source": event.source, "text": event.text}
+            what: dict[str, Any] = {
+                "level": event.level,
+                "source": event.source,
+                "text": event.text,
+            }
             if event.command:
                 what["command"] = event.command
             if event.act is not None:
                 what |= event.act._asdict()
+                if event.act.verb in ("stop", "release"):
+                    what["place"] = self._place
             self.journal.write(event.time, kind, **what, count=event.count)
+
+    def _journal_place(self) -> dict[str, Any]:
+        """Return what tells in the journal which robot a STOP was for."""
+        is_embedded = self.options.engine == engine.EMBEDDED
+        return {
+            "file": str((self.options.robot or robot_files.default_path()).absolute()),
+            "namespace": self.options.namespace,
+            "engine": self.options.engine,
+            "domain": None if is_embedded else self._context.get_domain_id(),
+        }
+
+    def _look_for_earlier_stop(self) -> None:
+        """Tell the station of a STOP in the journal that no release followed, on a thread.
+
+        Only of a robot that lives on without this process and does not report it itself.
+        """
+        stop, motion = self.file.stop, self.file.motion
+        reports = motion is not None and any(kind.stopped for kind in motion.types.values())
+        if not self.options.attach or stop is None or not stop.release or reports:
+            return
+        since = self.station.clock.now() - _EARLIER
+
+        def look() -> None:
+            found = unreleased_stop(journal_file(), self._place, since)
+            self.station.earlier_stop = found
+
+        threading.Thread(target=look, name="journal before", daemon=True).start()
 
     def _host_nodes(self) -> None:
         """Those of the user's files, and the robot's own whose names they do not have."""
@@ -341,6 +377,7 @@ class Session:
         }
         late = [hosted.name for hosted in self.host.nodes if not hosted.is_made]
         self.robot.start()
+        self._look_for_earlier_stop()
         self.host.start()
         self._watch.start()
         if self._server is not None:

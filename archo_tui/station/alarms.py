@@ -86,6 +86,7 @@ UNRECORDED = "recordings"
 UNCERTAIN = "stop not certain"
 OUTLIVED, STOPS = "moves after stop", "several stops"
 NOBODY, NO_CLOCK = "no nodes", "no clock"
+EARLIER = "earlier stop"
 _PRIORITIES = {
     OUTLIVED: Priority.HIGH,
     UNCONFIRMED: Priority.HIGH,
@@ -104,6 +105,7 @@ _PRIORITIES = {
     TWICE: Priority.MED,
     NOBODY: Priority.MED,
     NO_CLOCK: Priority.MED,
+    EARLIER: Priority.LOW,
     UNWRITTEN: Priority.LOW,
     UNRECORDED: Priority.LOW,
 }  # of each kind; the worst first
@@ -114,7 +116,11 @@ _HEARD = (EMPTY, STOPPED, LOW, WORD, SILENT, NO_WORD, GAUGE)
 _LAST_KNOWN = " (last known)"
 _CHARGER = "the command that charges"
 # what to do, where that is a command: its id, and the words around the way to give it
-_REMEDIES = {STOPPED: ("release", ", then {} to release"), LOW: (_CHARGER, ", or {} to charge")}
+_REMEDIES = {
+    STOPPED: ("release", ", then {} to release"),
+    EARLIER: ("release", ": {} to release"),
+    LOW: (_CHARGER, ", or {} to charge"),
+}
 # s that a condition must hold before it counts; a node that was killed lingers on a ROS 2 graph
 # for about 20 s
 ON_DELAY = {
@@ -206,11 +212,13 @@ def conditions(
     unwritten: str = "",
     unrecorded: str = "",
     unseen: str = "",
+    earlier_stop: float | None = None,
 ) -> dict[str, str]:
     """Which alarms' conditions hold at `now` (monotonic s), with the text for each.
 
     `unwritten` is why the journal is not written, `unrecorded` the text about recordings,
-    `unseen` where no node is, when none is found, and what to try.
+    `unseen` where no node is, when none is found, and what to try. `earlier_stop` is the Unix time
+    of a STOP from before this console's start that the journal has no release of.
     """
     battery, motion = snapshot.battery, snapshot.motion
     found: dict[str, str] = {}
@@ -228,6 +236,12 @@ def conditions(
         found[STOPS] = (
             f"{len(nodes)} NODES SERVE {stop.service}: {', '.join(nodes)}: STOP must be confirmed "
             "by all of them; keep the hardware stop at hand"
+        )
+    is_known = snapshot.released is not None or snapshot.is_stopped
+    if earlier_stop is not None and not (is_known or motion.stopped is not None or motion.moving):
+        found[EARLIER] = (
+            f"STOP OF {time_of_day(earlier_stop)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
+            "the robot may still be stopped"
         )
     if _moves_on(snapshot, now):
         found[OUTLIVED] = "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"

@@ -15,12 +15,14 @@ import queue
 import re
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import Any
 
 from archo_tui.paths import make_folder
 from archo_tui.regular_files import open_regular
+from archo_tui.robot.outcome import Code
 from archo_tui.system import lock, user_name
 
 MAX_BYTES = 1_000_000  # then it is renamed to journal.jsonl.1, which replaces the older one
@@ -32,6 +34,53 @@ _STOP_TIMEOUT = 2.0  # s
 _LOCK_TIMEOUT = 1.0  # s that another console may take to write a line, and more than it takes
 _NUMBER = re.compile(r"\d+")
 _LOOK = 0.005  # s between two looks whether it has
+
+
+def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> float | None:
+    """Return when the last confirmed STOP was that no confirmed release followed.
+
+    Args:
+        file: The journal; the older one beside it is read, too.
+        place: What a line's `place` must be, see `Session`.
+        since: Unix time; lines of before do not count.
+
+    Returns:
+        The Unix time; None if there is no such STOP, or the journal cannot be read.
+    """
+    found = None
+    for path in (file.with_name(f"{file.name}.1"), file):
+        try:
+            with open(open_regular(path, os.O_RDONLY), "rb") as opened:
+                lines = opened.read(2 * MAX_BYTES).splitlines()
+        except OSError:
+            continue
+        for line in lines:
+            entry = _command(line)
+            if entry.get("place") != place or entry.get("code") != Code.DONE.value:
+                continue
+            time_of_it = _unix_time(entry.get("time"))
+            if time_of_it >= since:
+                found = time_of_it if entry.get("verb") == "stop" else None
+    return found
+
+
+def _command(line: bytes) -> dict[str, Any]:
+    """Return the entry of a STOP or a release; an empty one for every other line."""
+    try:
+        entry = json.loads(line) if b'"place"' in line else None
+    except ValueError:  # it was cut off, or is no text
+        return {}
+    if isinstance(entry, dict) and entry.get("verb") in ("stop", "release"):
+        return entry
+    return {}
+
+
+def _unix_time(text: object) -> float:
+    """Return the Unix time of a line; 0.0 for what is no time."""
+    try:
+        return datetime.fromisoformat(str(text)).timestamp()
+    except (ValueError, OverflowError, OSError):
+        return 0.0
 
 
 class Flood:

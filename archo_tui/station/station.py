@@ -143,6 +143,7 @@ class Station:
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.file_is_default = file_is_default
+        self.earlier_stop: float | None = None  # Unix time of one that may hold; any thread sets it
         self.edits = UndoList()
         self.ledger = Ledger()
         self.queue = GoalQueue(self.ledger)
@@ -227,7 +228,7 @@ class Station:
     def look(self) -> list[Alarm]:
         """Bring alarms and view up to the time it is now. Returns the alarms that changed."""
         now = self.clock.monotonic()
-        troubles = self._journal.failure, self.recorder.trouble, self.unseen
+        troubles = self._journal.failure, self.recorder.trouble, self.unseen, self.earlier_stop
         found = conditions(self._snapshot, now, self.host.states(), *troubles)
         # a release that was confirmed, also of a robot that is not heard, ends what it said
         known_over = () if self._snapshot.is_at_rest else (STOPPED,)

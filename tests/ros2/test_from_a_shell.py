@@ -100,3 +100,31 @@ def test_a_wrong_namespace_is_answered_with_where_robots_are(processes: Processe
     code, out, _ = ended(processes, "status")
     assert (code, out.splitlines()[0]) == (0, seen)
     assert ended(processes, "alarms") == (0, f"no data yet: {seen}\n", "")
+
+
+def plain(processes: Processes, state: Path, typed: str, *words: str) -> str:
+    """Return what a console with `--plain` says to lines that are typed."""
+    done = subprocess.run(
+        [sys.executable, "-m", "archo_tui", "--engine", "ros2", "--attach", "--plain", *words],
+        env=os.environ | {"ROS_DOMAIN_ID": str(processes.domain), "XDG_STATE_HOME": str(state)},
+        input=typed,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=2 * DEADLINE,
+    )
+    return done.stdout
+
+
+def test_a_console_that_starts_tells_of_a_stop_that_was_not_released(
+    processes: Processes, tmp_path: Path
+) -> None:
+    file = tmp_path / "dolly.yaml"
+    file.write_text(DOLLY)
+    processes.start(MOTOR, "-r", "__ns:=/d1")
+    dolly = "--namespace", "/d1", "--robot", str(file)
+    assert "STOP: confirmed" in plain(processes, tmp_path, "stop\n", *dolly)
+    told = plain(processes, tmp_path, "alarms\nrelease --yes\n", *dolly)
+    assert "HAS NO RELEASE IN THE JOURNAL: the robot may still be stopped" in told
+    assert "release stop: Released" in told  # nothing kept it from that
+    assert "No alarms" in plain(processes, tmp_path, "alarms\n", *dolly)

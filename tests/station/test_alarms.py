@@ -7,11 +7,12 @@ from dataclasses import replace
 import pytest
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.state import Hosted, Life, OpenStop, Parameter, Phase, Snapshot
+from archo_tui.robot.state import Hosted, Latch, Life, OpenStop, Parameter, Phase, Snapshot
 from archo_tui.screens.alarms import alarm_lines
 from archo_tui.station.alarms import (
     CONTACT_LOST,
     CRASHED,
+    EARLIER,
     EMPTY,
     LOW,
     NO_CLOCK,
@@ -446,3 +447,22 @@ def test_a_command_that_no_node_offers_is_not_advised() -> None:
     assert set(ways(NORMAL, typed).values()) == {"type charge", "type release"}
     alone = NORMAL._replace(offered=NORMAL.offered - {"set_charging", "release_emergency_stop"})
     assert ways(alone, typed) == {}
+
+
+@pytest.mark.parametrize(
+    ("snapshot", "is_told"),
+    [
+        (NORMAL._replace(motion=replace(MOTOR, stopped=None)), True),
+        (NORMAL, False),  # the robot says itself that it is not stopped
+        (NORMAL._replace(motion=replace(MOTOR, stopped=None, moving=True)), False),
+        (NORMAL._replace(motion=replace(MOTOR, stopped=None), released=NOW - 1.0), False),
+        (NORMAL._replace(motion=replace(MOTOR, stopped=None), latch=Latch.HELD), False),
+    ],
+    ids=["not known", "reported", "moves", "released", "stopped since"],
+)
+def test_a_stop_from_before_the_start_is_told_until_something_is_known(
+    snapshot: Snapshot, is_told: bool
+) -> None:
+    found = conditions(snapshot, NOW, earlier_stop=1_700_000_000.0)
+    assert (EARLIER in found) is is_told
+    assert not snapshot.is_stopped or not is_told

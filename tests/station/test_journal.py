@@ -19,7 +19,7 @@ from archo_tui.paths import journal_file
 from archo_tui.robot.acts import Act
 from archo_tui.robot.outcome import Code
 from archo_tui.station import journal
-from archo_tui.station.journal import MAX_BYTES, Journal
+from archo_tui.station.journal import MAX_BYTES, Journal, unreleased_stop
 from tests.support.archo import SHELF
 from tests.support.console import FAST, LONG, console
 from tests.support.quiet import ended
@@ -317,3 +317,37 @@ async def test_a_change_says_what_the_parameter_was() -> None:
         assert outcome.ok
     said = [e["text"] for e in entries(journal_file()) if e["kind"] == "command"]
     assert said == ["set motor_controller max_speed 0.5: max_speed is 0.5, was 0.8"]
+
+
+PLACE = {"file": "/r.yaml", "namespace": "/tb1", "engine": "ros2", "domain": 0}
+
+
+@pytest.mark.parametrize(
+    ("lines", "found"),
+    [
+        ([], None),
+        ([(100.0, "stop", Code.DONE, PLACE)], 100.0),
+        ([(100.0, "stop", Code.DONE, PLACE), (110.0, "release", Code.DONE, PLACE)], None),
+        ([(100.0, "stop", Code.DONE, PLACE), (110.0, "release", Code.TIMEOUT, PLACE)], 100.0),
+        ([(100.0, "stop", Code.TIMEOUT, PLACE)], None),
+        ([(100.0, "stop", Code.DONE, {**PLACE, "namespace": "/tb2"})], None),
+        ([(100.0, "stop", Code.DONE, {**PLACE, "domain": 1})], None),
+        ([(10.0, "stop", Code.DONE, PLACE)], None),  # too long ago
+        ([(100.0, "go", Code.ACCEPTED, PLACE)], None),
+    ],
+)
+def test_the_last_stop_without_a_release_is_found(
+    tmp_path: Path, lines: list[Any], found: float | None
+) -> None:
+    file = tmp_path / "journal.jsonl"
+    kept = Journal(file)
+    for time, verb, code, place in lines:
+        kept.write(time, "command", **Act(verb, {}, code)._asdict(), place=place)
+    kept.close()
+    if lines:
+        with file.open("ab") as opened:
+            opened.write(b'{"place": \n\xff"place"\n["place"]\n')  # cut off, no text, no entry
+    assert unreleased_stop(file, PLACE, 50.0) == found
+    if lines:
+        file.rename(tmp_path / "journal.jsonl.1")
+    assert unreleased_stop(file, PLACE, 50.0) == found
