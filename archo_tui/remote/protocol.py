@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 from archo_tui.plain.lines import is_stop_text
+from archo_tui.surrogates import has_lone_surrogate
 
 TYPE_CHECKING = False  # `typing` takes longer to load than all that a client needs.
 if TYPE_CHECKING:
@@ -46,11 +47,6 @@ def line(said: dict[str, Any]) -> bytes:
     return json.dumps(said, ensure_ascii=False).encode("utf-8", "replace") + b"\n"
 
 
-def has_half(word: str) -> bool:
-    """Return True if a lone surrogate, half a character, is in a word: it was no UTF-8."""
-    return any("\ud800" <= char <= "\udfff" for char in word)
-
-
 def words_of(request: dict[str, Any]) -> list[str]:
     """Return the words of a request: a verb and its arguments.
 
@@ -60,7 +56,7 @@ def words_of(request: dict[str, Any]) -> list[str]:
     words = request.get("words")
     if not (isinstance(words, list) and words and all(isinstance(word, str) for word in words)):
         raise ValueError('expected {"id": ..., "words": ["status"]}')
-    if any(map(has_half, words)):
+    if any(map(has_lone_surrogate, words)):
         raise ValueError("words: half a character, a lone surrogate, is in them")
     return words
 

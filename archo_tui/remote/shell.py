@@ -19,10 +19,10 @@ from archo_tui.remote.protocol import (
     NOT_REACHED,
     UNREACHED,
     WATCHING,
-    has_half,
     is_stop,
 )
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
+from archo_tui.surrogates import has_lone_surrogate
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class _CommandLine:
         self.rest: list[str] = []
         given = iter(words)
         for word in given:
-            if has_half(word):
+            if has_lone_surrogate(word):
                 if self.stops:
                     continue
                 raise ValueError(f"not UTF-8: {word!r}")

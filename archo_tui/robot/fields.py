@@ -16,6 +16,7 @@ import yaml
 
 from archo_tui.robot.message_classes import EMPTY, load
 from archo_tui.robot.text import harmless
+from archo_tui.surrogates import has_lone_surrogate
 from archo_tui.yaml_text.dump import flow
 
 NESTED = re.compile(r"(\w+)/(\w+)")
@@ -161,7 +162,7 @@ def _text(value: Any, most: int | None) -> str:
         raise ValueError(f"has {len(value)} characters, at most {most}")
     if "\0" in value:  # a text of DDS ends there
         raise ValueError("contains a null character")
-    if any("\ud800" <= character <= "\udfff" for character in value):
+    if has_lone_surrogate(value):
         raise ValueError("contains half of a surrogate pair")
     return value
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,12 +16,12 @@ import yaml
 
 from archo_tui import regular_files
 from archo_tui.regular_files import MAX_BYTES
+from archo_tui.surrogates import has_lone_surrogate
 from archo_tui.yaml_text.core_schema import FAST_LOADER, LOADER, YamlFault, value
 
 T = TypeVar("T")
 
 MAX_DEPTH = 20
-_LONE_SURROGATE = re.compile("[\ud800-\udfff]")  # UTF-8 cannot encode one half of a pair.
 
 
 class YamlError(ValueError):
@@ -175,7 +174,7 @@ def _check_bounds(text: str, loader: Any) -> None:
             depth += 1
         elif isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
             depth -= 1
-        elif isinstance(event, yaml.ScalarEvent) and _LONE_SURROGATE.search(event.value):
+        elif isinstance(event, yaml.ScalarEvent) and has_lone_surrogate(event.value):
             raise YamlFault(line, "contains half of a surrogate pair")
         if depth > MAX_DEPTH:
             raise YamlFault(line, f"nested more than {MAX_DEPTH} deep")
