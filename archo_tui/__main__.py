@@ -1,4 +1,4 @@
-"""`python -m archo_tui`."""
+"""The entry point of `python -m archo_tui`."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""The Textual app: hands what the station says to the screen, and runs the commands."""
+"""The Textual app, which shows the station on the screen and runs commands."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LONGEST = 30.0  # s that the end waits for answers: longer than any request is w
 
 
 class _Sent(NamedTuple):
-    """A command that was given."""
+    """A command that was given and has no answer yet."""
 
     at: float  # monotonic s
     stops: int  # that had been read then
@@ -53,9 +53,13 @@ class ArchoApp(KeyedApp):
         theme: str = "",
         failed: str = "",
     ) -> None:
-        """`keys` of commands by id, when they are not the registry's own; `theme` by its name.
+        """Create the app.
 
-        `failed` is the traceback that ended the screen before this one, to be shown.
+        Args:
+            station: The operator's station.
+            keys: The key of each command by its id; None means the default ones.
+            theme: The name of a theme; "" means the one that suits the terminal.
+            failed: The traceback that ended the screen before this one; it is shown.
         """
         super().__init__(station, keys or {}, theme)
         snapshot = station.robot.snapshot
@@ -106,7 +110,7 @@ class ArchoApp(KeyedApp):
             self.tick()
 
     def tick(self) -> None:
-        """A second has passed: bring ages and the time of day up to date."""
+        """Update ages and the time of day; called each second."""
         self.station.tick()
         self._show()
 
@@ -149,9 +153,11 @@ class ArchoApp(KeyedApp):
     # commands
 
     def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command of the registry, or say why it cannot run.
+        """Run a command by its id, or say why it cannot run.
 
-        A STOP is `counted` already when it comes from its key: as that was read.
+        Args:
+            name: The command's id.
+            counted: True if a STOP has been counted already, as its key was read.
         """
         command = self._command(name)
         if name == "stop":
@@ -178,14 +184,14 @@ class ArchoApp(KeyedApp):
             self.run_worker(self._answered(name, work), group=COMMANDS)
 
     def ask_no_more(self) -> None:
-        """A question that was put before a STOP is not to be answered behind it."""
+        """Close a question that was asked before a STOP."""
         for screen in self.screen_stack:
             if isinstance(screen, Leaving) and screen.closes_at_stop:
                 screen.dismiss()
                 self.closed_by_stop("STOP closed the dialog")
 
     def _waits(self, name: str) -> bool:
-        """True, and said, when the robot has not answered a command yet, and no STOP voided it."""
+        """Return True, after saying so, if a command waits for its answer and no STOP voided it."""
         given = self._sent.get(name)
         waits = given is not None and not self.stops.is_void(given.stops)
         if waits and not self.repeated:
@@ -232,7 +238,7 @@ class ArchoApp(KeyedApp):
 
     @contextmanager
     def opening(self) -> Iterator[None]:
-        """Hold the keys meanwhile: they are for what is about to be opened."""
+        """Hold keys while a dialog is being opened, since they are typed for it."""
         self._opening += 1
         try:
             yield
@@ -240,7 +246,7 @@ class ArchoApp(KeyedApp):
             self._opening -= 1  # and the end of the worker hands them on
 
     def _is_void(self, title: str) -> bool:
-        """True, and said, when a STOP was read after what is being done."""
+        """Return True, after saying so, if a STOP was read after the current input."""
         shut = self.stops.gate().is_shut
         if shut:
             self.closed_by_stop("STOP kept the dialog from opening")
@@ -249,9 +255,9 @@ class ArchoApp(KeyedApp):
         return shut
 
     def confirm(self, title: str, question: str, safe: str, answers: Answers) -> None:
-        """Put a question now: the keys behind the one that asked are for its answer.
+        """Show a question at once, so that the following keys answer it.
 
-        While another one is being asked, it is not put, which is said.
+        While another question is shown, a message says that this one is not.
         """
         from archo_tui.screens.confirm import Confirm
 
@@ -332,12 +338,12 @@ class ArchoApp(KeyedApp):
         self._show()
 
     async def _told(self, answer: Awaitable[Outcome]) -> None:
-        """Say why the robot does not go there, where it was typed."""
+        """Show in the goal's form why the robot does not go there."""
         outcome = await answer
         self.main.goal.show_refusal("" if outcome.ok else outcome.text)
 
     def _keep(self, typed: list[str]) -> None:
-        """For the arrows, also after a restart."""
+        """Keep what was typed for the arrow keys, also after a restart."""
         kind, panel = self.view.snapshot.file.goals[0], self.main.goal
         panel.set_typed([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
         start_worker(self, partial(in_daemon, recall.add, kind.id, typed), COMMANDS)
@@ -355,15 +361,15 @@ class ArchoApp(KeyedApp):
 
     @property
     def has_person(self) -> bool:
-        """Who looks at the screen."""
+        """Return True while the screen runs, at which somebody looks."""
         return self.is_running
 
     def carry_out(self, work: Callable[[], Work]) -> None:
-        """As a command: the end waits for its answer."""
+        """Run work as a command, whose answer the end waits for."""
         start_worker(self, work, COMMANDS)
 
     def beside(self, work: Callable[[], Work]) -> None:
-        """What another program asked for: the end does not wait for its answer."""
+        """Run work of another program, for whose answer the end does not wait."""
         start_worker(self, work, "beside")
 
     def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:

@@ -1,4 +1,4 @@
-"""The command line of `archo-tui`. Imports neither rclpy nor Textual until it must."""
+"""The command line of `archo-tui`, which imports rclpy and Textual only when it must."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MOST_FAILURES = 3  # of the screen, after which it is given up
 
 
 def _columns() -> int:
-    """The terminal's, unless COLUMNS says otherwise; 80 where there is none."""
+    """Return the width of the terminal or COLUMNS; 80 without a terminal."""
     said = os.environ.get("COLUMNS", "")
     if said.isdecimal() and int(said):
         return int(said)
@@ -41,7 +41,7 @@ def _columns() -> int:
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says in one line what is wrong, and where to look."""
+    """An argument parser whose errors are one line that says what is wrong, and where to look."""
 
     def __init__(self, prog: str, description: str, **more: Any) -> None:
         width = _columns() - 2  # as argparse has it by itself, for which it loads all of shutil
@@ -78,7 +78,7 @@ class _Behind(argparse.Action):
 
 
 class _Formatter(argparse.HelpFormatter):
-    """Leaves indented lines of a text as they are."""
+    """A help formatter that leaves indented lines of a text unchanged."""
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         lines = text.splitlines()
@@ -101,9 +101,10 @@ commands (archo-tui COMMAND --help says more):
 
 
 def parser(*, for_words: bool = True) -> argparse.ArgumentParser:
-    """The console's options; what follows --ros-args is ROS's and is taken off before.
+    """Return the parser of the console's options; ROS's own are taken off before.
 
-    Not `for_words`: a command and what is behind it is not taken.
+    Args:
+        for_words: True takes a command and the words behind it.
     """
     commands = "".join(f"  {name:<10} {what}\n" for name, (what, _, _) in SUBCOMMANDS.items())
     made = _Parser(
@@ -216,7 +217,7 @@ def parser(*, for_words: bool = True) -> argparse.ArgumentParser:
 
 
 def _megabytes(text: str) -> int:
-    """Of recordings, 1 to a million."""
+    """Return a number of megabytes for recordings, 1 to a million."""
     if not text.isdecimal() or not 1 <= int(text[:9]) <= 1_000_000 or len(text) > 7:
         raise argparse.ArgumentTypeError(f"{text} is not 1 to 1000000 MB")
     return int(text)
@@ -266,7 +267,14 @@ def _consoles_options(made: argparse._ActionsContainer) -> None:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run; returns the exit code: 0, 1 when the console failed, 2 for a user's mistake."""
+    """Run the program.
+
+    Args:
+        argv: The words of the command line; None means the program's own.
+
+    Returns:
+        The exit code: 0, 1 if the console failed, 2 for a user's mistake.
+    """
     if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # until heed_signals nothing is to be undone
     for stream in (sys.stdout, sys.stderr):
@@ -304,20 +312,20 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 class _Closed(TextIOBase):
-    """Stands for a standard output that is closed, in which Python would lose what is printed."""
+    """A stand-in for a closed standard output, in which Python would lose what is printed."""
 
     def write(self, text: str) -> int:
         raise OSError(errno.EBADF, os.strerror(errno.EBADF))
 
 
 def _no_loss() -> None:
-    """What cannot be printed is an error from here on."""
+    """Make it an error from here on if something cannot be printed."""
     if sys.stdout is None:
         sys.stdout = _Closed()
 
 
 def _itself() -> list[str]:
-    """What Python is given to run this program: a file that is a zip (.pyz), or the module."""
+    """Return the arguments with which Python runs this program: a zip file, or the module."""
     from zipfile import is_zipfile
 
     return [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]
@@ -363,10 +371,10 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
 
 
 def _speak(options: Namespace, words: Sequence[str]) -> int:
-    """Send a verb that stands behind options of the console.
+    """Send a verb that stands after options of the console.
 
-    Of these only `--engine` and `--namespace` mean something to it: where it is looked for. On
-    ROS 2, where it needs no console, also `--robot`.
+    Of these only `--engine` and `--namespace` matter: they say where a console is looked for. On
+    ROS 2, where the verb needs no console, `--robot` matters as well.
     """
     from pathlib import Path
 
@@ -406,7 +414,7 @@ def _speak(options: Namespace, words: Sequence[str]) -> int:
 
 
 def _domain() -> int:
-    """Return the ROS 2 domain of this process; what is no number ROS 2 refuses itself."""
+    """Return the ROS 2 domain of this process; ROS 2 itself refuses what is no number."""
     said = os.environ.get("ROS_DOMAIN_ID", "").strip()
     return int(said) if said.isdecimal() else 0
 
@@ -416,7 +424,7 @@ def _completions_options(made: argparse._ActionsContainer) -> None:
 
 
 def _completions(options: Namespace) -> int:
-    """What a shell needs to complete our words; of the verbs those of ARCHO."""
+    """Print what a shell needs to complete our words; of the verbs those of ARCHO."""
     import shtab
 
     from archo_tui.remote.verb_help import options_of, verbs_of_file
@@ -444,7 +452,7 @@ def _recordings_options(made: argparse._ActionsContainer) -> None:
 
 
 def _recordings(options: Namespace) -> int:
-    """Those of the black box."""
+    """List or delete the recordings of the black box."""
     from archo_tui.recording.listing import delete_named, list_recordings
 
     if options.delete:
@@ -470,7 +478,7 @@ def _replay_options(made: argparse._ActionsContainer) -> None:
 
 
 def _replay(options: Namespace) -> int:
-    """The console on a recorded robot."""
+    """Show a recording on the screen, or as text."""
     from pathlib import Path
 
     from archo_tui import engine
@@ -521,7 +529,7 @@ def _replay(options: Namespace) -> int:
 
 
 def _consoles(options: Namespace) -> int:
-    """Those that can be reached."""
+    """List the consoles that can be reached."""
     from archo_tui.remote.shell import consoles
 
     return consoles(["--json"] if options.json else [])
@@ -543,7 +551,7 @@ def _mcp_options(made: argparse._ActionsContainer) -> None:
 
 
 def _mcp(options: Namespace) -> int:
-    """The assistant's own process."""
+    """Serve an assistant on standard input and output."""
     try:
         from archo_tui.assistant.server import serve
     except ImportError:  # of the SDK, or of one that is too old
@@ -558,13 +566,13 @@ def _mcp(options: Namespace) -> int:
 
 
 def _complain(said: str) -> None:
-    """One line on standard error, where that is open."""
+    """Print a line on standard error, if that is open."""
     if sys.stderr is not None:
         print(f"archo-tui: {_safe(said)}", file=sys.stderr)
 
 
 def _safe(text: str) -> str:
-    """One line that no terminal acts on."""
+    """Return one line on which no terminal acts."""
     if text.isascii() and text.isprintable():
         return text
     from archo_tui.robot.text import safe  # and with it Rich, which is most of a short command
@@ -573,7 +581,7 @@ def _safe(text: str) -> str:
 
 
 def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The words that are ours, and those between `--ros-args` and `--`."""
+    """Return the words that are ours, and those between `--ros-args` and `--`."""
     own: list[str] = []
     ros: list[str] = []
     inside = False
@@ -586,7 +594,7 @@ def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
 
 
 def _keys(options: Namespace) -> int:
-    """The current keymap, in the form of its file."""
+    """Print the current keymap, in the form of its file."""
     from pathlib import Path
 
     from archo_tui.commands import keymap, registry
@@ -612,7 +620,7 @@ def _keys(options: Namespace) -> int:
 
 
 def _version(engine: str) -> int:
-    """What a report of an error should say."""
+    """Print what a bug report should say."""
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
     print(f"archo-tui {__version__}")
     print(_safe(f"Python {python}, Textual {_textual()}, engine {engine}, TERM {term}"))
@@ -620,7 +628,7 @@ def _version(engine: str) -> int:
 
 
 def _textual() -> str:
-    """Its version, by the name of the folder that its installation left.
+    """Return Textual's version, by the name of the folder that its installation left.
 
     importlib.metadata reads the same there, and takes longer to load than all the rest.
     """
@@ -690,7 +698,7 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
 
 
 def _journal(_options: Namespace) -> int:
-    """Where it is."""
+    """Print where the journal is."""
     from archo_tui.paths import journal_file
 
     print(_safe(str(journal_file())))
@@ -698,7 +706,7 @@ def _journal(_options: Namespace) -> int:
 
 
 def _check(options: Namespace) -> int:
-    """What the chapter asks, asked."""
+    """Run the checks of the textbook's chapter."""
     from pathlib import Path
 
     from archo_tui.chapter.run import run
@@ -800,7 +808,7 @@ def _need_terminal(stdin: TextIO | None) -> None:
 
 
 def _device(stream: TextIO) -> int:
-    """Which terminal it is: its name may not be known in a container."""
+    """Return the number of a terminal's device, since its name may not be known in a container."""
     if sys.platform == "win32":
         return 0
     return os.fstat(stream.fileno()).st_rdev

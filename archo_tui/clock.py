@@ -1,4 +1,4 @@
-"""The time, as an object that everything asks which decides by time: a test puts its own there."""
+"""The clock that everything asks which depends on time, so that a test can replace it."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ LAST_STAMP = 2**31 - 1  # Unix s that a message can carry: `sec` of builtin_inte
 
 
 class Clock:
-    """The machine's own time."""
+    """The clock of this machine."""
 
     def monotonic(self) -> float:
-        """Seconds that only grow; for ages and deadlines."""
+        """Return monotonic time in s, for ages and deadlines."""
         return time.monotonic()
 
     def now(self) -> float:
-        """Unix time; for the time of day."""
+        """Return Unix time in s, for the time of day."""
         return time.time()
 
     async def sleep(self, seconds: float) -> None:
-        """Let that many seconds pass."""
+        """Sleep for a number of seconds."""
         await asyncio.sleep(seconds)
 
     async def wait_for(self, awaitable: Awaitable[T], seconds: float | None) -> T:
-        """The value of `awaitable`. Raises TimeoutError when `seconds` pass before it is there."""
+        """Return the value of `awaitable`; raise TimeoutError if it takes more than `seconds`."""
         work = asyncio.ensure_future(awaitable)
         over = asyncio.ensure_future(self._never() if seconds is None else self.sleep(seconds))
         try:
@@ -46,5 +46,5 @@ class Clock:
 
 
 def time_of_day(unix_time: float) -> str:
-    """HH:MM:SS in local time."""
+    """Return a Unix time as HH:MM:SS in local time."""
     return datetime.fromtimestamp(unix_time).strftime("%H:%M:%S")

@@ -1,4 +1,4 @@
-"""Short pauses of Python's garbage collector, which holds up every thread, STOP's too."""
+"""Short pauses of Python's garbage collector, which holds up every thread, STOP's included."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class ShortPauses:
         gc.callbacks.append(self._on_collection)
 
     def __exit__(self, *_: object) -> None:
-        """Leave collections alone, and nothing out of them on account of a flood."""
+        """End the watch, and unfreeze what was frozen during a flood."""
         gc.callbacks.remove(self._on_collection)
         if self._frozen:
             gc.unfreeze()

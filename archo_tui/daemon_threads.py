@@ -1,4 +1,4 @@
-"""Work that waits for a disk, beside the loop: `asyncio.to_thread`, but the end waits for none."""
+"""Calls that wait for a disk, in threads: like `asyncio.to_thread`, but the end waits for none."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 class _DaemonThreads(Executor):
-    """A thread for each call, which does not keep the process: a disk may never answer."""
+    """An executor with a daemon thread for each call, since a disk may never answer."""
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
         future: Future[T] = Future()
@@ -35,7 +35,7 @@ _THREADS = _DaemonThreads()
 
 
 async def in_daemon(function: Callable[..., T], *arguments: Any) -> T:
-    """The value of `function(*arguments)`, called in a thread. Raises what that raises."""
+    """Return the value of `function(*arguments)`, called in a daemon thread."""
     context = contextvars.copy_context()
     loop = asyncio.get_running_loop()
     return await loop.run_in_executor(_THREADS, lambda: context.run(function, *arguments))

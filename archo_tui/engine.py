@@ -1,4 +1,4 @@
-"""What `import rclpy` means in this process; chosen once, before anything imports it."""
+"""The choice of the engine that `import rclpy` means in this process."""
 
 from __future__ import annotations
 
@@ -38,11 +38,15 @@ _NEEDED = {
 
 
 def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None = None) -> None:
-    """Make `import rclpy` mean the named engine. Never falls back to another one.
+    """Make `import rclpy` mean the named engine, before anything imports it.
 
-    With `hosting` every interface of the robot's own nodes must be there. `own` are interface
-    packages of the user.
-    Raises ArchoError that says what to type when something is missing.
+    Args:
+        name: EMBEDDED or ROS2; there is no fallback from one to the other.
+        hosting: True if every interface of the robot's own nodes must be there.
+        own: Interface packages of the user, by name.
+
+    Raises:
+        ArchoError: Something is missing; the message says what to type.
     """
     if name not in ENGINES:
         raise ArchoError(f"no engine {name!r}: one of {', '.join(ENGINES)}")
@@ -56,7 +60,7 @@ def activate(name: str, *, hosting: bool = True, own: Mapping[str, Path] | None 
 
 
 def ensure() -> None:
-    """The embedded engine, where none was chosen: pydoc imports a module and nothing else."""
+    """Activate the embedded engine if none was chosen, for pydoc, which only imports modules."""
     if "rclpy" not in sys.modules:
         activate(EMBEDDED)
 
@@ -87,9 +91,9 @@ _LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
 
 
 def _check_rmw() -> None:
-    """Raise ArchoError when the environment names a middleware that ROS 2 cannot load.
+    """Raise ArchoError if the environment names a middleware that ROS 2 cannot load.
 
-    rcl ends the whole process for it, while rclpy is imported: so another process tries first.
+    rcl ends the whole process for it while rclpy is imported, so another process tries first.
     """
     name = os.environ.get("RMW_IMPLEMENTATION", "")
     if not name or "rclpy" in sys.modules:
@@ -138,16 +142,16 @@ def _first_line(error: Exception) -> str:
 
 
 def interface_packages() -> dict[str, Path]:
-    """Interface packages beside those that the engine brings: in a checkout, `interfaces/`.
+    """Return the interface packages besides the engine's own: in a checkout, `interfaces/`.
 
-    An installed wheel carries them in the engine's own `share/` folder.
+    An installed wheel carries them in the engine's `share/` folder.
     """
     folder = _CHECKOUT / "interfaces"
     return {"archo_interfaces": folder} if (folder / "package.xml").is_file() else {}
 
 
 def describe(name: str, context: Context) -> str:
-    """The engine as the header names it: `embedded`, `ROS 2 jazzy rmw_fastrtps_cpp domain 0`."""
+    """Return the engine as the header shows it: `ROS 2 jazzy rmw_fastrtps_cpp domain 0`, say."""
     if name == EMBEDDED:
         return EMBEDDED
     from rclpy.utilities import get_rmw_implementation_identifier
@@ -160,7 +164,7 @@ _LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"
 
 
 def unseen(name: str, context: Context) -> str:
-    """Where no node is, when none is found, and what to try: `on domain 0 (...): start ...`."""
+    """Return where no node was found, and what to try: `on domain 0 (...): start ...`."""
     if name == EMBEDDED:
         return "in this process: give one by --node FILE, or leave --only out"
     from rclpy.utilities import get_rmw_implementation_identifier
@@ -175,14 +179,14 @@ def unseen(name: str, context: Context) -> str:
 
 
 def _discovery_range() -> str:
-    """How far ROS 2 looks for others; the older variable comes first."""
+    """Return how far ROS 2 looks for other nodes; the older variable has precedence."""
     if os.environ.get(_LOCALHOST_ONLY) == "1":
         return "LOCALHOST"
     return os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "").upper() or "SUBNET"
 
 
 def distribution() -> str:
-    """`jazzy`, from the sourced environment or the name of the installed wheel."""
+    """Return `jazzy`, say, from the sourced environment or the name of the installed wheel."""
     sourced = os.environ.get("ROS_DISTRO")
     if sourced:
         return sourced

@@ -1,4 +1,4 @@
-"""Dialogs, and whatever else the first picture can do without, are imported behind it."""
+"""The import of everything that the first picture can do without, after that picture."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ OF_THE_SCREEN = ("archo_tui.commands", "archo_tui.screens")
 
 
 def import_the_rest(packages: Iterable[str]) -> None:
-    """All of them: later nothing waits for the disk, or gets a part of a newer program."""
+    """Import all modules of some packages.
+
+    Later on no key waits for the disk, or gets a part of a newer version of the program.
+    """
     for package in packages:
         path = import_module(package).__path__
         for module in pkgutil.iter_modules(path, f"{package}."):

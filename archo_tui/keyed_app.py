@@ -1,4 +1,4 @@
-"""What becomes of keys and clicks: STOP first, the others in their order, a held one once."""
+"""The handling of keys and clicks: STOP first, the others in their order, a held one once."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ HELD = 0.7  # s within which the same key again means that it is held: X11 waits
 
 
 class KeyedApp(TerminalApp):
-    """Base of the app: hands keys and clicks to the commands, and to what has the focus."""
+    """The base of the app, which passes keys and clicks to commands or to the focused widget."""
 
     BINDINGS = [
         Binding("escape", "leave_field", "Leave the field", show=False, priority=True),
@@ -48,7 +48,13 @@ class KeyedApp(TerminalApp):
     ]
 
     def __init__(self, station: Station, keys: Mapping[str, str], theme: str) -> None:
-        """`keys` of commands by id, where they are not the registry's own."""
+        """Create the app.
+
+        Args:
+            station: The operator's station.
+            keys: The key of each command by its id.
+            theme: The name of a theme; "" means the one that suits the terminal.
+        """
         super().__init__(station, theme)
         snapshot = station.robot.snapshot
         self.verbs: Mapping[str, Verb] = verbs(snapshot.file, snapshot.forms)
@@ -79,18 +85,18 @@ class KeyedApp(TerminalApp):
         self.input: InputTime | None = None  # the one that is being done
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
-        """All that there are."""
+        """Return all commands."""
         return registry(snapshot.file, self.verbs)
 
     def main_screen(self, snapshot: Snapshot) -> MainScreen:
-        """The one that all others are over."""
+        """Return the screen beneath all dialogs."""
         return MainScreen(snapshot, self.size)
 
     def _bind_commands(self) -> None:
-        """All have priority, so that a key acts before the next one goes to whatever it focused.
+        """Bind all keys with priority, so that a key acts before the next one is handed on.
 
         Over a slow line several arrive at once. check_action gives letters back to a field.
-        App.bind knows no priority, and a keymap of Textual's drops what shares a key.
+        App.bind has no priority, and a keymap of Textual's drops commands that share a key.
         """
         for command in self.registry:
             key, action = self._keys[command.id], f"command('{command.id}')"
@@ -103,7 +109,12 @@ class KeyedApp(TerminalApp):
             self._bindings.key_to_bindings[key] = [*ours, binding]
 
     def action_command(self, name: str, counted: bool = False) -> None:
-        """Run a command of the registry; a STOP is `counted` when it was read from its key."""
+        """Run a command by its id.
+
+        Args:
+            name: The command's id.
+            counted: True if a STOP has been counted already, as its key was read.
+        """
         raise NotImplementedError
 
     async def on_event(self, event: events.Event) -> None:
@@ -141,7 +152,7 @@ class KeyedApp(TerminalApp):
             await self._hand_on(event, repeated)
 
     async def _hand_on(self, event: events.Event, repeated: bool) -> None:
-        """Do what a key or a click is for, unless it was for a dialog that is not there."""
+        """Handle a key or a click, unless it was meant for a dialog that has gone."""
         stops, typed = stops_before(event), isinstance(event, (events.Key, events.Paste))
         if typed and not self._is_free(event):
             is_void = stops is not None and stops < self._answers_void
@@ -155,19 +166,19 @@ class KeyedApp(TerminalApp):
         self.dialog_gone(why)
 
     def dialog_gone(self, why: str) -> None:
-        """Drop the keys that come at once: they were for a dialog that went by itself."""
+        """Drop the keys that follow at once, typed for a dialog that closed by itself."""
         self._shut_by, self._shut_said = why, False
         self._shut_since = self.station.clock.monotonic()
 
     def show_dialog(self, dialog: Screen[Any]) -> None:
-        """Show a dialog: the keys from now on are for it."""
+        """Show a dialog, to which all following keys go."""
         self._shut_since = None
         self.push_screen(dialog)
 
     def _was_for_a_dialog(self, event: events.Event) -> bool:
-        """Return whether a key would act below a dialog that has just been closed, and say so.
+        """Return True, after saying so, if a key was meant for a dialog that has just closed.
 
-        Those that follow each other within HELD are one text, which was typed for the dialog.
+        Keys that follow each other within HELD are one text, which was typed for the dialog.
         """
         if self._shut_since is None:
             return False
@@ -191,12 +202,12 @@ class KeyedApp(TerminalApp):
         self.repeated = before  # of the key that is being handled
 
     def _is_free(self, event: events.Event) -> bool:
-        """True for a key that is a command everywhere: a cancel, say, is for no question."""
+        """Return True for a key that works everywhere, so is meant for no dialog."""
         free = {self._keys[c.id] for c in self.registry if c.where == EVERYWHERE}
         return isinstance(event, events.Key) and event.key in free
 
     def _clicks_stop(self, event: events.MouseEvent) -> bool:
-        """True for a click on STOP where it is seen, also beside a dialog, and as one goes.
+        """Return True for a click on a visible STOP button, also beside a dialog.
 
         It acts as it is pressed; its release does nothing.
         """
@@ -215,7 +226,7 @@ class KeyedApp(TerminalApp):
         return True
 
     def _repeats(self, event: events.Event) -> bool:
-        """True for a key that is held down: the same again, and soon."""
+        """Return True for a key that is held down: the same again, and soon."""
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
@@ -240,7 +251,7 @@ class KeyedApp(TerminalApp):
         self._acting = self._acting if heard else None
 
     def _hears_later(self, event: events.Event) -> Widget | None:
-        """Return the widget that gets it by a message: what is clicked, a text of several lines."""
+        """Return the widget that gets an event as a message: a clicked one, or a text area."""
         focused = self.focused
         if isinstance(event, events.MouseEvent):
             return self.screen.get_widget_and_offset_at(event.x, event.y)[0]
@@ -263,16 +274,17 @@ class KeyedApp(TerminalApp):
 
     @property
     def _place(self) -> tuple[object, ...]:
-        """Where a key acts: the screen, what has the focus, and the row of a list."""
+        """Return where a key acts: the screen, the focused widget, and the row of a list."""
         focused = self.focused
         return self.screen, focused, focused.item_key if isinstance(focused, Rows) else None
 
     def _may_repeat(self, event: events.Key) -> bool:
-        """Return whether a key that is held down acts where it has led.
+        """Return True if a key that is held down acts where it has led.
 
-        It acts on no other screen, unless it is text there, leads out, or works everywhere. Enter
-        neither answers nor sends, which is said: it runs from field to field, and acts on another
-        row of the screen where the one before acted. What it opened is answered by another one.
+        The key acts on no other screen, unless it is text there, closes it, or works everywhere.
+        Enter neither answers nor sends, which a message says: it runs from field to field, and acts
+        on another row of the screen where the one before acted. What it opened is answered by
+        another key.
         """
         here, before = self._place, self._acted
         if event.key != "enter":
@@ -291,15 +303,15 @@ class KeyedApp(TerminalApp):
 
     @property
     def _is_changing(self) -> bool:
-        """True while the screen in front is being built, or is about to go."""
+        """Return True while the screen in front is being built, or is about to go."""
         if not self.screen_stack or not self.screen.is_mounted:
             return True
         return isinstance(self.screen, Leaving) and self.screen.has_left
 
     def _takes(self, event: events.Event) -> bool:
-        """Return whether all before it is done, and what it is for is there.
+        """Return True if everything before an event is done, and its target is there.
 
-        While an answer is waited for, escape leaves the dialog, and a cancel or the end is given.
+        While a dialog waits for an answer, escape closes it, and a cancel or the end acts.
         """
         if self._is_changing or (self._acting is not None and self._acting.is_running):
             return False
@@ -310,9 +322,10 @@ class KeyedApp(TerminalApp):
         return not self._opening or self._is_free(event)
 
     def _acts_before(self, event: events.Event) -> bool:
-        """Return whether a key acts now, though others wait for an answer.
+        """Return True if a key acts now, before others that wait for an answer.
 
-        Keys of one burst keep their order. Whoever has waited for HELD gives up waiting.
+        Only escape and keys that work everywhere do, if the first one has waited for HELD and still
+        cannot act: keys of one burst keep their order.
         """
         first, escapes = self._early[0][0], getattr(event, "key", "") == "escape"
         if event.time - first.time < HELD or not (escapes or self._is_free(event)):
@@ -320,7 +333,7 @@ class KeyedApp(TerminalApp):
         return self._takes(event) and not self._takes(first)
 
     async def _release(self) -> None:
-        """Hand on one of the keys and clicks that wait; the others when that one is done."""
+        """Hand on the next of the waiting keys and clicks; the others follow when it is done."""
         if self._early and self._takes(self._early[0][0]):
             await self._hand_on(*self._early.pop(0))
         if not self._early:
@@ -340,7 +353,7 @@ class KeyedApp(TerminalApp):
         self.call_later(self._release)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """False leaves the key to the field or dialog that has the focus."""
+        """Return False to leave a key to the focused field or dialog."""
         field = self.focused if isinstance(self.focused, Input) else None
         if action == "leave_field":
             is_inside = field is not None or isinstance(self.focused, Board)
@@ -362,7 +375,7 @@ class KeyedApp(TerminalApp):
         return not command.panel or command.panel == self.main.focused_panel
 
     def _is_text(self, command: Command, field: Input) -> bool:
-        """True when the command's key is text, or moves or edits, in the field."""
+        """Return True if the command's key is text, or moves or edits, in the field."""
         key = self._shown_keys[command.id]
         return not isinstance(field, Field) or len(key) > 1 or field.is_text(key)
 
@@ -370,7 +383,7 @@ class KeyedApp(TerminalApp):
         return next(c for c in self.registry if c.id == name)
 
     def action_beside(self, step: int) -> None:
-        """From the field to the board and on, or back."""
+        """Move the focus from the field to the board and on, or back."""
         beside = self.main.goal.next_focus(self.focused, step)
         if isinstance(beside, Field):
             self.main.goal.focus_field()

@@ -1,4 +1,4 @@
-"""Where the console keeps its files: `archo-tui/` in the folders that the system has for that."""
+"""The folders of the console's files: `archo-tui/` in those that the system has for programs."""
 
 from __future__ import annotations
 
@@ -12,28 +12,38 @@ _NAME = "archo-tui"
 
 
 def make_folder(file: Path) -> None:
-    """Make the folder of one of these files, for nobody else to look into. Raises OSError."""
+    """Make the folder of a file, readable by its owner only.
+
+    Raises:
+        OSError: The disk refuses it.
+    """
     file.parent.parent.mkdir(parents=True, exist_ok=True)
     file.parent.mkdir(mode=0o700, exist_ok=True)
 
 
 def config_file(name: str) -> Path:
-    """What the operator chose: keymap, theme. On Linux below XDG_CONFIG_HOME or `~/.config`."""
+    """Return the path of a file of the operator's choices, such as keymap or theme.
+
+    On Linux it is below XDG_CONFIG_HOME or `~/.config`.
+    """
     return _folder(platformdirs.user_config_path) / name
 
 
 def state_file(name: str) -> Path:
-    """What the console wrote: journal, logs. Below XDG_STATE_HOME or `~/.local/state`."""
+    """Return the path of a file that the console writes, such as its journal.
+
+    On Linux it is below XDG_STATE_HOME or `~/.local/state`.
+    """
     return _folder(platformdirs.user_state_path) / name
 
 
 def journal_file() -> Path:
-    """The operator's log: archo_tui/journal.py."""
+    """Return the path of the operator's log, which station/journal.py writes."""
     return state_file("journal.jsonl")
 
 
 def _folder(find: Callable[..., Path]) -> Path:
-    """The folder; where the user has no home, one in which nothing can be."""
+    """Return the folder; for a user without a home, one in which nothing can be."""
     try:
         return find(_NAME, appauthor=False)
     except RuntimeError:

@@ -1,6 +1,6 @@
-"""Opens files of a known place without waiting: regular ones, of a bounded size, and no others.
+"""Opening of files at known places: regular ones only, of a bounded size, without waiting.
 
-A pipe that nobody fills would block for ever, a device may have no end.
+A pipe that nobody fills would block for ever, and a device may have no end.
 """
 
 from __future__ import annotations
@@ -14,7 +14,11 @@ MAX_BYTES = 1_000_000  # of a file that is read
 
 
 def open_regular(path: Path, flags: int) -> int:
-    """The descriptor of a file, as `os.open` has it. Raises OSError, for one not regular, too."""
+    """Return the descriptor of a file, opened as by `os.open`.
+
+    Raises:
+        OSError: It cannot be opened, or is no regular file.
+    """
     # to files of the console's own only; to regular files not waiting means nothing
     flags |= getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
     try:
@@ -30,7 +34,11 @@ def open_regular(path: Path, flags: int) -> int:
 
 
 def read(path: Path) -> bytes:
-    """All of a file. Raises OSError, for one that is larger than MAX_BYTES, too."""
+    """Return the content of a file.
+
+    Raises:
+        OSError: It cannot be read, is no regular file, or larger than MAX_BYTES.
+    """
     with open(open_regular(path, os.O_RDONLY), "rb") as file:
         data = file.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
@@ -39,7 +47,11 @@ def read(path: Path) -> bytes:
 
 
 def replace(path: Path, text: str) -> None:
-    """Write a file anew: whoever reads it finds the old text or the new one. Raises OSError."""
+    """Replace a file so that a reader finds the old text or the new one.
+
+    Raises:
+        OSError: The disk refuses it.
+    """
     new = path.with_name(f"{path.name}.{os.getpid()}")
     try:
         new.write_text(text, encoding="utf-8")

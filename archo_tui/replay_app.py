@@ -1,4 +1,4 @@
-"""The console on a recorded robot: it shows what was, and does nothing."""
+"""The app of a replay: the console on a recorded robot, which shows and does nothing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FRAME = 0.1  # s between two looks while it plays, or is read
 
 
 class ReplayApp(ArchoApp):
-    """The same panels, and a time line below them."""
+    """The console's panels on a recorded robot, with a time line below them."""
 
     def __init__(
         self, station: RecordedStation, keys: Mapping[str, str] | None = None, theme: str = ""
@@ -26,11 +26,11 @@ class ReplayApp(ArchoApp):
         super().__init__(station, keys, theme)
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
-        """Those that act are not there."""
+        """Return the commands of a replay, without those that act."""
         return replay_commands(self._player, super().commands(snapshot))
 
     def main_screen(self, snapshot: Snapshot) -> MainScreen:
-        """With the time line over the footer."""
+        """Return the main screen with the time line above the footer."""
         return MainScreen(snapshot, self.size, TimeLine(self._player))
 
     def on_mount(self) -> None:
@@ -46,6 +46,6 @@ class ReplayApp(ArchoApp):
             await self.station.clock.sleep(_FRAME)
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
-        """There are no events to say it in."""
+        """Show the error as a notification, since a replay has no events in which to report it."""
         message.prevent_default()
         self.notify(message.said, severity="error", markup=False)

@@ -1,4 +1,4 @@
-"""The composition root: engine, hosted nodes and Robot. Used by the command line and the tests."""
+"""The composition root: it makes engine, hosted nodes, robot, station and recorders."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _COUNTS = (1, 10, 100, 1000, 10_000, 100_000)  # of a repeated event that the jo
 
 
 class Options(NamedTuple):
-    """What the command line says."""
+    """The options of the command line."""
 
     engine: str = "embedded"
     params_files: Sequence[Path] = ()
@@ -79,7 +79,7 @@ _NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # as ROS has it
 
 
 class Session:
-    """Everything but the screen. Use as a context manager."""
+    """Everything but the screen, as a context manager."""
 
     robot: Robot
     host: Host
@@ -88,9 +88,14 @@ class Session:
     unrecorded = ""  # once it is closed: why the last recording was not written
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
-        """Activates the engine and constructs the nodes.
+        """Activate the engine, and construct the nodes.
 
-        Raises ArchoError for whatever the user can mend, before anything runs.
+        Args:
+            options: The options.
+            clock: The clock; None means the machine's.
+
+        Raises:
+            ArchoError: Something that the user can mend is wrong; nothing runs then.
         """
         _check(options)
         self.options, self._clock = options, clock or Clock()
@@ -121,7 +126,7 @@ class Session:
         self._server = self._socket() if options.remote else None
 
     def _socket(self) -> Server | None:
-        """What other programs reach; None where the system has no such sockets."""
+        """Return the server for other programs, or None on systems without such sockets."""
         if sys.platform == "win32":
             return None
         from archo_tui.remote.server import Server
@@ -151,7 +156,7 @@ class Session:
         }
 
     def _activate(self) -> dict[str, Path]:
-        """The engine; returns the interface packages of the user's own."""
+        """Activate the engine, and return the interface packages of the user's own."""
         options = self.options
         own: dict[str, Path] = {}
         self._mistakes: list[str] = []  # in interfaces of the user's own
@@ -193,7 +198,7 @@ class Session:
             self._uninstall = global_executor.install()
 
     def _make_nodes(self) -> None:
-        """The client's, and those that run in this process."""
+        """Make the client's node, and those that run in this process."""
         from rclpy.exceptions import (
             InvalidParameterTypeException,
             InvalidParameterValueException,
@@ -251,7 +256,7 @@ class Session:
         return attachments(self.file, journal_file(), begin, end)
 
     def _watched(self, interfaces: dict[str, Path]) -> list[Watched]:
-        """The user's own files: what becomes of them when they are saved."""
+        """Return the user's own files, with what happens when they are saved."""
         from archo_tui.hosting.host import HostedFile
 
         kept, note = self.station.edits.kept, self.robot.note
@@ -278,7 +283,7 @@ class Session:
         rclpy.try_shutdown(context=None if self._default else self._context)
 
     def _happened(self, event: Event) -> None:
-        """An event came, or repeated, on the robot's thread."""
+        """Pass on an event that is new or repeated. Robot's thread."""
         self._console_recorder.happened(event)
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
             kind = _KINDS.get(event.level, "event")
@@ -326,7 +331,7 @@ class Session:
         threading.Thread(target=look, name="journal before", daemon=True).start()
 
     def _host_nodes(self) -> None:
-        """Those of the user's files, and the robot's own whose names they do not have."""
+        """Host the nodes of the user's files, and the robot's own, except for equal names."""
         # what they print before anything is started is an event as well
         output = NodeOutput(sys.stdout or io.StringIO(), self.robot.note)
         with contextlib.redirect_stdout(output):
@@ -361,7 +366,7 @@ class Session:
         return [*args, *self.options.ros_args]
 
     def _refused(self, message: str) -> str:
-        """The line for a parameter value that a node refused at the start, with file and line."""
+        """Return the line for a parameter value that a node refused at the start."""
         said, _, name = message.rpartition(": ")  # rclpy ends its errors by the parameter's name
         for override in reversed(self._overrides):
             if override.name == name and str(override.value) in said:  # not one behind --ros-args
@@ -396,12 +401,12 @@ class Session:
             self.robot.note("WARN", "console", text)
 
     def _users(self) -> list[Override]:
-        """The overrides of the user's own files."""
+        """Return the overrides of the user's own parameter files."""
         own = {str(path) for path in self._own_files}
         return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
 
     def close(self) -> list[str]:
-        """Stop everything; returns the names of nodes whose callbacks did not return."""
+        """Stop everything, and return the names of nodes whose callbacks did not return."""
         ends = time.monotonic() + END
         self.box.end()
         self._watch.stop()
@@ -425,7 +430,7 @@ class Session:
 
 
 def _check(options: Options) -> None:
-    """Raises ArchoError for options that are wrong, or do not go together."""
+    """Raise ArchoError for options that are wrong, or do not go together."""
     if not options.namespace.startswith("/"):
         raise ArchoError(f"--namespace must begin with /: /{options.namespace}")
     if not _NAMESPACE.fullmatch(options.namespace):
@@ -456,7 +461,7 @@ def _check_record(path: Path) -> None:
 
 
 def _refuse_shutdown(**_: Any) -> NoReturn:
-    """Stands for rclpy's: in a textbook's node it would end the console with all of its nodes."""
+    """Raise instead of `rclpy.shutdown`, which in a textbook's node would end the console."""
     raise RuntimeError("rclpy.shutdown() would end every node here: call it in main() only")
 
 
@@ -472,7 +477,7 @@ def _check_attach(options: Options) -> None:
 
 
 def _robots_nodes(use_sim: bool) -> dict[str, Any]:
-    """The classes of the robot's own nodes by their names."""
+    """Return the classes of the robot's own nodes by their names."""
     from archo_bringup.battery_monitor import BatteryMonitor
     from archo_bringup.dashboard import Dashboard
     from archo_bringup.motor_controller import MotorController

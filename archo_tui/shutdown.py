@@ -1,4 +1,4 @@
-"""How the console ends: what becomes of a running goal is chosen, and said, beforehand."""
+"""The end of the console, before which a running goal is cancelled or left, as was chosen."""
 
 from __future__ import annotations
 
@@ -22,9 +22,15 @@ _LOOK = 0.02  # s between two looks at a goal that is being cancelled
 
 
 async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
-    """Send no more goals, and cancel the running one and wait for its end, or leave it running.
+    """Send no more goals, and cancel the running goal and wait for its end, or leave it running.
 
-    The events say which.
+    Events tell which.
+
+    Args:
+        robot: The robot.
+        clock: The clock of the wait.
+        on_disconnect: CANCEL or LEAVE.
+        why: The reason of the end, for the event.
     """
     try:
         await clock.wait_for(_let_go(robot, clock, on_disconnect, why), WAIT)
@@ -47,13 +53,13 @@ async def _let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> N
 
 
 def _ours(robot: Robot) -> Goal | None:
-    """The goal that runs; another client's is not ours to end."""
+    """Return the running goal unless another client sent it."""
     goal = robot.snapshot.running_goal
     return goal if goal is not None and goal.mine else None
 
 
 class Shutdown:
-    """Ends the console in order on a signal or a lost terminal: exit code 128 + the signal's."""
+    """An orderly end on a signal or a lost terminal, with the exit code 128 + signal number."""
 
     def __init__(
         self,
@@ -63,9 +69,14 @@ class Shutdown:
         end: Callable[[int], None],
         answers: Callable[[], Awaitable[None]] | None = None,
     ) -> None:
-        """`end(code)` is called on the loop when the running goal has been seen to.
+        """Create the shutdown, which begins on a call of `begin`.
 
-        `answers()` is awaited before, for WAIT at most: what was commanded is not lost.
+        Args:
+            robot: The robot.
+            clock: The clock of all waits.
+            on_disconnect: CANCEL or LEAVE, for a goal that is running then.
+            end: Called on the event loop with the exit code when everything is done.
+            answers: Waits for the answers of commands that were given; it is cut off after WAIT.
         """
         self._robot, self._clock = robot, clock
         self._answers = answers
@@ -73,7 +84,7 @@ class Shutdown:
         self._task: asyncio.Task[None] | None = None
 
     def on_signals(self) -> None:
-        """Begin on a signal, also on one that came since `heed_signals`."""
+        """Begin on a signal, also on one that has come since `heed_signals`."""
         loop = asyncio.get_running_loop()
 
         def begin(number: int) -> None:
@@ -84,11 +95,11 @@ class Shutdown:
 
     @property
     def has_begun(self) -> bool:
-        """True when the console is about to end."""
+        """Return True if the console is about to end."""
         return self._task is not None
 
     def begin(self, code: int) -> None:
-        """See to the running goal, then end; a second call changes nothing."""
+        """Handle the running goal, then end; a second call changes nothing."""
         if self._task is None:
             self._task = asyncio.create_task(self._leave(code))
 
@@ -104,8 +115,8 @@ class Shutdown:
 class _Heeded:
     """The first signal that asks for the end, from before the terminal is taken to after it.
 
-    asyncio's own handlers come and go with its loop; what came in between would kill the process
-    and leave the terminal raw.
+    asyncio's own handlers come and go with its loop. A signal in between would kill the process and
+    leave the terminal in raw mode.
     """
 
     def __init__(self) -> None:
@@ -127,13 +138,13 @@ _heeded = _Heeded()
 
 
 def heed_signals() -> None:
-    """From now on these signals end the console in order."""
+    """Remember signals from now on, so that they end the console in order."""
     for number in END_SIGNALS:
         signal.signal(number, _heeded.on_signal)
 
 
 def ignore_signals() -> None:
-    """The console ends already, and its exit code is known: to Python's own end a signal kills."""
+    """Ignore signals from now on: the console ends already, and its exit code is known."""
     for number in END_SIGNALS:
         if signal.getsignal(number) == _heeded.on_signal:
             signal.signal(number, signal.SIG_IGN)

@@ -1,4 +1,4 @@
-"""What one operating system has and another lacks."""
+"""The functions that differ between operating systems."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CAN_SUSPEND = hasattr(signal, "SIGTSTP")
 
 
 def user_name() -> str:
-    """Who runs this process; in a container a number that belongs to no user."""
+    """Return the name of this process's user, or a number if it has none, as in a container."""
     with contextlib.suppress(KeyError, OSError, ImportError):  # the last: without the module pwd
         return getpass.getuser()
     if sys.platform != "win32" and hasattr(os, "getuid"):
@@ -30,9 +30,12 @@ def user_name() -> str:
 
 
 def lock(descriptor: int) -> bool:
-    """Hold a file until it is closed; False while another process holds it.
+    """Lock a file until it is closed, and return False while another process holds it.
 
-    Where there are no such locks nobody holds one. Raises OSError where the file has none.
+    On systems without such locks the result is True.
+
+    Raises:
+        OSError: The file has no locks.
     """
     if sys.platform != "win32":
         with contextlib.suppress(ImportError):
@@ -46,13 +49,21 @@ def lock(descriptor: int) -> bool:
 
 
 def create_exclusively(path: Path) -> int:
-    """The descriptor of a new file, never of one that a link leads to. Raises OSError."""
+    """Return the descriptor of a new file, never following a link.
+
+    Raises:
+        OSError: It exists, or the disk refuses it.
+    """
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0)
     return os.open(path, flags, 0o666)
 
 
 def keep_owner_and_mode(descriptor: int, before: os.stat_result) -> None:
-    """Give a file to the owner of another, with its mode, where files have them. Raises OSError."""
+    """Give a file the owner and the mode of another, on systems that have them.
+
+    Raises:
+        OSError: The system refuses it.
+    """
     if sys.platform != "win32" and hasattr(os, "fchown"):
         os.fchown(descriptor, before.st_uid, before.st_gid)
         os.fchmod(descriptor, stat.S_IMODE(before.st_mode))

@@ -83,11 +83,8 @@ def test_the_names_of_tests_are_sentences_that_are_read_at_once() -> None:
     assert [name for name in names if name.count("_") > 14] == []
 
 
-# The rooms whose docstrings are in the form of PEP 257 and Google's guide; ruff checks the rest.
-ROOMS = [
-    *("assistant", "chapter", "commands", "embedded", "parameters", "recording", "replay"),
-    *("robot_file", "terminal", "widgets", "words", "yaml_text"),
-]
+# The rooms whose docstrings have yet to be written in the form of PEP 257 and Google's guide.
+UNFINISHED = {"hosting", "plain", "remote", "robot", "screens", "station", "verbs"}
 CLAUSES = (
     *("What", "How", "Whether", "That", "Where", "When", "Which", "Who", "Whose", "Why", "If"),
     *("As", "So", "Of", "Else", "Also", "And", "But", "Here", "There", "Nobody", "Nothing"),
@@ -98,8 +95,8 @@ CLAUSES = (
 def test_no_docstring_begins_with_a_clause_or_a_pronoun() -> None:
     found = [
         f"{path}: {docstring.splitlines()[0]}"
-        for room in ROOMS
-        for path in sorted(Path("archo_tui", room).rglob("*.py"))
+        for path in sorted(Path("archo_tui").rglob("*.py"))
+        if path.parts[1] not in UNFINISHED
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))
         and (docstring := ast.get_docstring(node))
