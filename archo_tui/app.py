@@ -30,15 +30,15 @@ from archo_tui.verbs.goals import GOALS
 from archo_tui.widgets.bars import FooterKey
 from archo_tui.widgets.screen_state import ScreenState
 
-TICK = 1.0  # s between two looks at ages and the time of day
-LONGEST = 30.0  # s that the end waits for answers: longer than any request is waited for
+TICK = 1.0  # Seconds between two updates of ages and the time of day.
+LONGEST = 30.0  # Seconds that the end waits for answers: longer than any request takes.
 
 
 class _Sent(NamedTuple):
     """A command that was given and has no answer yet."""
 
-    at: float  # monotonic s
-    stops: int  # that had been read then
+    at: float  # Monotonic time, in s.
+    stops: int  # The count of STOPs read by then.
 
 
 class ArchoApp(KeyedApp):
@@ -68,8 +68,8 @@ class ArchoApp(KeyedApp):
         self.used = snapshot.file
         self._failed_before = failed
         self._leaves = False
-        self.has_sent = True  # a goal, as far as is known
-        self._sent: dict[str, _Sent] = {}  # each command that is not answered yet
+        self.has_sent = True  # False once it is known that this user has never sent a goal.
+        self._sent: dict[str, _Sent] = {}  # Each command without an answer, by its id.
         self.view = self._view()
         self.main.goal.send = self._send_goals
 
@@ -77,7 +77,7 @@ class ArchoApp(KeyedApp):
         return self.main
 
     def on_mount(self) -> None:
-        # inside of Textual's own, which takes all that is printed
+        # Inside of Textual's redirection, which captures all that is printed.
         sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
         self.station.run_on(self)
         self.station.robot.subscribe(self._take)
@@ -100,13 +100,14 @@ class ArchoApp(KeyedApp):
         self.station.take(snapshot)
         try:
             self._show()
-        except Exception as error:  # called by the loop: Textual would not hear of it
+        except Exception as error:  # Called by the event loop, outside of Textual's error handling.
             self._handle_exception(error)
 
     async def _tick_for_ever(self) -> None:
         while True:
             clock = self.station.clock
-            await clock.sleep(TICK - clock.now() % TICK)  # on the second: none is left out
+            # On the second, so that the clock skips none.
+            await clock.sleep(TICK - clock.now() % TICK)
             self.tick()
 
     def tick(self) -> None:
@@ -125,7 +126,8 @@ class ArchoApp(KeyedApp):
             self.has_sent = True
             start_worker(self, partial(in_daemon, recall.keep_sent), COMMANDS)
         self.view = self._view()
-        if not (self.is_running and self.main.is_mounted):  # before or after the screen's life
+        # Before or after the life of the screen.
+        if not (self.is_running and self.main.is_mounted):
             return
         blocked = frozenset(c.id for c in self.registry if self.disabled_reason(c))
         self.view = replace(self.view, blocked=blocked)
@@ -150,8 +152,6 @@ class ArchoApp(KeyedApp):
         first = not self.has_sent
         return ScreenState(**vars(self.station.view), keys=self._shown_keys, is_first=first)
 
-    # commands
-
     def action_command(self, name: str, counted: bool = False) -> None:
         """Run a command by its id, or say why it cannot run.
 
@@ -170,7 +170,7 @@ class ArchoApp(KeyedApp):
         held = (
             given is not None and self.station.clock.monotonic() - given.at < command.resend_after
         )
-        # pressed anew it is given anew: something may be in between
+        # A key that is pressed again runs again: something may have happened in between.
         if held and self.repeated and not (command.always_tried and self.stops.superseded):
             return
         reason = self.disabled_reason(command)
@@ -179,7 +179,7 @@ class ArchoApp(KeyedApp):
                 self.notify(reason, severity="warning", markup=False)
             if reason == WATCHING or not (command.runs_disabled or command.always_tried):
                 return
-        work = command.run(self)  # at once: the next key may be for what this one focused
+        work = command.run(self)  # At once: the next key may be meant for what this one focuses.
         if work is not None:
             self.run_worker(self._answered(name, work), group=COMMANDS)
 
@@ -209,7 +209,7 @@ class ArchoApp(KeyedApp):
     def action_command_palette(self) -> None:
         self.action_command("palette")
 
-    # what a command may do with the console (commands/base.py)
+    # The methods of commands.base.Console.
 
     def disabled_reason(self, command: Command) -> str:
         """Return why a command cannot run now, or ""."""
@@ -243,7 +243,7 @@ class ArchoApp(KeyedApp):
         try:
             yield
         finally:
-            self._opening -= 1  # and the end of the worker hands them on
+            self._opening -= 1  # The end of the worker hands the keys on.
 
     def _is_void(self, title: str) -> bool:
         """Return True, after saying so, if a STOP was read after the current input."""
@@ -267,9 +267,8 @@ class ArchoApp(KeyedApp):
             return
         if self._is_void(title):
             return
-        typed = (
-            self.stops.count_when_typed
-        )  # the answer's, too: a STOP between the two closes the question
+        # The answer counts from here too: a STOP in between closes the question.
+        typed = self.stops.count_when_typed
 
         def answered(answer: str) -> None:
             act = answers.get(answer)
@@ -322,11 +321,11 @@ class ArchoApp(KeyedApp):
             self.show_message("Ending, as soon as the robot has answered.")
         try:
             await self.station.clock.wait_for(self.wait_for_answers(), LONGEST)
-        except TimeoutError:  # a disk that hangs: each request to a robot ends by itself
+        except TimeoutError:  # A disk hangs; requests to a robot end by themselves.
             self.station.robot.note("ERROR", "console", f"ended: not all answered in {LONGEST:g} s")
         self.exit()
 
-    # what the panels ask for
+    # What the panels call.
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
         self.station.robot.note("ERROR", "console", message.said)
@@ -353,11 +352,11 @@ class ArchoApp(KeyedApp):
         if goals:
             form = goals[0].id
             self.has_sent, before = await in_daemon(lambda: (recall.has_sent(), recall.load(form)))
-            since = self.main.goal.typed  # a slow disk: what was sent meanwhile comes behind
+            since = self.main.goal.typed  # Sent while a slow disk was read; it comes last.
             earlier = [old for old in before if old not in since]
             self.main.goal.set_typed([*earlier, *since][-recall.MOST :])
 
-    # what the station asks for (its Frontend)
+    # The methods of the station's Frontend.
 
     @property
     def has_person(self) -> bool:

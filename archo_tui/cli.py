@@ -18,15 +18,15 @@ from archo_tui.errors import ArchoError
 from archo_tui.plain.lines import is_stop_text
 from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
 
-TYPE_CHECKING = False  # without typing, which takes longer to load than all that --help needs
+TYPE_CHECKING = False  # Importing typing takes longer than everything that --help needs.
 if TYPE_CHECKING:
     from typing import Any, NoReturn, TextIO
 
     from archo_tui.session import Session
 
-FAILED, MISUSED = 1, 2  # exit codes
-_AGAIN = 100  # shutdown.RESTART, which is not loaded for --help: begin again, with the same words
-_MOST_FAILURES = 3  # of the screen, after which it is given up
+FAILED, MISUSED = 1, 2  # Exit codes.
+_AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
+_MOST_FAILURES = 3  # Crashes of the screen after which the program ends.
 
 
 def _columns() -> int:
@@ -44,11 +44,11 @@ class _Parser(argparse.ArgumentParser):
     """An argument parser whose errors are one line that says what is wrong, and where to look."""
 
     def __init__(self, prog: str, description: str, **more: Any) -> None:
-        width = _columns() - 2  # as argparse has it by itself, for which it loads all of shutil
+        width = _columns() - 2  # As in argparse, which imports all of shutil for it.
         super().__init__(
             prog=prog,
             description=description,
-            allow_abbrev=False,  # a typo is said, and not taken for something else
+            allow_abbrev=False,  # A typo is an error, and not another option.
             formatter_class=lambda prog: _Formatter(prog, width=width),
             **more,
         )
@@ -276,9 +276,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         The exit code: 0, 1 if the console failed, 2 for a user's mistake.
     """
     if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # until heed_signals nothing is to be undone
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # Until heed_signals there is nothing to undo.
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, TextIOWrapper):  # not where it is closed
+        if isinstance(stream, TextIOWrapper):  # None if it is closed.
             stream.reconfigure(errors="backslashreplace")
     given = sys.argv[1:] if argv is None else argv
     words, ros_args = split_ros_args(given)
@@ -297,9 +297,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         written = error.errno in (errno.ENOSPC, errno.EPIPE, errno.EIO) or closed
         if not written or sys.stdout is None:
             raise
-        if not closed:  # Python flushes once more
+        if not closed:  # Python flushes once more at its end.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if error.errno != errno.EPIPE:  # who reads no further, as `head`, knows it
+        # A reader that ends early, such as `head`, needs no message.
+        if error.errno != errno.EPIPE:
             _complain(f"cannot write to standard output: {error.strerror}")
         return FAILED
     finally:
@@ -333,11 +334,11 @@ def _itself() -> list[str]:
 
 def _obey(words: list[str], ros_args: list[str]) -> int:
     """Run the subcommand that is named, else the console."""
-    if words[:1] == ["help"]:  # of a verb or a command no word more: behind a STOP it would stop
+    if words[:1] == ["help"]:  # No further word is passed on: a `stop` would stop.
         words = [*words[1:2], "--help"]
     is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS
     if is_verb or is_stop_text(" ".join(words)):
-        from archo_tui.remote import shell  # at once: it may stand in a prompt
+        from archo_tui.remote import shell  # Runs quickly, since a prompt may call it.
 
         _no_loss()
         return shell.run(words, SUBCOMMANDS)
@@ -357,14 +358,15 @@ def _obey(words: list[str], ros_args: list[str]) -> int:
     if not options.command:
         return _run(options, ros_args)
     name, *rest = options.command
-    if name != "mcp":  # which speaks there, and says itself that it cannot
+    if name != "mcp":  # mcp uses standard output for its protocol.
         _no_loss()
     if name not in SUBCOMMANDS:
         return _speak(options, words)
     what, add_options, run = SUBCOMMANDS[name]
     made = _Parser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
     add_options(made)
-    before = words[: -len(options.command)]  # of the console's options, some are its own too
+    # Some of the console's options are the subcommand's too.
+    before = words[: -len(options.command)]
     if ros_args:
         raise ArchoError(f"--ros-args is for the console, not for {name}")
     return run(made.parse_intermixed_args([*before, *rest]))
@@ -392,7 +394,7 @@ def _speak(options: Namespace, words: Sequence[str]) -> int:
     typed = [*options.command, *options.behind]
     made = parser()
     made.set_defaults(engine="", namespace="")
-    said = made.parse_args(words)  # what was typed, and not what is taken where nothing is
+    said = made.parse_args(words)  # Only what was typed, without defaults.
     meant = {"engine": said.engine, "to": said.namespace}
     wrong = f"--{given[0]} is for the console, not for {typed[0]}" if given else ""
     if options.engine not in ("embedded", "ros2"):
@@ -487,7 +489,7 @@ def _replay(options: Namespace) -> int:
     if not options.text:
         try:
             _need_terminal(sys.stdin)
-        except ArchoError as error:  # what a replay has in place of --plain
+        except ArchoError as error:  # Without a terminal a replay offers --text.
             raise ArchoError(str(error).replace("--plain", "--text")) from None
     given = [Path(folder) for folder in options.interfaces]
     own, mistakes = own_interfaces.find_all(given, "embedded")
@@ -554,7 +556,7 @@ def _mcp(options: Namespace) -> int:
     """Serve an assistant on standard input and output."""
     try:
         from archo_tui.assistant.server import serve
-    except ImportError:  # of the SDK, or of one that is too old
+    except ImportError:  # The SDK is missing or too old.
         said = "mcp needs another package: pip install '.[mcp]' in a clone of archo-tui"
         raise ArchoError(said) from None
     if sys.stdin is None or sys.stdout is None:
@@ -575,7 +577,9 @@ def _safe(text: str) -> str:
     """Return one line on which no terminal acts."""
     if text.isascii() and text.isprintable():
         return text
-    from archo_tui.robot.text import safe  # and with it Rich, which is most of a short command
+    from archo_tui.robot.text import (
+        safe,  # Imports Rich, which takes most of the time of a short command.
+    )
 
     return safe(text)
 
@@ -649,17 +653,16 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
     from pathlib import Path
 
     if options.node:
-        # beside a callback that never waits, Python's 5 ms would pass many times between a key and
-        # what it draws
+        # With Python's 5 ms a callback that never waits would delay the drawing after a key.
         sys.setswitchinterval(0.0002)
-    gc.disable()  # all that is imported and made at the start stays; TerminalApp enables it again
+    gc.disable()  # Everything made at the start stays; TerminalApp enables it again.
     from archo_tui.hosting.node_output import HarmlessOutput
     from archo_tui.session import Options, Session
     from archo_tui.shutdown import ignore_signals
 
     if options.plain and sys.stdout is None:
         raise ArchoError("--plain needs a standard output, and it is closed")
-    stdin, sys.stdin = sys.stdin, StringIO()  # a node that asks for input gets none
+    stdin, sys.stdin = sys.stdin, StringIO()  # A node that asks for input gets none.
     if sys.stderr is not None:
         sys.stderr = HarmlessOutput(sys.stderr)
     session = Session(
@@ -693,7 +696,7 @@ def _run(options: Namespace, ros_args: list[str]) -> int:
         _complain(session.unrecorded)
     for name in stuck:
         _complain(f"{name} did not stop: its callback does not return")
-    lost = options.record is not None and session.unrecorded  # it was asked for
+    lost = options.record is not None and session.unrecorded  # Only --record makes it a failure.
     return code or (FAILED if stuck or lost else 0)
 
 
@@ -711,7 +714,7 @@ def _check(options: Namespace) -> int:
 
     from archo_tui.chapter.run import run
 
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # what it makes is to go
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # So that temporary files are removed.
     out = sys.stdout
     try:
         return run(
@@ -731,17 +734,17 @@ def _plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
     from archo_tui.plain import plain
     from archo_tui.shutdown import heed_signals
 
-    if options.robot:  # its keys are not used here, and no more wrong than elsewhere
+    if options.robot:  # Keys are not used here, but a wrong one is an error as elsewhere.
         from archo_tui.commands import keymap, registry
 
         keymap.default_keys(registry(session.file))
     heed_signals()
-    sys.stdout.flush()  # later it would wait for a reader that stalls
+    sys.stdout.flush()  # Later a reader that stalls would block.
     sys.stdout = NodeOutput(sys.stdout, session.robot.note)
     session.start()
     import_the_rest(OF_ALL)
     gc.enable()
-    # None where it is closed: its descriptor may have become another file's
+    # None if it is closed: its descriptor may belong to another file now.
     return plain.run(session.station, None if stdin is None else stdin.fileno())
 
 
@@ -781,8 +784,8 @@ def _console(session: Session, stdin: TextIO | None) -> int:
             return FAILED
 
 
-# settings of Textual's developers, which press keys or end the app, and a size that need not be
-# the terminal's; a shell exports them to whatever it starts
+# Variables for Textual's developers, which press keys or end the app, and a size that may not be
+# the terminal's. A shell exports them to every program.
 _FOREIGN = ("TEXTUAL_DRIVER", "TEXTUAL_PRESS", "TEXTUAL_SCREENSHOT", "COLUMNS", "LINES")
 
 
@@ -798,10 +801,10 @@ def _need_terminal(stdin: TextIO | None) -> None:
         said = f"TERM is {term}" if term else "TERM is not set"
         raise ArchoError(f"{said}: this terminal cannot show a screen, use --plain")
     streams = {"stdin": stdin, "stdout": sys.stdout}
-    if sys.platform != "win32":  # Textual's driver of POSIX draws on it
+    if sys.platform != "win32":  # Textual's driver for POSIX draws on standard error.
         streams["stderr"] = sys.__stderr__
     for name, stream in streams.items():
-        if stream is None or not stream.isatty():  # None: it is closed
+        if stream is None or not stream.isatty():  # None if it is closed.
             raise ArchoError(f"{name} is not a terminal: run archo-tui in one, or use --plain")
         if _device(stream) != _device(stdin or stream):
             raise ArchoError(f"{name} is another terminal than stdin: run archo-tui in one of them")
@@ -814,7 +817,7 @@ def _device(stream: TextIO) -> int:
     return os.fstat(stream.fileno()).st_rdev
 
 
-# what it does, its options, and what runs it
+# Of each subcommand: its help, its options, and the function that runs it.
 SUBCOMMANDS: dict[str, tuple[str, Callable[[_Parser], None], Callable[[Namespace], int]]] = {
     "check": ("ask nodes what the textbook's chapter asks", _check_options, _check),
     "keys": ("print every key, in the form of keymap.yaml", _robot_option, _keys),

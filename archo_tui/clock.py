@@ -10,7 +10,7 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-LAST_STAMP = 2**31 - 1  # Unix s that a message can carry: `sec` of builtin_interfaces/Time is int32
+LAST_STAMP = 2**31 - 1  # The latest Unix time in s of builtin_interfaces/Time, an int32.
 
 
 class Clock:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import gc
 import time
 
-_LONG = 0.02  # s of the processor; STOP has 0.1 s in all
-_FULL = 2  # the generation of a full collection
+_LONG = 0.02  # Seconds of processor time; STOP has 0.1 s in all.
+_FULL = 2  # The generation of a full collection.
 
 
 class ShortPauses:
@@ -20,9 +20,9 @@ class ShortPauses:
     """
 
     def __init__(self) -> None:
-        self._begun = 0.0  # when the last full collection began, in s of its thread
-        self._frozen = 0  # objects that are left out since the last long one, or 0
-        self._base = 0  # of these, how many were left out before: they do not come from a flood
+        self._begun = 0.0  # Processor time of the thread at the begin of a full collection, in s.
+        self._frozen = 0  # Objects frozen after the last long collection, or 0.
+        self._base = 0  # Those of them that were frozen before the flood.
 
     def __enter__(self) -> None:
         """Begin to watch collections."""

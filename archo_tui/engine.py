@@ -29,7 +29,7 @@ _GET_INTERFACES = (
     "pip install ./interfaces, or colcon build --packages-select archo_interfaces and source "
     "install/setup.bash"
 )
-# what the robot's own nodes need; a robot elsewhere may need less
+# The packages of the robot's own nodes; another robot may need fewer.
 _NEEDED = {
     "msg": ("BatteryStatus", "MotorStatus"),
     "srv": ("EmergencyStop", "ResetEncoder"),
@@ -75,7 +75,7 @@ def _activate_ros2(hosting: bool) -> None:
         importlib.import_module("rclpy")
     except Exception as error:
         raise ArchoError(f"ROS 2 cannot be loaded ({_first_line(error)}): {_GET_ROS}") from None
-    if not hosting:  # what the robot needs and is not here is said where it is missed
+    if not hosting:  # What is missing is reported where it is needed.
         return
     if importlib.util.find_spec("archo_interfaces") is None:
         raise ArchoError(f"archo_interfaces is not installed: {_GET_INTERFACES}")
@@ -86,7 +86,7 @@ def _activate_ros2(hosting: bool) -> None:
         )
 
 
-_LOADED = 10.0  # s in which the library of rclpy is loaded, also from a slow disk
+_LOADED = 10.0  # Seconds in which rclpy's library loads even from a slow disk.
 _LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
 
 
@@ -110,7 +110,7 @@ def _check_rmw() -> None:
         done = subprocess.run(
             tried, capture_output=True, text=True, errors="replace", timeout=_LOADED, check=False
         )
-    except (OSError, subprocess.SubprocessError):  # the import says what is wrong
+    except (OSError, subprocess.SubprocessError):  # The import below tells what is wrong.
         return
     if done.returncode and "[rcl]" in done.stderr:
         found = re.search(r"instead found '(\w+)'", done.stderr)
@@ -173,7 +173,7 @@ def unseen(name: str, context: Context) -> str:
     tries = "start the robot, or match its ROS_DOMAIN_ID and RMW"
     if reach in ("LOCALHOST", "OFF"):
         tries = "for a robot elsewhere set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET"
-        if os.environ.get(_LOCALHOST_ONLY) == "1":  # which comes first
+        if os.environ.get(_LOCALHOST_ONLY) == "1":  # It has precedence.
             tries = f"for a robot elsewhere unset {_LOCALHOST_ONLY}"
     return f"on domain {context.get_domain_id()} ({rmw}, discovery {reach}): {tries}"
 
@@ -190,7 +190,7 @@ def distribution() -> str:
     sourced = os.environ.get("ROS_DISTRO")
     if sourced:
         return sourced
-    # by the name of its folder: importlib.metadata is 25 modules, for this line of the header only
+    # By the name of its folder, since importlib.metadata imports 25 modules.
     spec = importlib.util.find_spec("rclpy")
     installed = Path((spec and spec.origin) or "").parent.parent
     for found in installed.glob("ros_*_rclpy-*.dist-info"):

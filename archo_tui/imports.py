@@ -6,7 +6,7 @@ import pkgutil
 from collections.abc import Iterable
 from importlib import import_module
 
-OF_ALL = ("archo_tui.recording", "archo_tui.remote")  # with a screen or without
+OF_ALL = ("archo_tui.recording", "archo_tui.remote")  # Needed with and without a screen.
 OF_THE_SCREEN = ("archo_tui.commands", "archo_tui.screens")
 
 

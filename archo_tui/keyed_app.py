@@ -35,7 +35,7 @@ from archo_tui.widgets.board import Board
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.rows import Rows
 
-HELD = 0.7  # s within which the same key again means that it is held: X11 waits 0.66 s at first
+HELD = 0.7  # Seconds within which an equal key means a held one: X11 begins to repeat after 0.66 s.
 
 
 class KeyedApp(TerminalApp):
@@ -64,25 +64,24 @@ class KeyedApp(TerminalApp):
         self._shown_keys = readable_keys(self._keys)
         self.stop_key = self._keys["stop"]
         self._bind_commands()
-        self._early: list[tuple[events.Event, bool]] = []  # typed before what it is for was there
-        self._opening = 0  # dialogs that are being read for
-        self._acting: Widget | None = None  # it was clicked, and has not heard of it
-        self._is_drawn = False  # as the last key or click left it: a click is for what is seen
-        self._is_typed = False  # the key that is being done goes into what has the focus
+        self._early: list[tuple[events.Event, bool]] = []  # Typed before their target was there.
+        self._opening = 0  # The number of dialogs that are being opened.
+        self._acting: Widget | None = None  # It was clicked, and has not handled that yet.
+        self._is_drawn = False  # True once the last input is visible: a click is for what is seen.
+        self._is_typed = False  # True if the current key goes to the focused widget.
         self._last_key, self._last_typed = "", 0.0
-        self._last_stops: int | None = None  # read before it
-        self._acted: tuple[object, ...] = ()  # where the last key did
+        self._last_stops: int | None = None  # The count of STOPs read before the last input.
+        self._acted: tuple[object, ...] = ()  # Where the last key acted.
         self._pressed_stop = False
-        self._shut_since: float | None = None  # when a STOP closed the dialog that keys were for
-        self._shut_said = False  # that keys behind it were dropped
-        self._shut_by = ""  # what did
-        self._answers_void = 0  # keys with a lower count were for a question that is not put
-        self._swallows = False  # enter is held, and what that does was said
+        self._shut_since: float | None = None  # When a STOP closed the dialog that keys were for.
+        self._shut_said = False  # True once a message told of dropped keys.
+        self._shut_by = ""  # What closed it.
+        self._answers_void = 0  # Keys with a lower count were for a question that is not shown.
+        self._swallows = False  # True if enter is held, and a message has explained that.
         self.repeated = False
-        self._read = InputTime(
-            -math.inf, math.inf
-        )  # the last key or click, however late it is taken
-        self.input: InputTime | None = None  # the one that is being done
+        # Of the last key or click, however late it is handled.
+        self._read = InputTime(-math.inf, math.inf)
+        self.input: InputTime | None = None  # Of the one that is being handled.
 
     def commands(self, snapshot: Snapshot) -> tuple[Command, ...]:
         """Return all commands."""
@@ -103,7 +102,7 @@ class KeyedApp(TerminalApp):
             if not key:
                 continue
             binding = Binding(key, action, command.help, id=command.id, priority=True)
-            # another list: the class's own bindings are shared by all apps
+            # A new list, since all apps share the class's own bindings.
             known = self._bindings.key_to_bindings.get(key, [])
             ours = [b for b in known if b.action.startswith("command(")]
             self._bindings.key_to_bindings[key] = [*ours, binding]
@@ -119,26 +118,27 @@ class KeyedApp(TerminalApp):
 
     async def on_event(self, event: events.Event) -> None:
         if isinstance(event, (events.MouseDown, events.MouseUp)) and event.button > 1:
-            return  # only the left button acts
+            return  # Only the left button acts.
         if isinstance(event, events.Key) and event.is_forwarded:
-            return  # nobody took it; what is bound was looked up in its turn
+            return  # No widget took it; bindings were looked up in its turn.
         if isinstance(event, events.Key) and self.is_stop(event):
-            mark_stops(event, self.stops.register())  # from another driver than the terminal's
+            # It comes from another driver than the terminal's.
+            mark_stops(event, self.stops.register())
             self.stop_now(event)
             return
         if isinstance(event, events.MouseEvent) and not event.is_forwarded:
             if self._clicks_stop(event):
                 return
             if self.mouse_captured is None and not self.screen.region.contains(event.x, event.y):
-                return  # of a terminal that was larger: beside everything it takes the focus away
-            await asyncio.sleep(0)  # in a flood, too, others get their turn: STOP first of all
+                return  # From when the terminal was larger: outside it would only take the focus.
+            await asyncio.sleep(0)  # Even in a flood others get their turn, STOP above all.
         kinds = events.Key, events.Paste, events.MouseDown, events.MouseUp
         if event.is_forwarded or not isinstance(event, kinds):
             await super().on_event(event)
             return
-        if stops_before(event) is None:  # from another driver than the terminal's
+        if stops_before(event) is None:  # It comes from another driver than the terminal's.
             mark_stops(event, self.stops.count)
-        if isinstance(event, events.MouseUp):  # what was pressed acts as it is let go
+        if isinstance(event, events.MouseUp):  # A button acts as the mouse is released.
             mark_input(event, self._read)
         repeated = not isinstance(event, events.MouseUp) and self._repeats(event)
         if self._early and self._acts_before(event):
@@ -182,7 +182,7 @@ class KeyedApp(TerminalApp):
         """
         if self._shut_since is None:
             return False
-        if isinstance(event, events.Key) and event.key == "escape":  # it only leads out
+        if isinstance(event, events.Key) and event.key == "escape":  # Escape only closes.
             return False
         now = self.station.clock.monotonic()
         if now - self._shut_since >= HELD:
@@ -199,7 +199,7 @@ class KeyedApp(TerminalApp):
         before, self.repeated = self.repeated, self._repeats(event)
         with self.stops.typed_at(stops_before(event)):
             self.action_command("stop", counted=True)
-        self.repeated = before  # of the key that is being handled
+        self.repeated = before  # Of the key that is being handled.
 
     def _is_free(self, event: events.Event) -> bool:
         """Return True for a key that works everywhere, so is meant for no dialog."""
@@ -219,7 +219,7 @@ class KeyedApp(TerminalApp):
         front = self.screen
         stands = front is not self.main and not (isinstance(front, Leaving) and front.has_left)
         if stands and front.get_widget_and_offset_at(event.x, event.y)[0] is not front:
-            return False  # on the dialog
+            return False  # On the dialog.
         self._pressed_stop = True
         self.repeated = False
         self.action_command("stop")
@@ -232,7 +232,8 @@ class KeyedApp(TerminalApp):
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
         self._read = InputTime(event.time, event.time - self._read.at)
         mark_input(event, self._read)
-        apart, self._last_stops = self._last_stops, stops_before(event)  # a STOP between them
+        # Equal unless a STOP came between them.
+        apart, self._last_stops = self._last_stops, stops_before(event)
         repeated = key != "" and key == before and self._last_typed - since < HELD
         repeated = repeated and (key == self.stop_key or apart == self._last_stops)
         self._swallows = self._swallows and repeated

@@ -10,7 +10,7 @@ import os
 import stat
 from pathlib import Path
 
-MAX_BYTES = 1_000_000  # of a file that is read
+MAX_BYTES = 1_000_000  # Of a file that is read.
 
 
 def open_regular(path: Path, flags: int) -> int:
@@ -19,12 +19,12 @@ def open_regular(path: Path, flags: int) -> int:
     Raises:
         OSError: It cannot be opened, or is no regular file.
     """
-    # to files of the console's own only; to regular files not waiting means nothing
+    # O_NONBLOCK has no effect on regular files, and keeps a pipe from blocking.
     flags |= getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
     try:
         descriptor = os.open(path, flags, 0o600)
     except OSError as error:
-        if error.errno != errno.ENXIO:  # a pipe without a reader, a socket
+        if error.errno != errno.ENXIO:  # A pipe without a reader, or a socket.
             raise
         raise _not_regular(path) from None
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
@@ -57,7 +57,7 @@ def replace(path: Path, text: str) -> None:
         new.write_text(text, encoding="utf-8")
         new.replace(path)
     except OSError:
-        new.unlink(missing_ok=True)  # half of it, where the disk is full
+        new.unlink(missing_ok=True)  # A full disk leaves half of the text.
         raise
 
 

@@ -13,7 +13,7 @@ from archo_tui.screens.main import MainScreen
 from archo_tui.terminal.app import start_worker
 from archo_tui.widgets.time_line import TimeLine
 
-_FRAME = 0.1  # s between two looks while it plays, or is read
+_FRAME = 0.1  # Seconds between two updates while it plays or is being read.
 
 
 class ReplayApp(ArchoApp):
@@ -39,7 +39,7 @@ class ReplayApp(ArchoApp):
     async def _play(self) -> None:
         showed_all = False
         while True:
-            whole = self._player.is_complete  # a jump may begin to read another hour
+            whole = self._player.is_complete  # A jump may begin to read another hour.
             if self._player.is_playing or not (whole and showed_all):
                 self.update_screen()
             showed_all = whole

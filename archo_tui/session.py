@@ -45,8 +45,9 @@ _KINDS = {
     "AI": "command",
     "GOAL": "goal",
     "PEER": "other console",
-}  # else an event
-_COUNTS = (1, 10, 100, 1000, 10_000, 100_000)  # of a repeated event that the journal notes
+}  # Other levels are events.
+# The counts of a repeated event that the journal notes.
+_COUNTS = (1, 10, 100, 1000, 10_000, 100_000)
 
 
 class Options(NamedTuple):
@@ -57,25 +58,25 @@ class Options(NamedTuple):
     use_sim: bool = False
     namespace: str = "/"
     ros_args: Sequence[str] = ()
-    attach: bool = False  # host nothing: operate what is on the graph
-    on_disconnect: str = CANCEL  # what becomes of a running goal: CANCEL or LEAVE
+    attach: bool = False  # Host no nodes, and operate those on the graph.
+    on_disconnect: str = CANCEL  # CANCEL or LEAVE a goal that runs at the end.
     domain_id: int | None = None
-    node_makers: Sequence[Any] = ()  # instead of the robot's own nodes
-    node_files: Sequence[Path | str] = ()  # nodes of the user's own, or modules by dotted names
-    only: bool = False  # none of the robot's own nodes
-    watch: bool = False  # send no command
-    quiet_alarms: bool = False  # no bell
-    robot: Path | None = None  # a robot file, instead of ARCHO's
-    interfaces: Sequence[Path] = ()  # folders with interface packages of the user's own
-    recordings_limit: int = BUDGET  # bytes of all recordings
-    record: Path | None = None  # where all is recorded, until the end
-    remote: bool = False  # other programs of this user can reach it through a socket
+    node_makers: Sequence[Any] = ()  # Replace the robot's own nodes.
+    node_files: Sequence[Path | str] = ()  # The user's node files, or modules by dotted names.
+    only: bool = False  # Host none of the robot's own nodes.
+    watch: bool = False  # Send no command.
+    quiet_alarms: bool = False  # Ring no bell.
+    robot: Path | None = None  # A robot file; None means ARCHO's.
+    interfaces: Sequence[Path] = ()  # Folders with the user's interface packages.
+    recordings_limit: int = BUDGET  # Bytes of all recordings together.
+    record: Path | None = None  # The folder to which everything is recorded.
+    remote: bool = False  # Open a socket for other programs of this user.
 
 
-_EARLIER = 12 * 3600.0  # s in which a STOP from before the start is told
-END = 2.5  # s that an end may take, of the 3 s of docs/ssh.md
-_LEAST = 0.2  # s of these that a recording gets, whatever hangs
-_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # as ROS has it
+_EARLIER = 12 * 3600.0  # Seconds before the start in which a STOP is told.
+END = 2.5  # Seconds that an end may take, of the 3 s that docs/ssh.md promises.
+_LEAST = 0.2  # Seconds of these that a recording gets in any case.
+_NAMESPACE = re.compile(r"/|(/[A-Za-z_][A-Za-z0-9_]*)+")  # ROS's rule.
 
 
 class Session:
@@ -85,7 +86,7 @@ class Session:
     host: Host
     box: BlackBox
     _console_recorder: ConsoleRecorder
-    unrecorded = ""  # once it is closed: why the last recording was not written
+    unrecorded = ""  # After `close`: why the last recording was not written, or "".
 
     def __init__(self, options: Options, clock: Clock | None = None) -> None:
         """Activate the engine, and construct the nodes.
@@ -159,7 +160,7 @@ class Session:
         """Activate the engine, and return the interface packages of the user's own."""
         options = self.options
         own: dict[str, Path] = {}
-        self._mistakes: list[str] = []  # in interfaces of the user's own
+        self._mistakes: list[str] = []  # In the user's interface packages.
         others = options.attach or options.node_makers or options.only
         if options.interfaces:
             from archo_tui.hosting import own_interfaces
@@ -174,7 +175,7 @@ class Session:
         from rclpy.signals import SignalHandlerOptions
         from rclpy.utilities import get_default_context
 
-        # a textbook's node is made without a context: in the default one
+        # A textbook's node is made without a context, so in the default one.
         self._default = bool(self.options.node_files)
         self._context = get_default_context() if self._default else Context()
         try:
@@ -184,9 +185,9 @@ class Session:
                 domain_id=self.options.domain_id,
                 signal_handler_options=SignalHandlerOptions.NO,
             )
-        except Exception as error:  # ROS has a dozen of them, all for bad arguments
+        except Exception as error:  # ROS has a dozen exceptions for bad arguments.
             said = (str(error).splitlines() or [repr(error)])[0]
-            if said.startswith("["):  # rcl lists what it does not know, and says no more
+            if said.startswith("["):  # rcl only lists the unknown arguments.
                 said = f"unknown ROS arguments: {said}"
             raise ArchoError(said) from None
         self._shutdowns = rclpy.shutdown, rclpy.try_shutdown
@@ -244,7 +245,7 @@ class Session:
             raise ArchoError(self._refused(str(error))) from None
         except NameValidationException as error:
             self._give_up()
-            said, name = str(error).splitlines()[:2]  # the third line points at the character
+            said, name = str(error).splitlines()[:2]  # The third line points at the character.
             raise ArchoError(f"{said} {name.strip()}") from None
         except BaseException:
             self._give_up()
@@ -268,7 +269,7 @@ class Session:
         return watched
 
     def _give_up(self) -> None:
-        if hasattr(self, "host"):  # the threads of the nodes that were made wait to spin them
+        if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
         self.journal.close()
         self._shutdown()
@@ -279,7 +280,7 @@ class Session:
         rclpy.shutdown, rclpy.try_shutdown = self._shutdowns
         if self._uninstall is not None:
             self._uninstall()
-        # of the default context rclpy makes another one when it is not named
+        # rclpy makes a new default context unless this one is named.
         rclpy.try_shutdown(context=None if self._default else self._context)
 
     def _happened(self, event: Event) -> None:
@@ -332,7 +333,7 @@ class Session:
 
     def _host_nodes(self) -> None:
         """Host the nodes of the user's files, and the robot's own, except for equal names."""
-        # what they print before anything is started is an event as well
+        # What nodes print before the start is an event as well.
         output = NodeOutput(sys.stdout or io.StringIO(), self.robot.note)
         with contextlib.redirect_stdout(output):
             for file in self._node_files:
@@ -345,7 +346,7 @@ class Session:
         if self.options.node_makers:
             return
         taken = {hosted.name.rpartition("/")[2] for hosted in self.host.nodes}
-        # rclpy's own: of one process DDS allows one type a topic; or interfaces of the user's own
+        # rclpy's own errors: in one process DDS allows one type a topic; or the user's interfaces.
         name, expected = "the robot's own nodes", (RuntimeError, ImportError, AttributeError)
         try:
             for name, kind in _robots_nodes(self.options.use_sim).items():
@@ -367,9 +368,10 @@ class Session:
 
     def _refused(self, message: str) -> str:
         """Return the line for a parameter value that a node refused at the start."""
-        said, _, name = message.rpartition(": ")  # rclpy ends its errors by the parameter's name
+        said, _, name = message.rpartition(": ")  # rclpy's errors end with the parameter's name.
         for override in reversed(self._overrides):
-            if override.name == name and str(override.value) in said:  # not one behind --ros-args
+            # Otherwise it is one of --ros-args.
+            if override.name == name and str(override.value) in said:
                 return f"{override.where}: {said}"
         return message
 
@@ -418,7 +420,7 @@ class Session:
         self.journal.close()
         self._shutdown()
         if self.options.engine == engine.ROS2:
-            gc.collect()  # rclpy's contexts hold file descriptors until they are collected
+            gc.collect()  # rclpy's contexts hold file descriptors until then.
         return stuck
 
     def __enter__(self) -> Session:
@@ -451,7 +453,7 @@ def _check(options: Options) -> None:
 def _check_record(path: Path) -> None:
     try:
         is_there = path.exists()
-    except (OSError, ValueError) as error:  # too long, say
+    except (OSError, ValueError) as error:  # A path that is too long, for example.
         why = getattr(error, "strerror", None) or error
         raise ArchoError(f"--record {path}: {why}") from None
     if is_there:

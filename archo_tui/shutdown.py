@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
 CANCEL, LEAVE = "cancel", "leave"
-RESTART = 100  # in place of an exit code: begin again, with the same words
-WAIT = 1.0  # s for the robot's answer; the process ends then in any case
-_LOOK = 0.02  # s between two looks at a goal that is being cancelled
+RESTART = 100  # An exit code that asks to start again with the same options.
+WAIT = 1.0  # Seconds for the robot's answer, after which the process ends.
+_LOOK = 0.02  # Seconds between two checks of a goal that is being cancelled.
 
 
 async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
@@ -39,7 +39,7 @@ async def let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> No
 
 
 async def _let_go(robot: Robot, clock: Clock, on_disconnect: str, why: str) -> None:
-    await robot.send_no_more()  # whatever has left is in the snapshot from here on
+    await robot.send_no_more()  # From here on the snapshot has every goal that was sent.
     goal = _ours(robot)
     if goal is None:
         return
@@ -88,7 +88,7 @@ class Shutdown:
         loop = asyncio.get_running_loop()
 
         def begin(number: int) -> None:
-            with contextlib.suppress(RuntimeError):  # the loop is closed: it ends already
+            with contextlib.suppress(RuntimeError):  # A closed loop means that the end is near.
                 loop.call_soon_threadsafe(self.begin, 128 + number)
 
         _heeded.listen(begin)

@@ -10,19 +10,19 @@ import stat
 import sys
 from pathlib import Path
 
-# what asks the console to end: SIGHUP and SIGQUIT are POSIX's
+# The signals that ask the console to end; SIGHUP and SIGQUIT are POSIX's.
 END_SIGNALS = tuple(
     getattr(signal, name)
     for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
     if hasattr(signal, name)
 )
-HANG_UP = 128 + int(getattr(signal, "SIGHUP", 1))  # the exit code of a terminal that was lost
+HANG_UP = 128 + int(getattr(signal, "SIGHUP", 1))  # The exit code after the terminal was lost.
 CAN_SUSPEND = hasattr(signal, "SIGTSTP")
 
 
 def user_name() -> str:
     """Return the name of this process's user, or a number if it has none, as in a container."""
-    with contextlib.suppress(KeyError, OSError, ImportError):  # the last: without the module pwd
+    with contextlib.suppress(KeyError, OSError, ImportError):  # ImportError on systems without pwd.
         return getpass.getuser()
     if sys.platform != "win32" and hasattr(os, "getuid"):
         return str(os.getuid())
