@@ -53,6 +53,8 @@ async def test_a_killed_robot_is_lost_and_a_new_one_is_operated(processes: Proce
         await op.until(lambda: "move_to_shelf" in op.app.view.snapshot.offered)
         await op.press("g", "1", "2", "enter")
         await op.until("m left of")
+        # of one that was heard for a moment only, silence is not judged for 90 s
+        await op.until(lambda: op.app.view.snapshot.motion.period is not None)
         processes.kill(motor)
         await op.until("✗ LOST         nothing heard for")
         goal = op.app.view.snapshot.goal
