@@ -39,6 +39,7 @@ _BEHIND = 0.3  # s that an answer to an assistant comes behind the line before i
 _SLOW = 2.0  # s for the reader to catch up before the next line; once, if it does not read at all
 _LAST = 0.5  # s after a signal for a STOP to be answered, and for what is not written yet
 _AT_ONCE = 0.2  # s in which nearly all lines are answered, before a cancel behind one goes ahead
+_SLOW_CALL = 2.0  # s in which a call is answered, before the lines behind it go ahead
 _YES, _NO = ("y", "yes"), ("n", "no")
 
 
@@ -243,21 +244,46 @@ class Plain:
         return has_goal and self._input.is_cancel_next and not self._is_asking
 
     async def _run_until_cancel(self, line: Line) -> None:
-        """Carry out a line; a `cancel` directly behind it does not wait for its answer."""
+        """Carry out a line; a `cancel` directly behind it does not wait for its answer.
+
+        Nor does any line wait for a service that takes its time: the end does.
+        """
         with self._robot.stops.typed_at(line.stops):
             running = asyncio.ensure_future(self._run(line))
         running.add_done_callback(lambda _: self._changed.set())
+        is_call = line.text.split()[:1] == ["call"]
         try:
             await self._until(running.done, _AT_ONCE)
+            slow_at = self._clock.monotonic() + _SLOW_CALL
+
+            def is_slow() -> bool:
+                return is_call and not self._is_asking and self._clock.monotonic() >= slow_at
+
             while True:
-                await self._hold(lambda: running.done() or self._has_cancel)
+                await self._hold(lambda: running.done() or self._has_cancel or is_slow())
+                if is_slow() and not running.done():
+                    self._run_on(running)
+                    return
                 if running.done() or (cancel := self._input.take()) is None:
                     break
                 with self._robot.stops.typed_at(cancel.stops):
                     await self._run(cancel)
             await running
         finally:
-            running.cancel()
+            if running not in self._tasks:
+                running.cancel()
+
+    def _run_on(self, running: asyncio.Future[None]) -> None:
+        """Let a line run on beside those behind it; the end waits for it."""
+        self._slow += 1
+        self._tasks.add(running)
+
+        def ended(_: object) -> None:
+            self._slow -= 1
+            self._tasks.discard(running)
+            self._changed.set()
+
+        running.add_done_callback(ended)
 
     async def _run(self, line: Line) -> None:
         if line.fault:

@@ -328,13 +328,26 @@ class Robot:
         except ValueError as error:
             return Outcome(Code.MISUSE, str(error))
 
+        who, told = asking(), list[bool]()
+
+        def tell_running() -> None:  # once: the timer goes on until the call has ended
+            if not told:
+                told.append(True)
+                text = f"{title}: running, no answer yet (waited for up to {wait:g} s)"
+                self._add_event(Event(self._clock.now(), who.level, who.source, text))
+
         async def work(gate: Gate) -> Outcome:
             def on_late(answer: Any) -> None:
                 late(_answer_of_call(answer))
 
-            answer = await self._services.call(
-                srv_type, service, request, gate=gate, wait=wait, late=on_late
-            )
+            steady = RosClock(clock_type=ClockType.STEADY_TIME)
+            slow = self._node.create_timer(services.DEADLINE, tell_running, clock=steady)
+            try:
+                answer = await self._services.call(
+                    srv_type, service, request, gate=gate, wait=wait, late=on_late
+                )
+            finally:
+                self._node.destroy_timer(slow)
             if answer is None:
                 said = f"no answer in {wait:g} s: the robot may still do it"
                 return Outcome(Code.TIMEOUT, said)

@@ -14,6 +14,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from archo_tui.robot.outcome import Code, answer_of
 from tests.support.console import console
+from tests.support.plain import operated
 from tests.support.quiet import ended, until, while_passes
 from tests.support.robot import making, robot
 
@@ -122,3 +123,42 @@ async def test_a_key_stops_waiting_and_the_answer_is_told(file: Path, key: str) 
         await op.until("waiting no longer: the")
         made[0].wake()
         await op.until("success true, message map.pgm")
+
+
+@pytest.fixture
+def bare(here: Path) -> Path:
+    """Return a robot file that does not name the service."""
+    made = here / "bare.yaml"
+    made.write_text("name: Mapper\nstop: {service: e_stop, request: {data: true}}\n")
+    return made
+
+
+async def test_a_call_that_runs_is_an_event_and_lines_behind_it_go_on(bare: Path) -> None:
+    made: list[Mapper] = []
+    async with operated(making(made, Mapper), robot=bare) as person:
+        person.type("call save_map\nnodes\nquit\n")
+        await person.until("YOU console: call save_map: running, no answer yet (waited for up to ")
+        await person.until("mapper up")
+        assert "map.pgm" not in person.said
+        made[0].wake()
+        assert await person.end("") == 0
+    assert person.said.endswith("YOU console: call save_map: success true, message map.pgm\n")
+    assert person.said.count("running") == 1
+
+
+async def test_a_slow_call_that_fails_behind_other_lines_counts_at_the_end(bare: Path) -> None:
+    made: list[Mapper] = []
+    async with operated(making(made, Mapper), robot=bare) as person:
+        person.type("call save_map\nnodes\n")
+        await person.until("mapper up")
+        assert await person.end("") == 1
+    assert "failed: call: no answer in 30 s: the robot may still do it" in person.said
+
+
+async def test_what_is_answered_in_time_is_not_said_to_run(bare: Path) -> None:
+    made: list[Mapper] = []
+    async with operated(making(made, Mapper), robot=bare) as person:
+        made[0].wake()
+        assert await person.end("call save_map\n") == 0
+    assert "call save_map: success true" in person.said
+    assert "running" not in person.said
