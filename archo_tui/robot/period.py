@@ -18,6 +18,7 @@ _MOST = 20  # longer intervals by which it is known at the latest
 _LONGER = 1.25  # times as long as another interval is no chance
 _GROWING = 3  # intervals in a row, each longer than the one before: the link grows slower
 _REGULAR = 3  # silences in a row that are as long as each other, until they are typical
+_NOTED = 0.1  # s between two messages that are noted, once the period is learnt
 _AS_LONG = 1.1  # times as long as the shortest of them the longest may be
 
 
@@ -58,7 +59,8 @@ class Period(NamedTuple):
             return self._replace(last=now)
         interval = now - self.last
         if self.learnt is not None:
-            return self._with_typical(interval, now)
+            # Of messages that come fast not each is noted: of silences that is not missed.
+            return self if interval < _NOTED else self._with_typical(interval, now)
         intervals = (*self.intervals, interval)[:_MEASURED]
         learning = self._replace(intervals=intervals, last=now)
         if interval <= _DENSE:
