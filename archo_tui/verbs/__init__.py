@@ -1,4 +1,4 @@
-"""What an operator can do to the robot, once: keys, `--plain` and other programs speak it."""
+"""The verbs: everything an operator can do to the robot, shared by all frontends."""
 
 from __future__ import annotations
 
@@ -19,9 +19,11 @@ from archo_tui.verbs.topics import Topics
 
 
 def verbs(robot: RobotFile, forms: Mapping[str, Sequence[Leaf]]) -> dict[str, Verb]:
-    """All of them by what is typed, the commonest first.
+    """Return all verbs by the word that is typed, the most common first.
 
-    `forms` are the fields of the robot file's goals, by their ids.
+    Args:
+        robot: The robot file.
+        forms: The fields of the robot file's goals, by goal id.
     """
     return {verb.id: verb for verb in _all(robot, forms)}
 

@@ -1,4 +1,4 @@
-"""Alarms: told, acknowledged, shelved."""
+"""The verbs for alarms: list, acknowledge, shelve."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Alarms(Verb):
     help = "List the alarms"
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Return whether there is an alarm; that there is none is known only after a while."""
+        """Return True if there is an alarm; that there is none is known only after a while."""
         station.look()
         return bool(station.view.alarms)
 
@@ -32,16 +32,20 @@ class Alarms(Verb):
         return Outcome(Code.DONE, "\n".join(lines) or no_alarms_text(station.robot.snapshot))
 
     def data(self, station: Station, values: Values) -> Any:
-        """Return the alarms; None in place of none of them while nothing is known of the robot."""
+        """Return the alarms; None in place of an empty list while the robot is unknown."""
         alarms = state(station)["alarms"]
         return None if not alarms and no_data_text(station.robot.snapshot) else alarms
 
 
 class _OfAlarm(Verb):
-    """Of one alarm, by its name or the beginning of it."""
+    """A verb for one alarm, named by its name or the beginning of it."""
 
     def found(self, station: Station, name: str) -> Alarm:
-        """Raises ArchoError when no alarm, or more than one, is called so."""
+        """Return the alarm that a name means.
+
+        Raises:
+            ArchoError: No alarm, or more than one, has a name that begins so.
+        """
         fitting = _fitting(station, name)
         if len(fitting) == 1:
             return fitting[0]
@@ -52,7 +56,7 @@ class _OfAlarm(Verb):
 
 
 def _fitting(station: Station, name: str) -> list[Alarm]:
-    """The one of that name, else all whose names begin so."""
+    """Return the alarm of that name, or else all whose names begin with it."""
     alarms, wanted = station.view.alarms, name.lower()
     exact = [alarm for alarm in alarms if alarm.name.lower() == wanted]
     return exact or [alarm for alarm in alarms if alarm.name.lower().startswith(wanted)]
@@ -94,7 +98,10 @@ class Shelve(_OfAlarm):
         return Outcome(Code.DONE, f"{alarm.name}: {_FOR if not shelved else 'no longer shelved'}")
 
     def _split(self, station: Station, name: str, reason: str) -> tuple[Alarm, str]:
-        """Names have several words: as many as are the beginning of one are it."""
+        """Split words into an alarm and a reason.
+
+        Names have several words: as many as begin an alarm's name belong to it.
+        """
         words = reason.split()
         for count in range(len(words), 0, -1):
             fitting = _fitting(station, " ".join((name, *words[:count])))

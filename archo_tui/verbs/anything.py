@@ -1,4 +1,4 @@
-"""What is typed for an action or a service that no robot file names."""
+"""The names, types and fields of actions and services that no robot file names."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from archo_tui.verbs.base import THERE
 
 
 def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
-    """Return what is meant by a name that may lack its first `/`, or the robot's namespace.
+    """Return the full name that is meant by one that may lack its first `/` or the namespace.
 
-    A name that begins with `/` is what it says, as in ROS. One that does not is looked for in the
-    robot's namespace first.
+    A name that begins with `/` is complete, as in ROS. Any other is looked for in the robot's
+    namespace first.
     """
     if name.startswith("/"):
         return name
@@ -29,21 +29,21 @@ def full_name(snapshot: Snapshot, name: str, found: Collection[str]) -> str:
 
 
 def nearest_node(name: str, nodes: Iterable[str]) -> str:
-    """Return the hint of `nearest_hint`, with the node as it is typed: without its first `/`."""
+    """Return `nearest_hint` for a node as it is typed: without its first `/`."""
     return nearest_hint(name.lstrip("/"), [node.lstrip("/") for node in nodes])
 
 
 def is_elsewhere(snapshot: Snapshot, name: str) -> bool:
-    """Return whether a full name lies outside of the robot's namespace."""
+    """Return True if a full name lies outside of the robot's namespace."""
     return not name.startswith(in_namespace(snapshot.namespace, ""))
 
 
 def is_known(station: Station, name: str, found: Collection[str]) -> bool:
-    """Return whether it is known by now what serves a full name.
+    """Return True if it is known by now what serves a full name.
 
     Args:
-        station: Of what lies outside of its namespace a snapshot says nothing: it has time to be
-            found, and is then asked for by its name.
+        station: The station. Its snapshot says nothing of names outside of the namespace: they
+            have time to be found, and are then asked for by name.
         name: The full name of a service or an action.
         found: The names of its kind in the robot's namespace.
     """
@@ -52,7 +52,7 @@ def is_known(station: Station, name: str, found: Collection[str]) -> bool:
 
 
 def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
-    """The type that it has on the graph. Raises ValueError when there is none, or several."""
+    """Return the type that a name has on the graph; raise ValueError for none or several."""
     if not found.get(name):
         near = nearest_hint(name, (other for other, kinds in found.items() if kinds))
         raise ValueError(f"no {what} {name} is on the graph{near}")
@@ -65,11 +65,14 @@ def type_of(what: str, name: str, found: Mapping[str, tuple[str, ...]]) -> str:
 async def fields_of(
     station: Station, name: str, type_name: str, words: Sequence[str]
 ) -> dict[str, Any]:
-    """The values of `field=value ...`, or of one YAML mapping, by dotted path.
+    """Return the values of `field=value ...`, or of one YAML mapping, by dotted path.
 
-    Fields that are left out keep what the message has by itself. Raises ValueError.
+    Fields that are left out keep the message's defaults.
+
+    Raises:
+        ValueError: The type has no such field, or a value does not fit.
     """
-    leaves = await in_daemon(station.robot.form, type_name)  # reads files
+    leaves = await in_daemon(station.robot.form, type_name)  # Reads files.
     if leaves is None:
         raise ValueError(mismatch.not_installed(name, type_name))
     if len(words) == 1 and words[0].startswith("{"):
@@ -84,7 +87,7 @@ async def fields_of(
     return found
 
 
-_SHOWN = 40  # characters of a wrong word that are shown
+_SHOWN = 40  # Characters of a wrong word that an error quotes.
 
 
 def _expected(leaves: Sequence[Leaf]) -> str:

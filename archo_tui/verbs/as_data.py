@@ -15,7 +15,7 @@ from archo_tui.words.state import battery_word, motion_word
 
 
 def state(station: Station) -> dict[str, Any]:
-    """All that `status --json` tells; None: not heard, or not reported by this robot."""
+    """Return all that `status --json` prints; None means not received, or not reported."""
     snapshot, now = station.robot.snapshot, station.clock.monotonic()
     battery, motion = snapshot.battery, snapshot.motion
     return {
@@ -23,18 +23,18 @@ def state(station: Station) -> dict[str, Any]:
         "namespace": snapshot.namespace,
         "watching": station.robot.watching,
         "battery": {
-            "percentage": _number(battery.percentage),  # %
-            "voltage": _number(battery.voltage),  # V
+            "percentage": _number(battery.percentage),  # In %.
+            "voltage": _number(battery.voltage),  # In V.
             "charging": battery.charging,
             "word": battery_word(snapshot)[1],
-            "age": _age(battery.received, now),  # s
+            "age": _age(battery.received, now),  # In s.
             "source": "measured",
         },
         "motion": {
             "moving": motion.moving,
             "stopped": None if snapshot.latch is Latch.UNCERTAIN else _stopped(snapshot),
             "speed": _number(motion.speed),
-            "time_factor": snapshot.time_factor,  # None: the robot's seconds are real ones
+            "time_factor": snapshot.time_factor,  # None for real seconds.
             "word": _word(snapshot, now, 80),
             "age": _age(motion.received, now),
             "source": "measured",
@@ -50,7 +50,7 @@ def state(station: Station) -> dict[str, Any]:
                 "text": alarm.text,
                 "priority": alarm.priority.name,
                 "state": alarm.state.value,
-                "since": alarm.since,  # Unix time
+                "since": alarm.since,  # Unix time, in s.
             }
             for alarm in station.view.alarms
         ],
@@ -60,19 +60,19 @@ def state(station: Station) -> dict[str, Any]:
 
 
 def _stopped(snapshot: Snapshot) -> bool | None:
-    """Return whether the robot is stopped, as it says, or as a STOP that holds says for it."""
+    """Return True if the robot reports that it is stopped, or a confirmed STOP implies it."""
     return True if snapshot.stop_holds else snapshot.motion.stopped
 
 
 def _stop(snapshot: Snapshot) -> str:
-    """Return `open` while a STOP is not confirmed, `uncertain` when it is no longer certain."""
+    """Return `open` while a STOP is not confirmed, `uncertain` if it is no longer certain."""
     if snapshot.open_stop is not None:
         return "open"
     return "uncertain" if snapshot.latch is Latch.UNCERTAIN else ""
 
 
 def in_line(station: Station) -> str:
-    """`ARCHO 87 % MOVING to 12, 9.0 m left`: for a status line, with the gravest alarms' names."""
+    """Return `ARCHO 87 % MOVING to 12, 9.0 m left` for a status line, with the worst alarms."""
     snapshot, now = station.robot.snapshot, station.clock.monotonic()
     charge, goal = snapshot.battery.percentage, snapshot.running_goal
     parts = [snapshot.file.name]
@@ -94,12 +94,12 @@ def in_line(station: Station) -> str:
 
 
 def _word(snapshot: Snapshot, now: float, width: int) -> str:
-    """What the robot does, without the mark before it."""
+    """Return what the robot does, without a glyph."""
     return spans_to_text(motion_word(snapshot, now, width))
 
 
 def goal(found: Goal, now: float) -> dict[str, Any]:
-    """A goal; the values of another client's are not known."""
+    """Return a goal as data; the values of another client's goal are not known."""
     return {
         "kind": found.kind.id,
         "values": bounded(found.fields),
@@ -116,7 +116,7 @@ def goal(found: Goal, now: float) -> dict[str, Any]:
 
 
 def event(found: Event) -> dict[str, Any]:
-    """One event, with what was done as data where it was a verb."""
+    """Return an event as data, with what was done if it was a verb."""
     told: dict[str, Any] = {
         "time": found.time,
         "level": found.level,
@@ -132,7 +132,7 @@ def event(found: Event) -> dict[str, Any]:
 
 
 def parameter(found: Parameter) -> dict[str, Any]:
-    """One parameter."""
+    """Return a parameter as data."""
     values = bounded({"value": found.value, "initial": found.initial})
     return {
         "node": found.node,

@@ -1,4 +1,4 @@
-"""What a verb is: one thing that an operator can do, however it is said."""
+"""The base of verbs: one thing that an operator can do, through whichever frontend."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from archo_tui.robot.state import WATCHING
 from archo_tui.robot_file.model import Limit
 from archo_tui.station.station import Station
 
-Values = Mapping[str, Any]  # what was typed, by the names of the arguments
-THERE = 2.0  # s from the start in which all that serves something is found on the graph
-PATIENCE = 5.0  # s from the start (`Station.age`) in which a robot may not be there yet
-ANSWERS = 5.0  # s that answers to what was asked before are waited for; each has a deadline itself
+Values = Mapping[str, Any]  # What was typed, by the names of the arguments.
+THERE = 2.0  # Seconds after the start in which every server on the graph is found.
+PATIENCE = 5.0  # Seconds after the start (`Station.age`) in which a robot may appear.
+ANSWERS = 5.0  # Seconds to wait for answers to earlier requests, which have deadlines.
 
 
 class Argument(NamedTuple):
-    """One value that a verb takes."""
+    """A value that a verb takes."""
 
-    name: str  # as it is typed; `--all` is a flag
-    type: str = "string"  # as rclpy names it: int32, double, string, sequence<int32>
-    many: bool = False  # all the words that are left, each a value
-    rest: bool = False  # all the words that are left, as one text
+    name: str  # As typed; `--all` is a flag.
+    type: str = "string"  # As rclpy names it: int32, double, string, sequence<int32>.
+    many: bool = False  # Takes all further words, each as a value.
+    rest: bool = False  # Takes all further words as one text.
     optional: bool = False
     low: Limit = None
     high: Limit = None
@@ -30,38 +30,42 @@ class Argument(NamedTuple):
 
     @property
     def is_flag(self) -> bool:
-        """True for one that is there or not."""
+        """Return True for an option without a value."""
         return self.name.startswith("--")
 
 
 class Question(NamedTuple):
-    """What a person is asked before something is done."""
+    """A question that a person answers before something is done."""
 
     title: str
     text: str
-    safe: str  # the answer that changes nothing
-    go: str  # the one that does it
+    safe: str  # The answer that changes nothing.
+    go: str  # The answer that runs the verb; "" if there is none.
 
 
 class Verb:
-    """Base of all. Keys and `--plain` speak these, and decide nothing themselves."""
+    """The base of all verbs; frontends run them, and decide nothing themselves."""
 
-    id: str  # what is typed
+    id: str  # The word that is typed.
     title: str
-    help: str  # one sentence
+    help: str  # One sentence.
     arguments: tuple[Argument, ...] = ()
-    acts = False  # changes something: not while watching
-    moves = False  # may set the robot in motion
-    urgent = False  # overtakes what waits
-    survives_stop = False  # done also when a STOP was read after it
-    tells = False  # its outcome is what was asked for, in lines
+    acts = False  # Changes something, so does not run while watching.
+    moves = False  # May set the robot in motion.
+    urgent = False  # Runs before verbs that wait.
+    survives_stop = False  # Runs also if a STOP was read after it.
+    tells = False  # Its outcome is what was asked for, in lines.
     may_ask = False
-    begun = ""  # what is said at once, of a verb whose outcome takes seconds; empty: of all others
-    has_goals = False  # sends goals, whose ends can be waited for
-    service = ""  # what somebody must offer, as in the robot file
+    begun = ""  # Said at once by a verb whose outcome takes seconds; "" for others.
+    has_goals = False  # Sends goals, whose ends can be waited for.
+    service = ""  # The service that a node must offer, as in the robot file.
 
     def values(self, words: Sequence[str]) -> Values:
-        """What the words behind the verb mean. Raises ValueError with one line."""
+        """Return the values that the words after a verb mean.
+
+        Raises:
+            ValueError: The words do not fit; the message is one line.
+        """
         given: dict[str, Any] = {
             a.name: True for a in self.arguments if a.is_flag and a.name in words
         }
@@ -82,65 +86,73 @@ class Verb:
         return given
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """What was meant, perhaps, by words that it does not take."""
+        """Return what was meant, perhaps, by words that do not fit, or ""."""
         return ""
 
     @property
     def usage(self) -> str:
-        """What is typed behind the verb: `NODE NAME VALUE`, `[--all]`."""
+        """Return what is typed after the verb: `NODE NAME VALUE`, `[--all]`."""
         return " ".join(map(_usage, self.arguments))
 
     @property
     def options(self) -> tuple[str, ...]:
-        """The options that a shell may put behind it: `--yes`, `--wait`, `--leave`."""
+        """Return the options that a shell may put after the verb: `--yes`, `--wait`, `--leave`."""
         goals = ("--wait", "--leave") if self.has_goals else ()
         return (*goals, "--yes") if self.may_ask else goals
 
     @property
     def explained(self) -> str:
-        """`get NODE NAME: Show a parameter`."""
+        """Return usage and help: `get NODE NAME: Show a parameter`."""
         return f"{f'{self.id} {self.usage}'.rstrip()}: {self.help}"
 
     def acts_with(self, values: Values) -> bool:
-        """True when it changes something, given these."""
+        """Return True if the verb changes something with these values."""
         return self.acts
 
     def tells_with(self, values: Values) -> bool:
-        """True when its outcome, given these, is in no event."""
+        """Return True if no event tells the outcome for these values."""
         return self.tells
 
     def refusal(self, station: Station) -> str:
-        """Why it cannot be done now, or an empty string: nothing else decides that."""
+        """Return why the verb cannot run now, or ""; nothing else decides that."""
         if self.acts and station.robot.watching:
             return WATCHING
         return self.blocked(station)
 
     def blocked(self, station: Station) -> str:
-        """As `refusal`, of an operator who may act."""
+        """Return why the verb cannot run for an operator who may act, or ""."""
         return station.robot.snapshot.unavailable(self.service) if self.service else ""
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """False while it may become possible by itself: the robot was only just found."""
+        """Return False while the verb may become possible by itself, with a robot just found."""
         return not self.service or self.service in station.robot.snapshot.offered
 
     def is_answered(self, station: Station) -> bool:
-        """Return False while an answer to something asked before decides about this verb."""
+        """Return False while an answer to something sent before decides about this verb."""
         return True
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        """Read what has to be read before a question can be put. Raises ArchoError."""
+        """Read what must be read before a question can be asked, and return the values to run with.
+
+        Raises:
+            ArchoError: A name means nothing, or a file is not valid.
+        """
         return values
 
     def asks(self, station: Station, values: Values) -> Question | None:
-        """What is to be answered first; None: nothing."""
+        """Return the question that must be answered first, or None."""
         return None
 
     def data(self, station: Station, values: Values) -> Any:
-        """What it tells, as JSON has it; None: it tells nothing."""
+        """Return what the verb tells, as JSON has it, or None."""
         return None
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
-        """Do it. Raises ArchoError for a name that means nothing, before anything is done."""
+        """Run the verb.
+
+        Raises:
+            ArchoError: A name means nothing; nothing has been done then.
+        """
         raise NotImplementedError
 
 

@@ -1,4 +1,4 @@
-"""`call` on what the robot file names: the verb that stands for that service."""
+"""`call` on a service of the robot file, which runs the verb that stands for it."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from archo_tui.verbs.parse import YES, named
 from archo_tui.verbs.services import Call, Give
 from archo_tui.verbs.stop import Release, StopNow
 
-Called = StopNow | Release | Give  # a verb that calls a service of the robot file
-_ACTION_PART = "/_action/"  # between an action's name and the services that it is made of (rclpy)
+Called = StopNow | Release | Give  # Verbs that call a service of the robot file.
+_ACTION_PART = "/_action/"  # Between an action's name and those of its services.
 
 
 def choose_verb(
@@ -38,7 +38,9 @@ def choose_verb(
     own = verbs_by_service(verbs, snapshot)
     service = full_name(snapshot, service, {*snapshot.services, *own})
     _refuse_part_of_action(verbs, snapshot, service)
-    if service not in own or fields == ["--help"]:  # which `call` refuses, and calls nothing
+    if service not in own or fields == [
+        "--help"
+    ]:  # `call` itself refuses --help, and calls nothing.
         return verb, rest
     meant = _pick(own[service], service, fields)
     return meant, [YES] if meant.may_ask and YES in rest else []
@@ -56,7 +58,7 @@ def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str,
 def _pick(found: Sequence[Called], service: str, fields: Sequence[str]) -> Called:
     """Return the verb whose request is the one that was typed."""
     stop = next((verb for verb in found if isinstance(verb, StopNow)), None)
-    if stop is not None and not stop.request:  # whatever stands behind it
+    if stop is not None and not stop.request:  # Whatever fields were typed.
         return stop
     asked = next((verb.request for verb in found if verb.request), {})
     if not asked and any(field != "{}" for field in fields):

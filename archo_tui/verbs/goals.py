@@ -1,4 +1,4 @@
-"""Goals: of the kinds in the robot file, of any action, cancelled, continued and left out."""
+"""The verbs for goals: send those of the robot file or of any action, cancel, continue, skip."""
 
 from __future__ import annotations
 
@@ -16,17 +16,24 @@ from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_know
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.verbs.parameters import is_reported
 
-# the values of these verbs: the kind; one mapping a goal, of values by dotted path; what ran then
+# The keys of these verbs' values: the kind; a mapping of values by dotted path for each goal; and
+# the goal that ran at the time.
 KIND, GOALS, RUNNING = "kind", "goals", "running"
 
 
 class Go(Verb):
-    """A goal of one kind, or several behind each other: `go 12 7`, `pose x=1.5 y=2`."""
+    """The verb for goals of one kind, one or several in turn: `go 12 7`, `pose x=1.5 y=2`."""
 
     acts = moves = has_goals = True
 
     def __init__(self, kind: GoalKind, leaves: Sequence[Leaf] | None, verb: str = "") -> None:
-        """`leaves` are the fields that the operator fills in; None: its type is not installed."""
+        """Create the verb.
+
+        Args:
+            kind: The goal of the robot file.
+            leaves: The fields that the operator fills in; None if the type is not installed.
+            verb: The word of the verb; "" means the goal's id.
+        """
         self.kind, self._leaves = kind, leaves
         self.id = verb or kind.id
         self.title = self.help = kind.title
@@ -42,7 +49,7 @@ class Go(Verb):
 
     @property
     def how(self) -> str:
-        """How it is typed, to be read aloud: `Type go and the shelf number.`"""
+        """Return how the verb is typed, to be read aloud: `Type go and the shelf number`."""
         names = [argument.name.lower() for argument in self.arguments]
         if not names:
             return f"Type {self.id}."
@@ -62,10 +69,10 @@ class Go(Verb):
         return {GOALS: [forms.parse_all(self._leaves, form, row) for row in texts]}
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Also what the robot says of its limits was heard, or had time enough."""
+        """Return True if the action is found, and its limits are known or had time to arrive."""
         snapshot = station.robot.snapshot
         limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
-        # of the node that holds them: on a graph the action may be found before it, others too
+        # The node with the limits may be found later than its action.
         heard = all(
             is_reported(station, node_of(limit, snapshot.namespace))
             for limit in limits
@@ -74,7 +81,7 @@ class Go(Verb):
         return super().is_ready(station, values) and heard
 
     async def prepare(self, station: Station, values: Values) -> Values:
-        """Raises ValueError for a number beyond a limit that the robot holds now."""
+        """Check numbers against the robot's limits; raise ValueError for one beyond them."""
         form = station.robot.snapshot.form(self.kind)
         for goal in values[GOALS]:
             forms.check_ranges(self._leaves or (), form, goal)
@@ -91,7 +98,7 @@ def _argument(kind: GoalKind, leaf: Leaf, several: bool) -> Argument:
 
 
 class SendGoal(Verb):
-    """A goal to any action on the graph, whether the robot file names it or not."""
+    """The verb for a goal to any action on the graph."""
 
     id, title = "send_goal", "Send a goal"
     help = "Send a goal to any action on the graph"
@@ -110,7 +117,7 @@ class SendGoal(Verb):
         snapshot, found = station.robot.snapshot, station.robot.snapshot.actions
         name = full_name(snapshot, values["action"], found)
         known = kind_of(snapshot, name)
-        if known is not None:  # with the labels and the fixed values of the robot file
+        if known is not None:  # Use the robot file's labels and fixed values.
             go = Go(known, snapshot.forms.get(known.id))
             return {KIND: known, **await go.prepare(station, go.values(values["field=value"]))}
         if is_elsewhere(snapshot, name):
@@ -137,7 +144,7 @@ class Cancel(Verb):
     acts = may_ask = survives_stop = True
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """A goal of ours is cancelled at once; another client's may not be heard of yet."""
+        """Return True if a goal runs, or once the graph is known with other clients' goals."""
         found = station.robot.snapshot.offered or station.robot.snapshot.actions
         return station.running_goal is not None or bool(found)
 
@@ -159,7 +166,7 @@ class Cancel(Verb):
         goal, now = values[RUNNING], station.running_goal
         if goal is None or goal.mine:
             return await station.cancel()
-        if now is None or now.number != goal.number:  # a question may wait for long
+        if now is None or now.number != goal.number:  # The question may have waited for long.
             return Outcome(Code.REFUSED, "the goal that was asked about has ended")
         return await station.cancel(another=True)
 
@@ -175,7 +182,7 @@ class Continue(Verb):
         return "" if station.queue.hold_reason else "no queue is held"
 
     def is_answered(self, station: Station) -> bool:
-        """What ends the goal that holds the queue may have been asked for, and not be heard yet."""
+        """Return False while a release, or the end of a goal that will hold the queue, runs."""
         if station.ledger.waits_for(RELEASE):
             return False
         goal = station.robot.snapshot.goal

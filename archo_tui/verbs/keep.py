@@ -1,4 +1,4 @@
-"""The black box, by hand."""
+"""The verb for a recording by hand."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from archo_tui.verbs.base import Values, Verb
 
 
 class Keep(Verb):
-    """Records the last minute, and ends when the recording is on the disk."""
+    """The verb that records the last minute; it ends when the recording is on the disk."""
 
     id, title, tells = "keep", "Keep the last minute", True
-    survives_stop = True  # it records just that
+    survives_stop = True  # A STOP is what it may record.
     help = f"Keep the last minute: record the last {SPAN:g} s and the next {SECONDS_AFTER:g} s"
     begun = BEGUN
 
@@ -24,7 +24,7 @@ class Keep(Verb):
         written: asyncio.Future[Outcome] = asyncio.get_running_loop().create_future()
 
         def on_disk(outcome: Outcome) -> None:
-            if not written.done():  # whoever asked has given it up
+            if not written.done():  # Unless the caller has given up.
                 written.set_result(outcome)
 
         begun = station.recorder.keep(on_disk)

@@ -1,4 +1,4 @@
-"""The nodes: listed, and nodes started here: started again, halted and copied."""
+"""The verbs for nodes: list, start, halt and copy them, and set their log level."""
 
 from __future__ import annotations
 
@@ -47,17 +47,21 @@ class Nodes(Verb):
 
 
 class _OfNode(Verb):
-    """Of one node of this process."""
+    """A verb for one node of this process."""
 
     arguments = (Argument("node"),)
     acts = True
-    starts = False  # one more node is on the graph then
+    starts = False  # True if one more node is on the graph afterwards.
 
     async def prepare(self, station: Station, values: Values) -> Values:
         return {"node": self.found(station, values["node"]).name}
 
     def found(self, station: Station, name: str) -> Hosted:
-        """By its name, with or without the namespace. Raises ArchoError when it is none of ours."""
+        """Return the node of that name; the namespace may be left out.
+
+        Raises:
+            ArchoError: No node of this process has the name.
+        """
         hosted = {one.name: one for one in station.host.states()}
         full = full_name(station.robot.snapshot, name, hosted)
         if full in hosted:
@@ -69,7 +73,7 @@ class _OfNode(Verb):
         if station.robot.stops.gate().is_shut:
             outcome = Outcome(Code.CANCELLED, NOT_SENT)
         else:
-            outcome = await in_daemon(self.work(station), name)  # it waits for the node's thread
+            outcome = await in_daemon(self.work(station), name)  # It waits for the node's thread.
         if self.starts:
             station.node_started()
         act = Act(self.id, {"node": name}, outcome.code)
@@ -79,7 +83,7 @@ class _OfNode(Verb):
         return outcome
 
     def work(self, station: Station) -> Callable[[str], Outcome]:
-        """What is done, on a thread of its own."""
+        """Return the function that does the work on a thread of its own."""
         raise NotImplementedError
 
 
@@ -170,12 +174,12 @@ class LogLevel(Verb):
         return [node.name for node in station.robot.snapshot.nodes]
 
     def _name(self, station: Station, values: Values) -> str:
-        """Its full name, where it was typed without the namespace."""
+        """Return the node's full name, which may be typed without the namespace."""
         return full_name(station.robot.snapshot, values["node"], self._nodes(station))
 
 
 def _served(hosted: Hosted) -> list[str]:
-    """What a node serves, without the namespace."""
+    """Return what a node serves, without the namespace."""
     return [_last(name) for name in hosted.serves]
 
 
@@ -184,6 +188,6 @@ def _last(name: str) -> str:
 
 
 def _stop(station: Station) -> str:
-    """The service of the robot's STOP, without the namespace."""
+    """Return the service of the robot's STOP, without the namespace."""
     stop = station.robot.file.stop
     return "" if stop is None else _last(stop.service)

@@ -1,4 +1,4 @@
-"""Parameters: told, set, undone, saved to a file and loaded from one."""
+"""The verbs for parameters: show, set, undo, save to a file and load from one."""
 
 from __future__ import annotations
 
@@ -26,37 +26,37 @@ from archo_tui.verbs.base import PATIENCE, Argument, Question, Values, Verb
 
 _NODE, _NAME = Argument("node"), Argument("name")
 _FILE = Argument("file")
-CHANGE = "change"  # the value of `undo`: what is to be undone
+CHANGE = "change"  # The key of `undo`'s value: the change to undo.
 SAME = "All parameters already have the values in the file."
 NOBODY = "no node has reported its parameters yet"
 
 
 def are_reported(station: Station) -> bool:
-    """True when every node of the robot has reported its parameters, or had time enough."""
+    """Return True if every node of the robot has reported its parameters, or had time enough."""
     found = bool(station.robot.snapshot.nodes)
     return (found and not _unreported(station)) or station.age >= PATIENCE
 
 
 def _unreported(station: Station) -> list[str]:
-    """The nodes whose parameters are not known."""
+    """Return the nodes whose parameters are not known."""
     snapshot = station.robot.snapshot
     return sorted({n.name for n in snapshot.nodes} - {p.node for p in snapshot.parameters})
 
 
 def is_reported(station: Station, node: str) -> bool:
-    """True when the node has reported its parameters, or had time enough."""
+    """Return True if the node has reported its parameters, or had time enough."""
     reported = (parameter.node for parameter in station.robot.snapshot.parameters)
     return node in reported or station.age >= PATIENCE
 
 
 class _OfOne(Verb):
-    """Of one parameter."""
+    """A verb for one parameter."""
 
     def is_ready(self, station: Station, values: Values) -> bool:
         return is_reported(station, self.node(station, values))
 
     def node(self, station: Station, values: Values) -> str:
-        """Its full name, where it was typed without the namespace."""
+        """Return the node's full name, which may be typed without the namespace."""
         snapshot = station.robot.snapshot
         return full_name(snapshot, values["node"], {p.node for p in snapshot.parameters})
 
@@ -98,7 +98,7 @@ class Set(_OfOne):
     arguments = (_NODE, _NAME, Argument("value", rest=True))
 
     def hint(self, station: Station, words: Sequence[str]) -> str:
-        """The line with the node, when just that is missing."""
+        """Return the line with the node, if only that is missing."""
         known = station.robot.snapshot.parameters
         nodes = [p.node.lstrip("/") for p in known if len(words) == 2 and p.name == words[0]]
         return f": set {nodes[0]} {shlex.join(words)}" if len(nodes) == 1 else ""
@@ -168,15 +168,18 @@ class Params(Verb):
 
 
 def _for_asker(parameter: Parameter) -> Parameter:
-    """Return what may be shown to whoever asks: to an assistant no secret."""
+    """Return the parameter as whoever asks may see it: an assistant sees no secret."""
     return parameter.masked if asking().is_assistant else parameter
 
 
-_LONGEST = 500  # characters of a value in a line; --json has all of them
+_LONGEST = 500  # Characters of a value in a line; --json has all of them.
 
 
 def line(parameter: Parameter) -> str:
-    """`motor_controller max_speed is 0.5, was 0.8 at the start, double, allowed 0.05 .. 2`."""
+    """Return a parameter in a line.
+
+    An example is `motor_controller max_speed is 0.5, was 0.8 at the start, double`.
+    """
     value = text_of(parameter.value)
     if len(value) > _LONGEST:
         value = f"{value[:_LONGEST]} ... ({len(value)} characters)"
@@ -187,11 +190,11 @@ def line(parameter: Parameter) -> str:
     allowed = range_text(parameter)
     if allowed:
         parts.append(allowed if parameter.read_only else f"allowed {allowed}")
-    return safe(", ".join(parts))  # a name is any text, too
+    return safe(", ".join(parts))  # A name may be any text, too.
 
 
 class _File(Verb):
-    """With a file that is looked at before anything is asked."""
+    """A verb with a file that is checked before a question is asked."""
 
     arguments = (_FILE,)
     may_ask = True
@@ -203,7 +206,7 @@ class _File(Verb):
         return are_reported(station)
 
     def path(self, values: Values) -> Path:
-        """Raises ArchoError when that is the name of no file."""
+        """Return the path; raise ArchoError for an invalid name."""
         typed: str = values["file"]
         if not typed.strip() or "\0" in typed:
             raise ArchoError("type the name of a file")
@@ -256,7 +259,7 @@ class Load(_File):
         return {"file": path, "plan": plan}
 
     def asks(self, station: Station, values: Values) -> Question | None:
-        """Also when nothing can be changed: why is in the text, and there is one answer."""
+        """Return the question, also if nothing can be changed: then its text says why."""
         plan = values["plan"]
         count = len(plan.changes)
         go = f"Change {count} parameter{'' if count == 1 else 's'}"
@@ -279,7 +282,7 @@ class Load(_File):
 
 
 def preview(path: Path, plan: save_load.LoadPlan) -> Sequence[str]:
-    """What loading the file would change."""
+    """Return the lines that tell what loading a file would change."""
     lines = [str(path), ""]
     if plan.problems:
         return [*lines, "Nothing was changed, because of:", *plan.problems]

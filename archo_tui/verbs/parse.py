@@ -1,4 +1,4 @@
-"""Words as the values of a verb, and what a program may give instead."""
+"""The parsing of words into the values of a verb, and the schema of values from programs."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from archo_tui.robot.state import Snapshot
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import Argument, Values, Verb
 
-YES = "--yes"  # the answer to what a verb asks
+YES = "--yes"  # Answers a verb's question.
 _TYPES = {"float": "number", "double": "number", "boolean": "boolean"}
 
 
 class UnknownVerbError(ValueError):
-    """No verb has the name that was typed; the text names it, and the nearest."""
+    """A word that is no verb; the text has the nearest one."""
 
 
 def named(verbs: Mapping[str, Verb], word: str) -> Verb:
@@ -32,9 +32,13 @@ def named(verbs: Mapping[str, Verb], word: str) -> Verb:
 
 
 def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, bool]:
-    """What the words behind a verb mean, and whether they answer what it asks.
+    """Parse the words after a verb.
 
-    Raises ValueError with one line.
+    Returns:
+        The values, and True if the words answer the verb's question (`--yes`).
+
+    Raises:
+        ValueError: The words do not fit; the message is one line.
     """
     yes = verb.may_ask and YES in words
     words = [word for word in words if not (yes and word == YES)]
@@ -45,7 +49,7 @@ def parse(verb: Verb, station: Station, words: Sequence[str]) -> tuple[Values, b
 
 
 def schema(verb: Verb, snapshot: Snapshot) -> dict[str, Any]:
-    """The values of a verb as JSON Schema; of one that may be given many, a single one.
+    """Return the values of a verb as JSON Schema; of a verb for many goals, those of one.
 
     Limits that the robot holds are as in the snapshot, and left out while it does not report them.
     """

@@ -1,4 +1,4 @@
-"""The commands of the robot file, and any service."""
+"""The verbs for the commands of the robot file, and for any service."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from archo_tui.verbs.anything import fields_of, full_name, is_elsewhere, is_know
 from archo_tui.verbs.base import Argument, Question, Values, Verb
 from archo_tui.words.goal import activity
 
-TIMEOUT = "--timeout"  # of the values of `call`: s that the answer is waited for, if more
+TIMEOUT = "--timeout"  # The key of `call`'s longest wait in s, if more than the default.
 ASKS = {"never": "", "moving": "; asks first while a goal runs", "always": "; asks first"}
 
 
 class Give(Verb):
-    """A command of the robot file; a toggle is two, one for each way."""
+    """The verb for a command of the robot file; a toggle has two, one for each way."""
 
     acts = True
 
@@ -24,7 +24,7 @@ class Give(Verb):
         self.given, self.is_on = given, on
         self.id = given.id if on else given.off_word
         self.title = given.title if on else given.off or f"{given.title} off"
-        if given.toggle:  # the file's help is of a key, which does both
+        if given.toggle:  # The file's help is about a key that does both.
             undone = f"switch {given.title.lower()} off"
             if given.off and ", or " in given.help:
                 undone = given.help.rpartition(", or ")[2]
@@ -50,7 +50,7 @@ class Give(Verb):
 
 
 class Call(Verb):
-    """Any service on the graph; the outcome is what it answers."""
+    """The verb for any service on the graph; its outcome is the response."""
 
     id, title = "call", "Call a service"
     help = "Call any service on the graph"
@@ -66,7 +66,7 @@ class Call(Verb):
         return is_known(station, name, snapshot.services)
 
     def tells_with(self, values: Values) -> bool:
-        """Return False: an event has the answer. To a shell, which reads none, it is told."""
+        """Return False: an event has the response; a shell, which reads no events, prints it."""
         return False
 
     async def prepare(self, station: Station, values: Values) -> Values:

@@ -1,4 +1,4 @@
-"""A verb from words to outcome, whoever typed them."""
+"""The run of a verb from values to outcome, for every frontend."""
 
 from __future__ import annotations
 
@@ -9,20 +9,30 @@ from archo_tui.robot.stops import Void
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import ANSWERS, PATIENCE, Question, Values, Verb
 
-# waits until that holds, or so many seconds
+# Waits until a condition holds, for a number of seconds at most.
 Until = Callable[[Callable[[], object], float], Awaitable[None]]
-# returns when the answer is yes; raises ArchoError when it is not, or nobody is there to ask
+# Returns if the answer is yes; raises ArchoError if it is not, or if nobody can be asked.
 Ask = Callable[[Question], Awaitable[None]]
 
 
 async def speak(
     station: Station, verb: Verb, values: Values, until: Until, ask: Ask | None
 ) -> Outcome:
-    """Do it, if it can be done: waits for a robot that was only just found, asks what is asked.
+    """Run a verb if it can run: wait for a robot that was only just found, and ask its question.
 
-    It also waits for the answers that decide about it (`Verb.is_answered`).
-    Without `ask` it is answered already. Raises ArchoError and ValueError with one line for what
-    is wrong, and Void when a STOP was read meanwhile.
+    It also waits for the answers that decide about the verb (`Verb.is_answered`).
+
+    Args:
+        station: The station.
+        verb: The verb.
+        values: Its values.
+        until: Waits for a condition with a deadline.
+        ask: Asks a question; None means that it is answered already.
+
+    Raises:
+        ArchoError: A name means nothing, or a file is not valid.
+        ValueError: A value does not fit.
+        Void: A STOP was read meanwhile.
     """
     acts, gate = verb.acts_with(values), station.robot.stops.gate()
     is_void = acts and not verb.survives_stop
@@ -33,7 +43,7 @@ async def speak(
     def is_answered() -> bool:
         return (is_void and gate.is_shut) or verb.is_answered(station)
 
-    if not (acts and station.robot.watching):  # else nothing will be done
+    if not (acts and station.robot.watching):  # A watching console runs nothing anyway.
         left = PATIENCE - station.age
         if left > 0:
             await until(is_found, left)

@@ -1,4 +1,4 @@
-"""STOP, and what comes after it."""
+"""The verbs for STOP and its release."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ class Release(Verb):
         snapshot = station.robot.snapshot
         if not self.service:
             return f"{snapshot.file.name} has no service to release a stop"
-        released = snapshot.motion.stopped is False  # None: the robot does not say
+        released = snapshot.motion.stopped is False  # None if the robot does not report it.
         asked = snapshot.open_stop is not None or not station.robot.stops.are_answered
         released = released and not asked and snapshot.latch is Latch.NONE
         return super().blocked(station) or ("the robot is not stopped" if released else "")
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """Also what the robot says of itself was heard, or had time enough."""
+        """Return True only when the robot has reported its state, or had time enough."""
         stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
         says = described is not None and any(t.stopped for t in described.types.values())
         is_said = stopped is not None or not says

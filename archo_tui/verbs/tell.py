@@ -1,4 +1,4 @@
-"""What is going on: the state, the events, the goals before and the last hour."""
+"""The verbs that tell what goes on: state, events, the last hour."""
 
 from __future__ import annotations
 
@@ -36,24 +36,29 @@ class Status(Verb):
     help = "Show the state of the robot"
 
     def __init__(self, ask: str, robot: RobotFile) -> None:
-        """`ask` says how a goal is given."""
+        """Create the verb.
+
+        Args:
+            ask: How a goal is given, said while there is none.
+            robot: The robot file.
+        """
         self.ask = ask
         names = ("release", *(command.id for command in robot.commands))
         self._typed = {name: f"type {name}" for name in names}
 
     def advice(self, alarm: Alarm, snapshot: Snapshot) -> str:
-        """What an alarm says, with what can be typed about it now."""
+        """Return an alarm's text with what can be typed about it now."""
         return advice(alarm, ways(snapshot, self._typed))
 
     def is_ready(self, station: Station, values: Values) -> bool:
-        """True when battery and motion were heard, as far as the robot has them."""
+        """Return True if battery and motion were received, as far as the robot has them."""
         snapshot, robot = station.robot.snapshot, station.robot.file
         missing = []
         if robot.battery is not None and snapshot.battery.received is None:
             missing.append(robot.battery.topic)
         if robot.motion is not None and snapshot.motion.received is None:
             missing.append(robot.motion.topic)
-        there = station.age >= THERE  # what is not by then may never be
+        there = station.age >= THERE  # What is missing by then may never come.
         comes = any(topic in snapshot.offered or not there for topic in missing)
         return not comes or station.age >= PATIENCE
 
@@ -98,7 +103,7 @@ class Events(Verb):
 
 
 class Past(Verb):
-    """The last hour: what is drawn on the screen, as numbers."""
+    """The verb for the last hour: the plots of the screen, as numbers."""
 
     id, title, tells = "history", "History", True
     help = "Show the numbers of the last hour, and how the last goals ended"
@@ -124,7 +129,7 @@ class Past(Verb):
 
 
 _NAMES: dict[Quantity, str] = {"charge": "charge", "speed": "speed", "left": "way left"}
-_PARTS = 60  # of a span, of which the oldest is told
+_PARTS = 60  # Parts of a span, of which the oldest is told.
 
 
 def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, float | None]]:
@@ -140,7 +145,7 @@ def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, flo
 
 
 def _hour(station: Station, quantity: Quantity) -> str:
-    """`speed (m/s): now 0.80, 1 min ago 0.00`: what is known of it; empty: nothing is."""
+    """Return `speed (m/s): now 0.80, 1 min ago 0.00`, or "" if nothing is known."""
     known = [
         f"{f'{age / 60:.0f} min ago' if age else 'now'} {value:.2f}"
         for age, value in _readings(station, quantity)
@@ -152,7 +157,7 @@ def _hour(station: Station, quantity: Quantity) -> str:
 
 
 def _unit(snapshot: Snapshot, quantity: Quantity) -> str:
-    """As the robot file has it; empty where it has none, or goals are measured in several."""
+    """Return the unit in the robot file, or "" if there is none or goals have several."""
     if quantity == "charge":
         return "%"
     if quantity == "speed":

@@ -1,4 +1,4 @@
-"""What is on the graph: topics, services and actions."""
+"""The verb for what is on the graph: topics, services and actions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from archo_tui.words.graph import SILENT, resource_rows
 
 
 class Topics(Verb):
-    """The rows of the Graph panel."""
+    """The verb that lists the rows of the Graph panel."""
 
     id, title, tells = "topics", "Topics", True
     help = "List topics, services and actions: type, nodes, rate, and who hears nothing"
