@@ -117,7 +117,7 @@ class Paste:
 
     @property
     def _burst_key(self) -> str:
-        """Return the burst, or of a key that repeats in it the first press."""
+        """Return the sequence of one key press: the burst until its first character repeats."""
         burst = self._burst
         return burst[: burst.find(burst[0], 1)] if burst.count(burst[0]) > 1 else burst
 

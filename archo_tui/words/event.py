@@ -28,7 +28,7 @@ def is_of_own_file(event: Event, hosted: Iterable[Hosted]) -> bool:
     node = logger_node(source)
     return any(
         f"{node}/".startswith(f"{own.name}/")
-        or own.file == f"{source}.py"  # As the file is imported.
+        or own.file == f"{source}.py"  # Printed during its import.
         for own in hosted
         if own.file
     )

@@ -27,7 +27,7 @@ class RcutilsLogger:
         self._places: dict[_Where, _Place] = {}
 
     def get_child(self, name: str) -> RcutilsLogger:
-        """Return a logger below this one; raise ValueError for "", TypeError for None."""
+        """Return a logger below this one; raise ValueError for no name, TypeError for no text."""
         if not name:
             raise ValueError("Child logger name must not be empty.")
         return RcutilsLogger(self.name + "." + name if self.name else name)
