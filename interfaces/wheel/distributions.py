@@ -1,7 +1,7 @@
-"""The wheels of PyPI that each distribution of ROS 2 compiles interfaces with, and runs them on.
+"""The wheels of PyPI with which each distribution of ROS 2 compiles and runs interfaces.
 
-Exact versions: what is compiled with one release is not sure to load with the next. The metadata of
-the wheels does not name what a build needs of them, so everything is listed here.
+Versions are exact: what is compiled with one release is not sure to load with the next. The
+metadata of the wheels does not name what a build needs of them, so everything is listed here.
 """
 
 DEFAULT = "jazzy"

@@ -1,7 +1,7 @@
-"""PEP 517 backend: scikit-build-core, told which ROS 2 to build for and where pip has put it.
+"""A PEP 517 backend: scikit-build-core, told which ROS 2 to build for and where pip has put it.
 
-`-C distro=kilted` builds for that distribution. What a build needs and what the wheel depends on
-differ by it, so both are asked for here; `distributions.py` lists them.
+`-C distro=kilted` builds for that distribution. The requirements of the build and of the wheel
+depend on it; `distributions.py` lists them.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ __all__ = [
 
 Settings = dict[str, Any] | None
 
-# of the call that runs: scikit-build-core passes no settings on to dynamic_metadata()
+# Of the current call, since scikit-build-core passes no settings to dynamic_metadata().
 _distribution = distributions.DEFAULT
 
 
 def get_requires_for_build_wheel(config_settings: Settings = None) -> list[str]:
-    """What pip installs for the build, in an environment that is thrown away afterwards."""
+    """Return what pip installs for the build, in an environment that is thrown away afterwards."""
     rest = _choose(config_settings)
     return _scikit_build.get_requires_for_build_wheel(rest) + distributions.BUILD[_distribution]
 
@@ -38,7 +38,7 @@ def get_requires_for_build_wheel(config_settings: Settings = None) -> list[str]:
 def prepare_metadata_for_build_wheel(
     metadata_directory: str, config_settings: Settings = None
 ) -> str:
-    """Write what the wheel will say of itself."""
+    """Write the metadata of the wheel, and return the name of its folder."""
     rest = _choose(config_settings)
     return _scikit_build.prepare_metadata_for_build_wheel(metadata_directory, rest)
 
@@ -46,28 +46,28 @@ def prepare_metadata_for_build_wheel(
 def build_wheel(
     wheel_directory: str, config_settings: Settings = None, metadata_directory: str | None = None
 ) -> str:
-    """Compile the interfaces with the generators of the build environment."""
+    """Compile the interfaces with the environment's generators, and return the wheel's name."""
     import rosidl_cmake
 
     rest = _choose(config_settings)
-    # the prefix above lib/python3.x/site-packages/rosidl_cmake/__init__.py
+    # The prefix above lib/python3.x/site-packages/rosidl_cmake/__init__.py.
     prefix = Path(rosidl_cmake.__file__).parents[4]
     fixups = Path(__file__).with_name("fixups.cmake")
     os.environ["AMENT_PREFIX_PATH"] = os.environ["CMAKE_PREFIX_PATH"] = str(prefix)
     os.environ["LD_LIBRARY_PATH"] = str(prefix / "lib")
     given = os.environ.get("CMAKE_ARGS", "")
-    include = shlex.quote(f"-DCMAKE_PROJECT_INCLUDE={fixups}")  # the folder may have blanks
+    include = shlex.quote(f"-DCMAKE_PROJECT_INCLUDE={fixups}")  # The folder may have blanks.
     os.environ["CMAKE_ARGS"] = f"{given} {include}".strip()
     return _scikit_build.build_wheel(wheel_directory, rest, metadata_directory)
 
 
 def dynamic_metadata(_settings: object, _project: object) -> dict[str, list[str]]:
-    """What the wheel depends on; scikit-build-core asks for it while it writes the metadata."""
+    """Return the wheel's dependencies, for which scikit-build-core asks."""
     return {"dependencies": distributions.RUN[_distribution]}
 
 
 def _choose(config_settings: Settings) -> Settings:
-    """Take the distribution out of the settings, the rest is scikit-build-core's."""
+    """Take the distribution out of the settings, and return the rest for scikit-build-core."""
     global _distribution
     rest = dict(config_settings or {})
     _distribution = rest.pop("distro", distributions.DEFAULT)

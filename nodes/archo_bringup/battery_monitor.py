@@ -1,4 +1,4 @@
-"""Publishes the state of the battery, and simulates its draining and charging."""
+"""The node battery_monitor, which publishes the battery's state and simulates its use."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from archo_bringup.parameters import double
 
 
 class BatteryMonitor(Node):
-    """Topic `battery_level`, service `set_charging`, subscription `battery_drain`."""
+    """A node that publishes `battery_level`, serves `set_charging`, and takes `battery_drain`."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("battery_monitor", enable_logger_service=True, **options)
@@ -73,7 +73,7 @@ class BatteryMonitor(Node):
         )
 
     def on_drain(self, message: Float32) -> None:
-        if self.is_charging:  # the charger feeds the robot
+        if self.is_charging:  # The charger feeds the robot.
             return
         self.percentage = battery_model.changed(self.percentage, -message.data)
 

@@ -1,4 +1,4 @@
-"""Listens to the battery and warns when it is low."""
+"""The node dashboard, which warns when the battery is low."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from archo_bringup import battery_model
 
 
 class Dashboard(Node):
-    """Subscribes `battery_level`; what it sees goes to the log."""
+    """A node that subscribes to `battery_level` and logs what it receives."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("dashboard", enable_logger_service=True, **options)

@@ -1,4 +1,4 @@
-"""Drains the battery faster than nature does, to see the low-battery warnings come."""
+"""The node fake_battery_drain, which drains the battery fast, to see its warnings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from archo_bringup.parameters import double
 
 
 class FakeBatteryDrain(Node):
-    """Publishes `battery_drain`: percent to take off, once a second."""
+    """A node that publishes `battery_drain`, the percent to take off, once a second."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("fake_battery_drain", **options)

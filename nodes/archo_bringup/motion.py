@@ -1,28 +1,28 @@
-"""ARCHO's drive along a route, in m and s; knows nothing of ROS."""
+"""A model of ARCHO's drive along a route, in m and s; it knows nothing of ROS."""
 
 from __future__ import annotations
 
 import math
 
-START_TICKS = 15420  # the textbook's reading before the first reset
+START_TICKS = 15420  # The textbook's reading before the first reset.
 
-_NOTHING = 1e-9  # m; less than that is left over from adding floats
+_NOTHING = 1e-9  # In m; a smaller rest comes from adding floats.
 
 
 class Drive:
-    """The encoder, and the route that is being driven (if any)."""
+    """A drive with its encoder, and the route that is being driven, if any."""
 
     def __init__(self) -> None:
-        self.remaining = 0.0  # m
+        self.remaining = 0.0  # In m.
         self._ticks = float(START_TICKS)
 
     @property
     def encoder_ticks(self) -> int:
-        """Whole ticks since the last reset."""
+        """Return the whole ticks since the last reset."""
         return int(self._ticks)
 
     def reset_encoder(self) -> int:
-        """Zero the encoder; returns the ticks it had."""
+        """Zero the encoder, and return the ticks it had."""
         ticks, self._ticks = self.encoder_ticks, 0.0
         return ticks
 
@@ -31,7 +31,7 @@ class Drive:
         self.remaining = length
 
     def advance(self, distance: float, ticks_per_metre: float) -> bool:
-        """Drive up to `distance` m further; True when the route's end is reached."""
+        """Drive up to `distance` m further, and return True if the route's end is reached."""
         driven = min(distance, self.remaining)
         self.remaining -= driven
         if self.remaining < _NOTHING:
@@ -41,17 +41,16 @@ class Drive:
 
 
 def ticks_per_metre(wheel_radius: float, ticks_per_revolution: int) -> float:
-    """Encoder ticks for each metre driven on a wheel of that radius (m)."""
+    """Return the encoder ticks for each metre driven on a wheel of that radius (m)."""
     return ticks_per_revolution / (2 * math.pi * wheel_radius)
 
 
-LATE = (
-    0.5  # s that a timer may be late on a busy machine; behind a longer gap the robot stood still
-)
+# Seconds that a timer may be late on a busy machine. After a longer gap the process was suspended.
+LATE = 0.5
 
 
 class Steps:
-    """Counts the control periods that have passed since the last call.
+    """A counter of the control periods that have passed since the last call.
 
     A late timer makes up for the periods that it missed. A process that was suspended does not: it
     could have taken no cancel and no stop meanwhile, and goes on with one step.

@@ -1,4 +1,4 @@
-"""Drives ARCHO to a shelf, counts encoder ticks, stops in an emergency."""
+"""The node motor_controller, which drives to a shelf, counts ticks and stops in an emergency."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from std_srvs.srv import Trigger
 from archo_bringup import motion
 from archo_bringup.parameters import double, fixed, integer
 
-STATUS_PERIOD = 0.2  # s between two motor_status messages
+STATUS_PERIOD = 0.2  # Seconds between two motor_status messages.
 
-# how a move can end: the method of the goal handle that says so
+# The ends of a move, by the goal handle's method for each.
 ARRIVED, CANCELED, ABORTED = "succeed", "canceled", "abort"
 
 
 class MotorController(Node):
-    """Action `move_to_shelf`; services to reset the encoder and to stop; topic `motor_status`."""
+    """A node with action `move_to_shelf`, topic `motor_status`, and services to reset and stop."""
 
     def __init__(self, **options: Any) -> None:
         super().__init__("motor_controller", enable_logger_service=True, **options)
@@ -49,9 +49,9 @@ class MotorController(Node):
 
         self.drive = motion.Drive()
         self.clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self.goal: Any = None  # the goal that is being driven
-        self.shelf = 0  # where to
-        self.outcome: Future[tuple[str, str]] = Future()  # how it ended, and the words for it
+        self.goal: Any = None  # The goal that is being driven.
+        self.shelf = 0  # The target of the goal.
+        self.outcome: Future[tuple[str, str]] = Future()  # How the goal ended, and its message.
         self.emergency_stopped = False
         self.battery_empty = False
         self.steps = motion.Steps(0, 1)
@@ -62,7 +62,7 @@ class MotorController(Node):
         self.create_service(Trigger, "release_emergency_stop", self.release_emergency_stop)
         self.create_timer(STATUS_PERIOD, self.publish_status)
         self.control_timer = self.create_timer(self.value("feedback_period"), self.control)
-        self.control_timer.cancel()  # runs during a move only
+        self.control_timer.cancel()  # The timer runs during a move only.
         self.action_server = ActionServer(
             self,
             MoveToShelf,
@@ -75,21 +75,21 @@ class MotorController(Node):
     def value(self, name: str) -> float:
         return float(self.get_parameter(name).value)
 
-    # the move
+    # The move.
 
     def on_goal(self, request: MoveToShelf.Goal) -> GoalResponse:
         reason = self.why_not(request.shelf_number)
         if reason:
             self.get_logger().warning(f"Goal refused: {reason}")
             return GoalResponse.REJECT
-        self.goal = request  # taken from here on, the handle follows in execute_move
+        self.goal = request  # Taken from now on; the handle follows in execute_move.
         self.shelf = request.shelf_number
         self.drive.begin(self.value("route_length"))
         self.outcome = Future()
         return GoalResponse.ACCEPT
 
     def why_not(self, shelf: int) -> str:
-        """The reason why a goal to that shelf is refused, or an empty string."""
+        """Return why a goal to that shelf is refused, or an empty string."""
         shelves = int(self.value("shelf_count"))
         if self.emergency_stopped:
             return "emergency stop: release it first"
@@ -122,11 +122,11 @@ class MotorController(Node):
         self.control_timer.reset()
 
     def control(self) -> None:
-        """One control period: take a cancel, else drive on and report."""
+        """Run one control period: take a cancel, else drive on and report."""
         if self.goal.is_cancel_requested:
             self.end(CANCELED, "Cancelled mid-route")
-        # a late timer makes up for the periods it missed, so that speed follows the clock;
-        # a process that was suspended does not
+        # A late timer makes up for the periods it missed, so that speed follows the clock. A
+        # process that was suspended does not.
         for _ in range(self.steps.due(self.clock.now().nanoseconds)):
             if self.outcome.done():
                 return
@@ -150,7 +150,7 @@ class MotorController(Node):
         if self.goal is not None and not self.outcome.done():
             self.outcome.set_result((how, message))
 
-    # stop, encoder, battery
+    # Stop, encoder, battery.
 
     def emergency_stop(
         self, request: EmergencyStop.Request, response: EmergencyStop.Response
