@@ -240,7 +240,7 @@ class Robot:
             turn = self._services.turn()
             outcome = await self._call(name, request, gate, late)
             if outcome.ok:
-                self._stopping.past(turn)
+                self._stopping.accepted(turn)
             return outcome
 
         ros2, late = self._offers.call_command(name, request), self._late("release stop", "release")
@@ -276,8 +276,9 @@ class Robot:
             # it may not have come, and would be asked for no more; a goal from before it is void
             if self._stopping.open is not None and not gate.is_shut:
                 return Outcome(Code.REFUSED, UNCONFIRMED)
-            self._stopping.look_at_holders()  # its node may have been restarted since the last look
-            if self._stopping.latch is Latch.UNCERTAIN and not gate.is_shut:
+            # Its node may have been restarted since the last look.
+            self._stopping.latch.check_holders()
+            if self._stopping.latch.state is Latch.UNCERTAIN and not gate.is_shut:
                 return Outcome(Code.HELD, HELD) if queued else Outcome(Code.REFUSED, UNCERTAIN)
             if heard.stop_holds and not gate.is_shut:
                 return Outcome(Code.REFUSED, HOLDS)
@@ -291,7 +292,7 @@ class Robot:
             except Void:
                 return Outcome(Code.HELD if queued else Code.CANCELLED, NOT_SENT)
             if outcome.ok:
-                self._stopping.past(turn)
+                self._stopping.accepted(turn)
             return outcome
 
         ros2 = self._offers.goal_command(kind, values)
@@ -403,7 +404,7 @@ class Robot:
 
         async def call(gate: Gate) -> Outcome:
             gate()
-            self._stopping.over()
+            self._stopping.close()
             return Outcome(Code.DONE, "given up; the robot has not confirmed it")
 
         return await self._do("give_up_stop", {}, "give up STOP", "", call)
@@ -484,14 +485,14 @@ class Robot:
             The full name of the service, empty when there is no such STOP; and its request.
         """
         stop, stopping = self.file.stop, self._stopping
-        is_over = stopping.open is None and stopping.latch is Latch.NONE and self.stops.are_answered
-        if stop is None or is_over:
+        holds = stopping.open is not None or stopping.latch.state is not Latch.NONE
+        if stop is None or (not holds and self.stops.are_answered):
             return "", {}
         return self._offers.full(stop.service), stop.request
 
     def told_stop(self, node: str) -> None:
         """A node that starts here was told of the STOP before anything else. Any thread."""
-        self._thread.submit(lambda: self._stopping.told_anew(node))
+        self._thread.submit(lambda: self._stopping.latch.add_told(node))
 
     def note(
         self, level: str, source: str, text: str, command: str = "", act: Act | None = None
@@ -617,7 +618,7 @@ class Robot:
         """Every second; of a very large graph less often."""
         if self._clock.monotonic() >= self._next_look:
             self._look()
-        if self._stopping.is_to_be_repeated and self._is_heard:
+        if self._stopping.must_repeat and self._is_heard:
             self._thread.submit(self._stopping.send_again)
 
     @property
@@ -645,8 +646,8 @@ class Robot:
         return Snapshot(
             file=self.file,
             motion=self._telemetry.motion,
-            latch=self._stopping.latch,
-            released=self._stopping.released,
+            latch=self._stopping.latch.state,
+            released=self._stopping.latch.released,
         )
 
     def _motion_restarted(self) -> bool:
@@ -667,7 +668,7 @@ class Robot:
         changed = self._graph.look()
         self._next_look = begun + self._graph.rest - _EARLY
         self._look_at_motion()
-        self._stopping.look_at_holders()
+        self._stopping.latch.check_holders()
         self._others.who = CONSOLE if self._graph.mute else CLIENT
         self._tell_of_consoles()
         self._tell_of_nodes()
@@ -733,9 +734,9 @@ class Robot:
                 # of several robots one says nothing about the others
                 stop = self.file.stop
                 if stop is not None and stop.service not in self._graph.several:
-                    before = self._stopping.is_unheeded
-                    self._stopping.heard(self._telemetry.motion)
-                    if self._stopping.is_unheeded != before:
+                    before = self._stopping.latch.is_not_obeyed
+                    self._stopping.on_motion(self._telemetry.motion)
+                    if self._stopping.latch.is_not_obeyed != before:
                         self._mark()
                 now = self._clock.monotonic()
                 self._others.motion(self._telemetry.motion, now, self._motion_restarted)
@@ -795,7 +796,7 @@ class Robot:
         if told.act.code is Code.DONE and told.act.verb == "stop":
             self._stopping.stopped_elsewhere(told.console)
         elif told.act.code is Code.DONE and told.act.verb == "release":
-            self._stopping.released_elsewhere(told.console)
+            self._stopping.latch.released_elsewhere(told.console)
         now = self._clock.now()
         self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))
 
@@ -868,11 +869,11 @@ class Robot:
                 events=self._log.all(),
                 charge=self._telemetry.charge,
                 open_stop=self._stopping.open,
-                latch=self._stopping.latch,
-                latch_lost=self._stopping.lost,
-                latch_time=self._stopping.time,
-                released=self._stopping.released,
-                moves_on=self._stopping.is_unheeded,
+                latch=self._stopping.latch.state,
+                latch_lost=self._stopping.latch.doubt,
+                latch_time=self._stopping.latch.time,
+                released=self._stopping.latch.released,
+                moves_on=self._stopping.latch.is_not_obeyed,
                 outlived=self._outlived,
                 namespace=self._graph.namespace,
                 faults=self._faults,

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from archo_tui.paths import journal_file
-from archo_tui.robot.stopping import OBEYED
+from archo_tui.robot.stop_latch import OBEYED
 from tests.support.clock import seconds
 from tests.support.console import FAST, click, console
 from tests.support.ros import begin

@@ -1,0 +1,188 @@
+"""What is known of a confirmed STOP until it is released. ROS thread only.
+
+The rules, each of which is checked in one method:
+
+1. A confirmed STOP holds until a release or a goal is accepted behind it: `hold`, `release`.
+2. It is certain only while the nodes that confirmed it are there, and none of them was restarted:
+   `check_holders`. A node that its host told of the STOP at its start counts as one of them.
+3. A robot that never reports whether it is stopped makes it uncertain by moving (`on_motion`), and
+   so does another console that releases it (`released_elsewhere`).
+4. A robot that reports it decides by its reports: `on_motion`.
+5. A robot that moves on behind a confirmed STOP does not obey: `is_not_obeyed`.
+
+Nothing is sent from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from archo_tui.clock import Clock
+from archo_tui.robot.graph import Graph
+from archo_tui.robot.state import Latch, Motion
+
+OBEYED = 1.0  # Seconds after a confirmed STOP in which the robot comes to rest.
+_SETTLED = 1.0  # Seconds after a change of nodes in which reports of the old ones still come.
+
+Ids = dict[
+    str, frozenset[bytes]
+]  # Ids of each node, by its full name, as `Graph.holders` has them.
+
+
+class StopLatch:
+    """The memory of the last confirmed STOP.
+
+    Attributes:
+        state: Whether one holds, and whether that is certain.
+        doubt: Why an UNCERTAIN one is not certain; else empty.
+        time: Unix time at which it was confirmed.
+        released: Monotonic time of the last confirmed release; None: there was none.
+        other_turn: The turn in which another console reported its last STOP; 0: none did.
+        asked: The nodes that the last STOP of this console was sent to.
+        is_not_obeyed: True if the robot reports that it moves although it has confirmed a STOP.
+    """
+
+    def __init__(
+        self, service: str, clock: Clock, graph: Graph, on_change: Callable[[], None]
+    ) -> None:
+        """Remember nothing yet.
+
+        Args:
+            service: The STOP's service as in the robot file; empty: the robot has none.
+            clock: The console's clock.
+            graph: Tells which nodes serve the STOP.
+            on_change: Called when `state` or `doubt` has changed.
+        """
+        self._service, self._clock, self._graph = service, clock, graph
+        self._on_change = on_change
+        self.state = Latch.NONE
+        self.doubt = ""
+        self.time = 0.0
+        self.released: float | None = None
+        self.other_turn = 0
+        self.asked: Ids = {}
+        self.is_not_obeyed = False
+        self._lasting_doubt = ""  # A doubt that no node's return ends (rule 3); else empty.
+        self._other_console = ""  # The console that sent the STOP; empty: this one.
+        self._holders: Ids = {}  # The nodes that confirmed it.
+        self._told: set[str] = set()  # Nodes that their host told of it at their start.
+        self._nodes_changed = 0.0  # Monotonic time at which another node than these was seen.
+        self._reports_stop = False  # The robot reports whether it is stopped.
+        self._reported = False  # What it reported last.
+        self._sent: float | None = None  # When the STOP left, while the robot has not stood since.
+        self._moves_since: float | None = None  # Monotonic time since when it reports a motion.
+
+    def hold(self, other_console: str = "") -> None:
+        """Remember that the robot has just confirmed a STOP, and which nodes did.
+
+        Args:
+            other_console: The console that sent it; empty: this one.
+        """
+        self.state, self.doubt, self._lasting_doubt = Latch.HELD, "", ""
+        self._other_console = other_console
+        self.time = self._clock.now()
+        # They may have left by now: any node that comes later would pass for them.
+        self._holders = self._graph.holders(self._service) or self.asked
+        self._told.clear()
+
+    def release(self) -> None:
+        """Forget the STOP: something was accepted behind it."""
+        self.state, self._lasting_doubt = Latch.NONE, ""
+        self.released, self._sent = self._clock.monotonic(), None
+
+    def expect_rest(self, sent: float) -> None:
+        """Take the robot for disobedient if it moves from now on without having stood.
+
+        Args:
+            sent: Monotonic time at which the STOP left.
+        """
+        self._sent = sent
+
+    def add_told(self, node: str) -> None:
+        """Count a node among the holders: its host told it of the STOP before anything else."""
+        self._told.add(node)
+        self.check_holders()
+
+    def stopped_elsewhere(self, console: str, turn: int) -> None:
+        """Take another console's word that the robot has confirmed its STOP.
+
+        If the robot reports its stops itself, its report is waited for.
+
+        Args:
+            console: The other console.
+            turn: The number of the next request of this console.
+        """
+        if self._reports_stop:
+            return
+        self.other_turn, self._sent = turn, self._clock.monotonic()
+        if self.state is not Latch.HELD:
+            self.hold(console)
+            self._on_change()
+
+    def released_elsewhere(self, console: str) -> None:
+        """Take another console's word that it has released the STOP.
+
+        It ends the STOP if that console sent it, or the robot reports its stops; otherwise the
+        STOP is no longer certain.
+        """
+        if self._reports_stop or (self._other_console == console and self.state is Latch.HELD):
+            self.state = Latch.NONE
+            self._on_change()
+        else:
+            self._cast_lasting_doubt(f"console {console} released it")
+
+    def _cast_lasting_doubt(self, why: str) -> None:
+        if self.state is not Latch.NONE and not self._lasting_doubt:
+            self.state, self.doubt, self._lasting_doubt = Latch.UNCERTAIN, why, why
+            self._on_change()
+
+    def check_holders(self) -> None:
+        """Compare the nodes that serve the STOP now with those that confirmed it (rule 2)."""
+        if self.state is Latch.NONE or not self._service or self._lasting_doubt:
+            return
+        now, before = self._graph.holders(self._service), (self.state, self.doubt)
+        told = {node: ids for node, ids in now.items() if node in self._told}
+        expected = {**self._holders, **told}
+        if not self._holders or now == expected:
+            self._holders, self.state, self.doubt = now, Latch.HELD, ""
+            self._told -= now.keys()
+        else:
+            self.state = Latch.UNCERTAIN
+            gone = sorted(expected.keys() - now.keys())
+            new = sorted(node for node, ids in now.items() if ids != expected.get(node))
+            self.doubt = f"{new[0]} was started since" if new else f"{gone[0]} has left"
+            if new:
+                self._nodes_changed = self._clock.monotonic()
+        if before != (self.state, self.doubt):
+            self._on_change()
+
+    def on_motion(self, motion: Motion) -> None:
+        """Take in what the robot reports of itself. Only for a robot whose one node reports it."""
+        self._reports_stop = motion.stopped is not None
+        is_released = self._reported and motion.stopped is False
+        self._reported = bool(motion.stopped)
+        if motion.stopped:
+            is_settled = self._clock.monotonic() - self._nodes_changed >= _SETTLED
+            if self.state is Latch.NONE or (self.state is Latch.UNCERTAIN and is_settled):
+                self.hold()
+        elif is_released and self.state is Latch.HELD:
+            self.check_holders()  # A node that was started anew may report it.
+            if self.state is Latch.HELD:
+                self.state = Latch.NONE
+        self._check_motion(motion, is_released=is_released)
+
+    def _check_motion(self, motion: Motion, *, is_released: bool) -> None:
+        """Check rules 5 and 3 against a motion."""
+        now = motion.received
+        if is_released or not motion.moving:
+            self._sent = None
+        elif self._reported and self._sent is None:  # Whoever stopped it.
+            self._sent = now
+        sent = self._sent
+        self.is_not_obeyed = sent is not None and now is not None and now - sent >= OBEYED
+        if not motion.moving or now is None:
+            self._moves_since = None
+        elif self._moves_since is None:
+            self._moves_since = now
+        elif now - self._moves_since >= OBEYED and sent is None and not self._reports_stop:
+            self._cast_lasting_doubt("the robot moves")
