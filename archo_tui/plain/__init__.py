@@ -1,1 +1,1 @@
-"""`archo-tui --plain`: the station line by line."""
+"""`archo-tui --plain`: the frontend that reads and prints line by line."""

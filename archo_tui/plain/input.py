@@ -1,4 +1,7 @@
-"""What is typed into `--plain`: read without a pause, since a STOP may come behind it."""
+"""The reader of what is typed into `--plain`.
+
+It never pauses: a STOP may be behind the line that is being carried out.
+"""
 
 from __future__ import annotations
 
@@ -13,75 +16,95 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from archo_tui.clock import Clock
-from archo_tui.plain.lines import LONGEST, TOO_LONG, LineCutter, is_stop, words_of
+from archo_tui.plain.lines import MAX_LINE, TOO_LONG, LineSplitter, is_stop, shell_words
 from archo_tui.robot.stops import Stops
 
-_SHOWN = 40  # bytes of a wrong line that are shown
-MOST = 1024 * 1024  # bytes of lines that wait
-_CHUNK = 64 * 1024  # bytes: what a pipe holds, so that what is written in one go is read in one go
+MAX_WAITING = 1024 * 1024  # Bytes of lines that wait to be carried out.
+_SHOWN = 40  # Bytes of a line that is not UTF-8 which its error quotes.
+_CHUNK = 64 * 1024  # Bytes; a pipe holds as many, so what is written at once is read at once.
 
 
-class Line(NamedTuple):
-    """One that is to be carried out."""
+class TypedLine(NamedTuple):
+    """A line to be carried out.
+
+    Attributes:
+        text: The line without its end; empty if it has a fault.
+        stops_before: STOPs that had been read when it was read.
+        fault: Why it cannot be carried out; empty if it can.
+    """
 
     text: str
-    stops: int  # that had been read before it
-    fault: str = ""  # why it is not
+    stops_before: int
+    fault: str = ""
 
 
 class Input:
-    """Reads a file descriptor on a thread of its own, and counts the STOPs among the lines.
+    """A file descriptor that is read on a thread of its own, which counts the STOPs in it.
 
-    It does so there, for the loop may be at work on what was typed before. The other lines wait
-    here, each with the count at its place, until they are taken.
+    The thread counts each STOP as it is read, since the loop may be busy with an earlier line. All
+    other lines wait here until they are taken, each with the number of STOPs before it.
+
+    Attributes:
+        is_terminal: True if a person types, as far as the system knows.
+        last: When the last line was read (monotonic seconds), and the seconds since the line
+            before it.
+        unanswered: The numbers (by `Stops.count`) of the STOPs read here that the robot has not
+            answered. The thread appends; whoever sends STOPs removes them.
+        has_ended: True after the end of the input; lines may still wait.
+        overflows: How many times lines began to be refused because too many waited.
     """
 
     def __init__(
-        self, descriptor: int | None, stops: Stops, heard: Callable[[], None], clock: Clock
+        self, descriptor: int | None, stops: Stops, on_input: Callable[[], None], clock: Clock
     ) -> None:
-        """`heard()` is called on the running loop after something came, or the end.
+        """Read nothing yet.
 
-        `descriptor` is None where there is no input.
+        Args:
+            descriptor: What is read, and stays open; None if there is no input.
+            stops: The counter of STOPs.
+            on_input: Called on the running loop after something was read, and after the end.
+            clock: Tells when a line was read.
         """
-        self._descriptor, self._stops, self._heard = descriptor, stops, heard
+        self._descriptor, self._stops, self._on_input = descriptor, stops, on_input
         self._clock = clock
-        self.last = 0.0, 0.0  # monotonic s when the last line was read; s since the one before
+        self.last = 0.0, 0.0
         self._loop = asyncio.get_running_loop()
         self.is_terminal = descriptor is not None and os.isatty(descriptor)
-        self._thread = threading.Thread(target=self._listen, name="stdin", daemon=True)
-        self._lock = threading.Lock()
-        # the counts and the lines: as objects they would take many times the room
+        self._thread = threading.Thread(target=self._read, name="stdin", daemon=True)
+        self._lock = threading.Lock()  # Held while the three attributes below are used.
+        # One entry a line: `STOPS TEXT\n`, or `STOPS\n` for a line that was too long. As objects,
+        # 1 MB of short lines would take many times as much memory.
         self._waiting = bytearray()
-        self._size = 0  # bytes of the lines alone
+        self._size = 0  # Bytes of the waiting lines, without the numbers.
         self._is_full = False
-        self._told = False  # the loop, and it has not looked yet
-        self._closed = False
-        self._at_work = False  # the thread, with what is not counted or kept yet
-        self.has_ended = False  # lines may wait still
-        self.unanswered: deque[int] = deque()  # the numbers of the STOPs that were typed
-        self.overflows = 0  # how often it has begun to refuse lines
+        self._is_announced = False  # The loop will call `on_input`, and has not done so yet.
+        self._is_closed = False
+        self._is_at_work = False  # The thread has read something that is not counted or kept yet.
+        self.has_ended = False
+        self.unanswered: deque[int] = deque()
+        self.overflows = 0
 
     def start(self) -> None:
-        """Begin to read; no buffered reader, which would delay the end of the process."""
+        """Begin to read, without a buffered reader, whose lock would delay the process's end."""
         self._thread.start()
 
     def close(self) -> None:
-        """What is read from now on is left alone."""
-        self._closed = True
+        """Ignore whatever is read from now on."""
+        self._is_closed = True
 
     @property
     def is_reading(self) -> bool:
-        """True until the end of the input, or the first thing that comes after `close()`."""
+        """True until the end of the input, or the first read that returns after `close()`."""
         return self._thread.is_alive()
 
     @property
     def has_news(self) -> bool:
-        """True when a line waits, or none comes any more."""
+        """True if a line waits, or the input has ended."""
         return bool(self._waiting) or self.has_ended
 
     @property
     def is_cancel_next(self) -> bool:
-        """True when the line that has waited longest is `cancel`."""
+        """True if the line that has waited longest is `cancel`."""
         with self._lock:
             end = max(self._waiting.find(b"\n"), 0)
             _, _, text = self._waiting[:end].partition(b" ")
@@ -89,88 +112,96 @@ class Input:
 
     @property
     def is_quiet(self) -> bool:
-        """True when nothing is there to be read, and what was read is kept."""
-        if self._descriptor is None or self.has_ended or self._closed:
+        """True if there is nothing to read at this moment, and all that was read is kept."""
+        if self._descriptor is None or self.has_ended or self._is_closed:
             return True
-        if sys.platform == "win32":  # its select knows no pipes
+        if sys.platform == "win32":  # Windows can `select` sockets only.
             return True
-        # in this order: the thread is at work before it takes something away
-        return not select.select([self._descriptor], [], [], 0)[0] and not self._at_work
+        # The order matters: the thread marks itself at work before it takes bytes away.
+        return not select.select([self._descriptor], [], [], 0)[0] and not self._is_at_work
 
-    def take(self) -> Line | None:
-        """The line that has waited longest; None when there is none."""
+    def take(self) -> TypedLine | None:
+        """Remove and return the line that has waited longest; None if no line waits."""
         with self._lock:
             end = self._waiting.find(b"\n")
             entry = bytes(self._waiting[: max(end, 0)])
             del self._waiting[: end + 1]
-            stops, mark, text = entry.partition(b" ")
+            stops, space, text = entry.partition(b" ")
             self._size -= len(text)
-            self._is_full = self._is_full and self._size > MOST // 2
+            # Refusing ends when half has been taken, so that it is reported once, not per line.
+            self._is_full = self._is_full and self._size > MAX_WAITING // 2
         if not entry:
             return None
-        if not mark:
-            return Line("", int(stops), f"a line of more than {LONGEST} bytes")
+        if not space:
+            return TypedLine("", int(stops), f"a line of more than {MAX_LINE} bytes")
         try:
-            return Line(text.decode(), int(stops))
-        except UnicodeDecodeError:  # whatever stood for its characters would be sent
+            return TypedLine(text.decode(), int(stops))
+        except UnicodeDecodeError:  # Replacement characters must not be sent to the robot.
             shown = text[:_SHOWN].decode(errors="replace")
-            return Line("", int(stops), f"a line that is not UTF-8: {shown}")
+            return TypedLine("", int(stops), f"a line that is not UTF-8: {shown}")
 
-    # on the thread
+    # Called on the thread.
 
-    def _listen(self) -> None:
-        lines = LineCutter()
-        while (chunk := self._chunk()) and not self._closed:
-            read = lines.take(chunk)
-            for _ in read:
+    def _read(self) -> None:
+        """Read until the end of the input, or until `close()`."""
+        splitter = LineSplitter()
+        while (chunk := self._read_chunk()) and not self._is_closed:
+            lines = splitter.feed(chunk)
+            for _ in lines:
                 now = self._clock.monotonic()
                 self.last = now, now - self.last[0]
-            self._keep(read)
-            self._at_work = False
-            self._tell()
-        self._keep(lines.take(b"\n"))
+            self._keep(lines)
+            self._is_at_work = False
+            self._announce()
+        self._keep(splitter.feed(b"\n"))  # The last line may have no end.
         self.has_ended = True
-        self._tell()
+        self._announce()
 
-    def _chunk(self) -> bytes:
+    def _read_chunk(self) -> bytes:
+        """Wait for input and return it; empty at the end, or if it cannot be read."""
         while self._descriptor is not None:
             try:
                 if sys.platform != "win32":
                     select.select([self._descriptor], [], [])
-                self._at_work = True
+                self._is_at_work = True
                 return os.read(self._descriptor, _CHUNK)
-            except BlockingIOError:  # whoever else has it has made it so, and was faster
-                self._at_work = False
+            # Another process that shares the descriptor made it non-blocking, and read first.
+            except BlockingIOError:
+                self._is_at_work = False
             except OSError:
                 break
         return b""
 
     def _keep(self, lines: list[bytes]) -> None:
+        """Count each line that is a STOP; keep each other line with the number of STOPs before."""
         stops = self._stops.count
-        entries = []
+        entries = []  # Each with the bytes of its text.
         for line in lines:
-            if is_stop(line) or (b"call" in line and self._stops.is_stop_call(words_of(line))):
+            if is_stop(line) or (b"call" in line and self._stops.is_stop_call(shell_words(line))):
                 stops = self._stops.register()
                 self.unanswered.append(stops)
             elif line == TOO_LONG:
                 entries.append((b"%d\n" % stops, 0))
-            elif line.strip() or self.is_terminal:  # there a return is an answer
+            elif line.strip() or self.is_terminal:  # At a terminal, an empty line is an answer.
                 entries.append((b"%d %b\n" % (stops, line), len(line)))
         with self._lock:
             for entry, size in entries:
-                if not self._is_full and self._size + size > MOST:
+                if not self._is_full and self._size + size > MAX_WAITING:
                     self._is_full = True
                     self.overflows += 1
                 if not self._is_full:
                     self._waiting += entry
                     self._size += size
 
-    def _tell(self) -> None:
-        if not self._told:
-            self._told = True
-            with contextlib.suppress(RuntimeError):  # the loop is closed: nobody listens
-                self._loop.call_soon_threadsafe(self._look)
+    def _announce(self) -> None:
+        """Have the loop call `on_input`, unless it is about to."""
+        if not self._is_announced:
+            self._is_announced = True
+            with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits for input.
+                self._loop.call_soon_threadsafe(self._call_on_input)
 
-    def _look(self) -> None:
-        self._told = False
-        self._heard()
+    # Called on the loop.
+
+    def _call_on_input(self) -> None:
+        self._is_announced = False
+        self._on_input()

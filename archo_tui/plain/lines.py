@@ -1,65 +1,81 @@
-"""Lines as they are typed: where they end, and which of them is a STOP. Pure."""
+"""The rules for typed lines: where a line ends, and which line is a STOP. Pure functions.
+
+Every program of this project decides by `is_stop` and `is_stop_text` what a STOP is.
+"""
 
 from __future__ import annotations
 
 import re
 import shlex
 
-LONGEST = 64 * 1024  # bytes of a line that is taken
-TOO_LONG = b"\n"  # in place of a line that is longer; no line can be that
+MAX_LINE = 64 * 1024  # Bytes of a line that is accepted.
+TOO_LONG = b"\n"  # Stands for a longer line; no line can be equal to it.
 
-# what a terminal sends for a key that is not a letter, or around what is pasted
+# The escape sequences (ECMA-48: CSI, and SS3 with one character) that a terminal sends for a key
+# without a letter, or around pasted text.
 _KEY = re.compile(r"\x1b(\[[0-?]*[ -/]*[@-~]|O[@-~])")
 _STOP = re.compile(r"[\W_]*stop(?!\w)", re.IGNORECASE)
 
 
 def is_stop(line: bytes) -> bool:
-    """True when its first word is stop, whatever surrounds it: for a STOP no spelling is wrong."""
-    line = line.replace(b"\0", b"")  # of a text in UTF-16
-    if b"stop" not in line.lower():  # nearly no line has it, and this is fast
+    """Return True if the first word of a line is `stop`.
+
+    Upper case, punctuation, escape sequences, and bytes that are not UTF-8 do not matter: a person
+    who types STOP in a hurry must not be refused for the spelling.
+
+    Args:
+        line: The line, of any length, without its end.
+    """
+    line = line.replace(b"\0", b"")  # ASCII text that was encoded in UTF-16.
+    if b"stop" not in line.lower():  # Most lines end here: decoding is slower.
         return False
     return is_stop_text(line.decode(errors="replace"))
 
 
 def is_stop_text(text: str) -> bool:
-    """Return True for a STOP by the rule of `is_stop`, which every program here goes by."""
+    """Return True if a text is a STOP by the rule of `is_stop`."""
     if "stop" not in text.lower():
         return False
     return _STOP.match(text) is not None or _STOP.match(_KEY.sub("", text)) is not None
 
 
-def words_of(line: bytes) -> list[str]:
-    """Return the words of a line, as a shell splits it; none while a quote is not closed."""
+def shell_words(line: bytes) -> list[str]:
+    """Return the words of a line, split as a shell splits it; none if a quote is not closed."""
     try:
         return shlex.split(line.decode(errors="replace"))
     except ValueError:
         return []
 
 
-class LineCutter:
-    """Cuts what is read into lines, at a cost that is linear whatever comes."""
+class LineSplitter:
+    """Splits a stream of chunks into lines, in time linear in its length whatever it contains."""
 
     def __init__(self) -> None:
-        self._rest = bytearray()
-        self._skips = False  # the rest of a line that is too long
+        self._rest = bytearray()  # The beginning of a line whose end was not read yet.
+        self._is_skipping = False  # The end of a line that is too long.
 
-    def take(self, chunk: bytes) -> list[bytes]:
-        """The lines that this piece ends, and one that becomes too long in it."""
-        first, *others = chunk.replace(b"\r", b"\n").split(b"\n")  # a raw terminal sends returns
-        found: list[bytes] = []
-        self._keep(first, found)
+    def feed(self, chunk: bytes) -> list[bytes]:
+        """Return the lines that end in this chunk, without their ends.
+
+        A line that exceeds `MAX_LINE` is in the list as soon as it does: as its first `MAX_LINE`
+        bytes if they are a STOP, else as `TOO_LONG`. The rest of it is dropped.
+        """
+        first, *others = chunk.replace(b"\r", b"\n").split(b"\n")  # A raw terminal sends returns.
+        lines: list[bytes] = []
+        self._append(first, lines)
         for part in others:
-            if not self._skips:
-                found.append(bytes(self._rest))
-            self._rest, self._skips = bytearray(), False
-            self._keep(part, found)
-        return found
+            if not self._is_skipping:
+                lines.append(bytes(self._rest))
+            self._rest, self._is_skipping = bytearray(), False
+            self._append(part, lines)
+        return lines
 
-    def _keep(self, part: bytes, found: list[bytes]) -> None:
-        if self._skips:
+    def _append(self, part: bytes, lines: list[bytes]) -> None:
+        """Add a part to the current line; if that becomes too long, add its stand-in to `lines`."""
+        if self._is_skipping:
             return
         self._rest += part
-        if len(self._rest) > LONGEST:
-            head = bytes(self._rest[:LONGEST])
-            found.append(head if is_stop(head) else TOO_LONG)
-            self._rest, self._skips = bytearray(), True
+        if len(self._rest) > MAX_LINE:
+            head = bytes(self._rest[:MAX_LINE])
+            lines.append(head if is_stop(head) else TOO_LONG)
+            self._rest, self._is_skipping = bytearray(), True

@@ -1,4 +1,7 @@
-"""What `--plain` prints: written beside all else, since its reader may stall."""
+"""The writer of what `--plain` prints.
+
+It has a thread of its own, since whatever reads the output may stall.
+"""
 
 from __future__ import annotations
 
@@ -9,92 +12,113 @@ import select
 import threading
 from collections.abc import Callable
 
-MOST = 1_000_000  # bytes that wait for the reader
-_PIECE = 4096  # bytes that are written in one go
+MAX_WAITING = 1_000_000  # Bytes that wait to be written.
+_CHUNK = 4096  # Bytes written at once, unless a line is longer.
 
 
 class Output:
-    """Writes whole lines to a file descriptor, on a thread of its own.
+    """A file descriptor to which whole lines are written, on a thread of its own.
 
-    When too much waits, the oldest lines are left out, and a line says how many.
+    When too much waits, the oldest lines are dropped, and a line tells how many.
+
+    Attributes:
+        is_broken: True after a write failed: the reader has left, or the disk is full.
     """
 
-    def __init__(self, descriptor: int, changed: Callable[[], None]) -> None:
-        """`changed()` is called on the running loop when there is room again or all is done."""
-        self._descriptor, self._changed = descriptor, changed
+    def __init__(self, descriptor: int, on_change: Callable[[], None]) -> None:
+        """Write nothing yet.
+
+        Args:
+            descriptor: Where the lines are written; it stays open.
+            on_change: Called on the running loop when `has_room` or `is_done` may be true again.
+        """
+        self._descriptor, self._on_change = descriptor, on_change
         self._loop = asyncio.get_running_loop()
-        self._condition = threading.Condition()
+        self._condition = threading.Condition()  # Guards the attributes below; notified by `put`.
         self._waiting = bytearray()
-        self._left_out = 0
-        self._is_writing = self._closed = False
-        self.is_broken = False  # nobody reads any more, or there is no room
+        self._dropped = 0  # Lines dropped since the last line that told how many.
+        self._is_writing = self._is_closed = False
+        self.is_broken = False
 
     def start(self) -> None:
         """Begin to write."""
         threading.Thread(target=self._run, name="stdout", daemon=True).start()
 
     def put(self, lines: bytes) -> None:
-        """Have these whole lines written."""
+        """Append lines to what is to be written; return at once.
+
+        Args:
+            lines: Whole lines, each with its end.
+        """
         with self._condition:
             self._waiting += lines
-            if len(self._waiting) > MOST:
-                end = self._waiting.find(b"\n", len(self._waiting) - MOST - 1) + 1
-                self._left_out += self._waiting.count(b"\n", 0, end)
+            if len(self._waiting) > MAX_WAITING:
+                end = self._waiting.find(b"\n", len(self._waiting) - MAX_WAITING - 1) + 1
+                self._dropped += self._waiting.count(b"\n", 0, end)
                 del self._waiting[:end]
             self._condition.notify()
 
     @property
     def has_room(self) -> bool:
-        """True while nothing is about to be left out."""
-        return self.is_broken or len(self._waiting) < MOST // 2
+        """True if less than half of what may wait does, or nothing can be written any more."""
+        return self.is_broken or len(self._waiting) < MAX_WAITING // 2
 
     @property
     def is_done(self) -> bool:
-        """True when all is written, or cannot be."""
-        return self.is_broken or not (self._waiting or self._left_out or self._is_writing)
+        """True if everything is written, or nothing can be written any more."""
+        return self.is_broken or not (self._waiting or self._dropped or self._is_writing)
 
     def close(self) -> None:
-        """Nothing more comes: the thread ends after what it can write."""
+        """Have the thread end once it has written what waits; nothing may be put any more."""
         with self._condition:
-            self._closed = True
+            self._is_closed = True
             self._condition.notify()
 
-    # on the thread
+    # Called on the thread.
 
     def _run(self) -> None:
+        """Write what is put, until the end or an error."""
         try:
-            while piece := self._next():
-                self._write(piece)
+            while chunk := self._next_chunk():
+                self._write(chunk)
         except OSError:
             self.is_broken = True
-            self._tell()
+            self._announce()
 
-    def _next(self) -> bytes:
-        """The next whole lines, as soon as there are some; none at the end."""
+    def _next_chunk(self) -> bytes:
+        """Wait for lines and return the next ones; empty once all is written after `close()`."""
         with self._condition:
             self._is_writing = False
             if self.is_done:
-                self._tell()
-            self._condition.wait_for(lambda: not self.is_done or self._closed)
-            had_room, left_out, self._left_out = self.has_room, self._left_out, 0
-            end = self._waiting.rfind(b"\n", 0, _PIECE) + 1 or self._waiting.find(b"\n") + 1
-            piece = bytes(self._waiting[:end])
+                self._announce()
+            self._condition.wait_for(lambda: not self.is_done or self._is_closed)
+            had_room, dropped, self._dropped = self.has_room, self._dropped, 0
+            # As many whole lines as fit, or the first line if none fits.
+            end = self._waiting.rfind(b"\n", 0, _CHUNK) + 1 or self._waiting.find(b"\n") + 1
+            chunk = bytes(self._waiting[:end])
             del self._waiting[:end]
-            self._is_writing = bool(piece)
+            self._is_writing = bool(chunk)
             if self.has_room and not had_room:
-                self._tell()
-        if not left_out:
-            return piece
-        lines = "1 line was" if left_out == 1 else f"{left_out} lines were"
-        return f"... {lines} left out: the reader was too slow\n".encode() + piece
+                self._announce()
+        if not dropped:
+            return chunk
+        lines = "1 line was" if dropped == 1 else f"{dropped} lines were"
+        return f"... {lines} left out: the reader was too slow\n".encode() + chunk
 
-    def _tell(self) -> None:
-        with contextlib.suppress(RuntimeError):  # the loop is closed: nobody asks
-            self._loop.call_soon_threadsafe(self._changed)
+    def _announce(self) -> None:
+        """Have the loop call `on_change`."""
+        with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits for it.
+            self._loop.call_soon_threadsafe(self._on_change)
 
     def _write(self, data: bytes) -> None:
+        """Write all of it, however long the reader takes.
+
+        Raises:
+            OSError: Nothing can be written any more.
+        """
         while data:
             try:
                 data = data[os.write(self._descriptor, data) :]
-            except BlockingIOError:  # whoever else has it has made it so
+            # Another process that shares the descriptor made it non-blocking.
+            except BlockingIOError:
                 select.select([], [self._descriptor], [])

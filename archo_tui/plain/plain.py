@@ -1,9 +1,17 @@
-"""`archo-tui --plain`: the station line by line, for scripts, screen readers, dumb terminals."""
+"""The frontend of `archo-tui --plain`, for scripts, screen readers and simple terminals.
+
+Lines are carried out one after the other, by these rules:
+
+- STOP is no line: `Input` counts it as it is read, and `StopSender` sends it at once.
+- A line runs only after every STOP before it was answered (`_next_line`), and what it requests is
+  not sent if a STOP was read after it (`robot/stops.py`; `_carry_out` sets the line's count).
+- `cancel` directly behind a line does not wait for that line's answer (`_carry_out`).
+- The end waits for each STOP, each slow line and the last goal (`_wait_for_the_end`).
+"""
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import shlex
 import sys
 from collections.abc import Callable, Coroutine, Mapping
@@ -11,11 +19,14 @@ from typing import TYPE_CHECKING
 
 from archo_tui.clock import time_of_day
 from archo_tui.errors import ArchoError
-from archo_tui.plain.input import Input, Line
+from archo_tui.plain.conditions import Conditions
+from archo_tui.plain.input import Input, TypedLine
+from archo_tui.plain.news import is_event_news, is_goal_news
 from archo_tui.plain.output import Output
+from archo_tui.plain.stop_sender import StopSender
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Event, Goal, Phase, Snapshot
-from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
+from archo_tui.robot.state import Goal, Phase, Snapshot
+from archo_tui.robot.stops import NOT_SENT, Void
 from archo_tui.robot.text import safe
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.alarms import Alarm, State
@@ -29,67 +40,90 @@ from archo_tui.verbs.parse import YES, UnknownVerbError, parse
 from archo_tui.verbs.speak import speak
 from archo_tui.verbs.tell import Status
 from archo_tui.words import line_by_line
-from archo_tui.words.event import event_text, is_of_own_file
+from archo_tui.words.event import event_text
 
 if TYPE_CHECKING:
     from archo_tui.station.station import Station
 
-_SHOWN_LEVELS = ("YOU", "SHELL", "AI", "PEER", "WARN", "ERROR", "FATAL")
-_BEHIND = 0.3  # s that an answer to an assistant comes behind the line before it: no paste's does
-_SLOW = 2.0  # s for the reader to catch up before the next line; once, if it does not read at all
-_LAST = 0.5  # s after a signal for a STOP to be answered, and for what is not written yet
-_AT_ONCE = 0.2  # s in which nearly all lines are answered, before a cancel behind one goes ahead
-_SLOW_CALL = 2.0  # s in which a call is answered, before the lines behind it go ahead
+# All in seconds.
+_PAUSE_BEFORE_ANSWER = 0.3  # Since the line before an answer to an assistant; no paste has it.
+_READER_PATIENCE = 2.0  # For a slow reader of the output, before the next line is carried out.
+_LAST_WRITE = 0.5  # At the end, for STOPs to be answered and the output to be written.
+_QUICK_ANSWER = 0.2  # For a line's answer before `cancel` overtakes it; nearly all have one then.
+_SLOW_CALL = 2.0  # For a service's answer before the lines behind the call go on.
+
 _YES, _NO = ("y", "yes"), ("n", "no")
 
 
-def help_text(spoken: Mapping[str, Verb]) -> str:
-    """The verbs, a line each."""
-    lines = [verb.explained for verb in spoken.values()]
+def help_text(all_verbs: Mapping[str, Verb]) -> str:
+    """Return what `help` prints: each verb with its values and what it does, one a line."""
+    lines = [verb.explained for verb in all_verbs.values()]
     return "\n".join((*lines, "help: List these", "quit: End, once the last goal has ended"))
 
 
 class Plain:
-    """Reads commands, prints what happens, one line each."""
+    """The frontend that reads commands and prints what happens, one line each.
+
+    All methods are called on the running loop, except `restart`: on any thread.
+    """
 
     def __init__(self, station: Station, read: int | None, write: int) -> None:
-        """Reads from and writes to file descriptors; `read` is None where there is no input."""
+        """Read and write nothing yet.
+
+        Args:
+            station: The station that is operated.
+            read: The file descriptor of the input; None if there is no input.
+            write: The file descriptor of the output.
+        """
         self._station, self._robot, self._clock = station, station.robot, station.clock
-        self._changed = asyncio.Event()
-        self._input = Input(read, self._robot.stops, self._heard, self._clock)
-        self._output = Output(write, self._written)
+        self._conditions = Conditions(self._clock)
+        self._input = Input(read, self._robot.stops, self._on_input, self._clock)
+        self._output = Output(write, self._on_output)
         self._ascii = ascii_only()
         snapshot = self._robot.snapshot
         self._verbs = verbs(snapshot.file, snapshot.forms)
         status = self._verbs["status"]
         assert isinstance(status, Status)
-        self._status = status  # knows how goals and commands are given here
-        self._put_back: Line | None = None  # no answer to what was asked
-        self._printed: set[int] = set()  # the numbers of events that were printed
-        self._asked: dict[int, float] = {}  # when requests of assistants were told, monotonic s
-        self._goal: Goal | None = None
-        self._failed = False  # a line, or a goal
-        self._stopped = self._confirmed = 0  # the last STOPs that were sent, and confirmed
-        self._is_asking = False
-        self._slow = 0  # lines whose outcome takes seconds, and has not come
-        self._patience = _SLOW
-        self._overflows = 0  # of the input, that were said
+        self._status = status  # It knows what to type for a goal, or about an alarm.
+        self._stop_sender = StopSender(
+            station,
+            self._verbs["stop"],
+            self._input,
+            self._conditions,
+            self._start,
+            self._print_failure,
+        )
+        self._put_back: TypedLine | None = None  # Read as an answer, but it is a command.
+        self._printed_events: set[int] = set()  # Numbers of events in the last snapshot.
+        self._requests_shown_at: dict[int, float] = {}  # Of assistants; in monotonic seconds.
+        self._goal: Goal | None = None  # The goal in the last snapshot.
+        self._has_failed = False  # A line or a goal has: the exit code will be 1.
+        self._is_asking = False  # The next line is an answer.
+        self._running_beside = 0  # Slow lines that still run while later lines are carried out.
+        self._patience = _READER_PATIENCE
+        self._reported_overflows = 0
         self._tasks: set[asyncio.Future[None]] = set()
         self._shutdown = Shutdown(self._robot, self._clock, station.on_disconnect, self._finish)
-        self._end: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+        self._exit_code: asyncio.Future[int] = asyncio.get_running_loop().create_future()
 
     async def run(self) -> int:
-        """Until `quit`, the end of the input, or a signal; returns the exit code."""
+        """Operate until `quit`, the end of the input, or a signal.
+
+        Returns:
+            The exit code: 0 if all succeeded, 1 if something failed, 128 + a signal's number.
+        """
         self._station.run_on(self)
         self._output.start()
-        self._robot.subscribe(self._take)
+        self._robot.subscribe(self._on_snapshot)
         self._shutdown.on_signals()
         self._input.start()
-        for work in (self._serve, self._obey, self._tick):
+        for work in (self._serve, self._stop_sender.run, self._tick):
             self._start(work())
         try:
-            code = await self._end
-            await self._until(lambda: self._are_answered() and self._output.is_done, _LAST)
+            code = await self._exit_code
+            await self._conditions.wait_at_most(
+                lambda: self._stop_sender.are_answered() and self._output.is_done, _LAST_WRITE
+            )
             return code
         finally:
             self._station.run_off()
@@ -99,301 +133,271 @@ class Plain:
                 task.cancel()
 
     def _start(self, work: Coroutine[None, None, None]) -> None:
-        """Do it beside the rest; what it raises ends everything."""
+        """Run a coroutine as a task beside the others; an error in it ends `run`."""
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
 
-        def ended(task: asyncio.Future[None]) -> None:
+        def on_end(task: asyncio.Future[None]) -> None:
             self._tasks.discard(task)
             error = None if task.cancelled() else task.exception()
-            if error is not None and not self._end.done():
-                self._end.set_exception(error)
+            if error is not None and not self._exit_code.done():
+                self._exit_code.set_exception(error)
 
-        task.add_done_callback(ended)
+        task.add_done_callback(on_end)
 
-    def _heard(self) -> None:
-        """Something was typed."""
-        if self._input.overflows > self._overflows:
-            self._overflows = self._input.overflows
-            self._fail("more than 1 MB of lines wait: further ones are refused, stop is not")
-        self._changed.set()
+    def _finish(self, code: int) -> None:
+        """End `run` with an exit code, unless it ends with an earlier one."""
+        if not self._exit_code.done():
+            self._exit_code.set_result(code)
 
-    def _written(self) -> None:
-        """All that was said is written, or cannot be."""
-        if self._output.is_broken and not self._end.done():
+    def _on_input(self) -> None:
+        if self._input.overflows > self._reported_overflows:
+            self._reported_overflows = self._input.overflows
+            self._print_failure(
+                "more than 1 MB of lines wait: further ones are refused, stop is not"
+            )
+        self._conditions.check_again()
+
+    def _on_output(self) -> None:
+        if self._output.is_broken and not self._exit_code.done():
             self._shutdown.begin(1)
-        self._changed.set()
+        self._conditions.check_again()
 
-    async def _obey(self) -> None:
-        """Send the STOPs, none behind the answer to another: one covers all that were read."""
-        typed, stops = self._input.unanswered, self._robot.stops
-        limit = RateLimit()
+    async def _tick(self) -> None:
+        """Bring alarms and the requests of assistants up to date each second, for ever."""
         while True:
-            await self._hold(lambda: typed and typed[-1] > self._stopped)
-            delay = limit.delay(self._clock.monotonic())
-            if delay > 0:
-                await self._until(lambda: stops.superseded, delay)
-            limit.record(self._clock.monotonic())
-            self._stopped = stops.count
-            self._start(self._stop(self._stopped))
+            await self._clock.sleep(1.0)
+            self._print_alarms(self._station.tick())
+            self._print_requests()
+            self._conditions.check_again()
 
-    async def _stop(self, covered: int) -> None:
-        """Send one, for all up to that one."""
-        typed = self._input.unanswered
-        outcome = await self._verbs["stop"].run(self._station, {})
-        while typed and typed[0] <= covered:
-            typed.popleft()
-        if outcome.ok:
-            self._confirmed = max(self._confirmed, covered)
-        elif covered > self._confirmed:  # else a later one has stopped the robot
-            self._fail(f"stop: {outcome.text}")
-        self._changed.set()
-
-    def _are_answered(self, last: int | None = None) -> bool:
-        """True when the robot has answered every STOP that was typed, or did not in time.
-
-        Or those up to the `last` one.
-        """
-        typed = self._input.unanswered
-        return not typed or (last is not None and typed[0] > last)
+    # The lines, one after the other.
 
     async def _serve(self) -> None:
-        while (line := await self._line()) is not None and line.text.split() != ["quit"]:
-            if line.fault or line.text.split():  # else blanks of some other script
-                await self._run_until_cancel(line)
-        await self._hold(lambda: self._input.is_quiet)  # a stop may have come with the last line
-        await self._hold(lambda: not self._slow)
-        await self._hold(lambda: self._is_over() or self._is_in_doubt)
-        if self._goal is not None and not self._is_over():
-            self._say(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
-        await self._hold(self._is_over)
-        if self._given_up is not None:
-            self._failed = True
-            self._say(self._given_up.text)
-        last = self._robot.stops.count
-        await self._hold(lambda: self._are_answered(last))
-        await self._robot.catch_up()
-        self._take(self._robot.snapshot)
-        held = self._station.queue.hold_reason
-        if held:
-            self._say(f"not driven: {self._waiting} ({held})")
-        await self._hold(lambda: self._output.is_done)
-        if not self._shutdown.has_begun:
-            well = not self._failed and not self._station.queue.waiting
-            well = well and not self._output.is_broken
-            self._finish(0 if well else 1)
+        """Carry out all lines up to `quit` or the end of the input, then end."""
+        while (line := await self._next_line()) is not None and line.text.split() != ["quit"]:
+            if line.fault or line.text.split():  # Otherwise it is blank.
+                await self._carry_out(line)
+        await self._wait_for_the_end()
+        if not self._shutdown.has_begun:  # Otherwise the shutdown decides about the exit code.
+            is_well = not self._has_failed and not self._station.queue.waiting
+            self._finish(0 if is_well and not self._output.is_broken else 1)
 
-    async def _line(self) -> Line | None:
-        """The next one, once every STOP before it is answered; None at the end of the input."""
+    async def _next_line(self) -> TypedLine | None:
+        """Return the next line, once every STOP before it is answered; None at the end."""
         if self._put_back is not None:
-            back, self._put_back = self._put_back, None
-            return back
-        # this also gives everything else its turn, however much is typed
-        await self._until(lambda: self._output.has_room, self._patience)
-        self._patience = _SLOW if self._output.has_room else 0.0
-        await self._hold(lambda: self._input.has_news)
-        line = self._input.take()
-        if line is not None:
-            await self._hold(lambda: self._are_answered(line.stops))
-        return line
+            line, self._put_back = self._put_back, None
+            return line
+        # This wait also lets all other tasks run between two lines, however many are typed. A
+        # reader that does not read at all delays one line, not each.
+        await self._conditions.wait_at_most(lambda: self._output.has_room, self._patience)
+        self._patience = _READER_PATIENCE if self._output.has_room else 0.0
+        await self._conditions.wait(lambda: self._input.has_news)
+        next_line = self._input.take()
+        if next_line is not None:
+            up_to = next_line.stops_before
+            await self._conditions.wait(lambda: self._stop_sender.are_answered(up_to))
+        return next_line
+
+    async def _wait_for_the_end(self) -> None:
+        """Wait for the STOPs, slow lines and goals that were requested, and print what is left."""
+        wait = self._conditions.wait
+        await wait(lambda: self._input.is_quiet)  # A STOP may have come with the last line.
+        await wait(lambda: not self._running_beside)
+        await wait(lambda: self._goals_have_ended() or self._is_goal_silent)
+        if self._goal is not None and not self._goals_have_ended():
+            self._print_timed(f"waiting for the end of {self._goal.name}; ctrl+c cancels it")
+        await wait(self._goals_have_ended)
+        lost = self._lost_goal_outcome
+        if lost is not None:
+            self._has_failed = True
+            self._print_timed(lost.text)
+        last_stop = self._robot.stops.count
+        await wait(lambda: self._stop_sender.are_answered(last_stop))
+        await self._robot.catch_up()
+        self._on_snapshot(self._robot.snapshot)
+        reason = self._station.queue.hold_reason
+        if reason:
+            waiting = ", ".join(goal.text for goal in self._station.queue.waiting)
+            self._print_timed(f"not driven: {waiting} ({reason})")
+        await wait(lambda: self._output.is_done)
+
+    def _goals_have_ended(self) -> bool:
+        """Return True if no goal from here runs and none is about to be sent, or it is lost."""
+        is_running = self._goal is not None and self._goal.is_running and self._goal.mine
+        is_due = is_running or self._station.queue.is_going
+        return self._lost_goal_outcome is not None or not is_due
 
     @property
-    def _waiting(self) -> str:
-        """What waits in the queue: `7, 3`."""
-        return ", ".join(wanted.text for wanted in self._station.queue.waiting)
-
-    def _is_over(self) -> bool:
-        """No goal of ours runs, and none is to be sent."""
-        runs = self._goal is not None and self._goal.is_running and self._goal.mine
-        return self._given_up is not None or not (runs or self._station.queue.is_going)
-
-    @property
-    def _given_up(self) -> Outcome | None:
-        """What is said of our goal when its end is not waited for any more: it is lost."""
+    def _lost_goal_outcome(self) -> Outcome | None:
+        """The outcome of a running goal whose end is no longer waited for; None if it is."""
         goal = self._goal
         if goal is None or not (goal.is_running and goal.mine):
             return None
         return goal.outcome_at(self._clock.monotonic())
 
     @property
-    def _is_in_doubt(self) -> bool:
-        """True while nothing is heard of the goal: its end may never come."""
+    def _is_goal_silent(self) -> bool:
+        """True while nothing is received about the goal, so that its end may never be."""
         return self._goal is not None and self._goal.phase in (Phase.UNKNOWN, Phase.LOST)
 
-    async def _tick(self) -> None:
-        while True:
-            await self._clock.sleep(1.0)
-            self._tell_alarms(self._station.tick())
-            self._tell_requests()
-            self._changed.set()
+    async def _carry_out(self, line: TypedLine) -> None:
+        """Carry out a line and wait for its answer, with two exceptions.
 
-    def _finish(self, code: int) -> None:
-        if not self._end.done():
-            self._end.set_result(code)
-
-    def _out(self, text: str) -> None:
-        lines = [safe(line) for line in text.splitlines()]
-        self._output.put(
-            "".join(f"{in_ascii(line) if self._ascii else line}\n" for line in lines).encode()
-        )
-
-    @property
-    def _has_cancel(self) -> bool:
-        """True when the next line is `cancel`, no answer to a question, and there is a goal."""
-        has_goal = self._station.running_goal is not None
-        return has_goal and self._input.is_cancel_next and not self._is_asking
-
-    async def _run_until_cancel(self, line: Line) -> None:
-        """Carry out a line; a `cancel` directly behind it does not wait for its answer.
-
-        Nor does any line wait for a service that takes its time: the end does.
+        Each `cancel` directly behind it is carried out meanwhile. A `call` whose service has not
+        answered after `_SLOW_CALL` goes on beside the later lines.
         """
-        with self._robot.stops.typed_at(line.stops):
-            running = asyncio.ensure_future(self._run(line))
-        running.add_done_callback(lambda _: self._changed.set())
+        with self._robot.stops.typed_at(line.stops_before):
+            running = asyncio.ensure_future(self._execute(line))
+        running.add_done_callback(lambda _: self._conditions.check_again())
         is_call = line.text.split()[:1] == ["call"]
         try:
-            await self._until(running.done, _AT_ONCE)
+            await self._conditions.wait_at_most(running.done, _QUICK_ANSWER)
             slow_at = self._clock.monotonic() + _SLOW_CALL
 
             def is_slow() -> bool:
                 return is_call and not self._is_asking and self._clock.monotonic() >= slow_at
 
+            def may_go_on() -> bool:
+                return running.done() or self._is_cancel_next or is_slow()
+
             while True:
-                await self._hold(lambda: running.done() or self._has_cancel or is_slow())
+                await self._conditions.wait(may_go_on)
                 if is_slow() and not running.done():
-                    self._run_on(running)
+                    self._let_run_beside(running)
                     return
                 if running.done() or (cancel := self._input.take()) is None:
                     break
-                with self._robot.stops.typed_at(cancel.stops):
-                    await self._run(cancel)
+                with self._robot.stops.typed_at(cancel.stops_before):
+                    await self._execute(cancel)
             await running
         finally:
             if running not in self._tasks:
                 running.cancel()
 
-    def _run_on(self, running: asyncio.Future[None]) -> None:
-        """Let a line run on beside those behind it; the end waits for it."""
-        self._slow += 1
+    @property
+    def _is_cancel_next(self) -> bool:
+        """True if the next line is `cancel` and means a goal: it is no answer to a question."""
+        has_goal = self._station.running_goal is not None
+        return has_goal and self._input.is_cancel_next and not self._is_asking
+
+    def _let_run_beside(self, running: asyncio.Future[None]) -> None:
+        """Have the end wait for a line that later lines no longer wait for."""
+        self._running_beside += 1
         self._tasks.add(running)
 
-        def ended(_: object) -> None:
-            self._slow -= 1
+        def on_end(_: object) -> None:
+            self._running_beside -= 1
             self._tasks.discard(running)
-            self._changed.set()
+            self._conditions.check_again()
 
-        running.add_done_callback(ended)
+        running.add_done_callback(on_end)
 
-    async def _run(self, line: Line) -> None:
+    async def _execute(self, line: TypedLine) -> None:
+        """Do what a line says, and print why if that fails; raise nothing that was foreseen."""
         if line.fault:
-            self._fail(line.fault)
+            self._print_failure(line.fault)
             return
         try:
-            verb, *rest = shlex.split(line.text)
+            word, *rest = shlex.split(line.text)
         except ValueError:
-            verb, *rest = line.text.split()
-            self._fail(f"{verb}: a quote is not closed, or nothing follows the last \\")
+            word, *rest = line.text.split()
+            self._print_failure(f"{word}: a quote is not closed, or nothing follows the last \\")
             return
         try:
-            outcome = await self._do(verb, rest)
+            outcome = await self._dispatch(word, rest)
         except Void:
             outcome = Outcome(Code.CANCELLED, NOT_SENT)
-        except UnknownVerbError as error:  # whose text names the word
-            self._fail(str(error))
+        except UnknownVerbError as error:  # Its text names the word.
+            self._print_failure(str(error))
             return
         except (ArchoError, ValueError) as error:
             outcome = Outcome(Code.MISUSE, str(error))
         if not outcome.ok:
-            self._fail(f"{verb}: {outcome.text}")
+            self._print_failure(f"{word}: {outcome.text}")
 
-    async def _do(self, word: str, rest: list[str]) -> Outcome:
-        """Raises ArchoError and ValueError with one line for what is typed wrong, and Void."""
+    async def _dispatch(self, word: str, rest: list[str]) -> Outcome:
+        """Run the verb that a line names, and print what it tells.
+
+        Args:
+            word: The first word of the line.
+            rest: The other words.
+
+        Raises:
+            ArchoError: A name means nothing, or a question was not answered with yes.
+            ValueError: A value does not fit.
+            Void: A STOP was read after the line.
+        """
         if word in ("help", "quit") and rest:
             raise ValueError("takes no values")
         if word == "help":
-            self._out(help_text(self._verbs))
+            self._print(help_text(self._verbs))
             return Outcome(Code.DONE, "")
         if word in ("allow", "deny"):
-            return await self._answer(word, rest)
+            return await self._answer_request(word, rest)
         station = self._station
         verb, rest = choose_verb(self._verbs, station, word, rest)
         values, yes = parse(verb, station, rest)
         if verb.begun:
-            self._out(verb.begun)
-            self._slow += 1
-            self._start(self._speak_slowly(verb, values))
+            self._print(verb.begun)
+            self._running_beside += 1
+            self._start(self._run_slow_verb(verb, values))
             return Outcome(Code.DONE, "")
-        outcome = await speak(station, verb, values, self._until, None if yes else self._ask)
-        self._take(self._robot.snapshot)  # a goal is known before the end is looked for
+        wait, ask = self._conditions.wait_at_most, None if yes else self._ask
+        outcome = await speak(station, verb, values, wait, ask)
+        # The snapshot may not have been delivered yet, and `_goals_have_ended` needs its goal.
+        self._on_snapshot(self._robot.snapshot)
         if verb.tells_with(values) and outcome.ok:
-            self._out(outcome.text)
-        waiting = [wanted.text for wanted in station.queue.waiting]
+            self._print(outcome.text)
+        waiting = [goal.text for goal in station.queue.waiting]
         if verb.moves and outcome.code == Code.ACCEPTED and waiting:
-            self._say(f"queue: {line_by_line.queue_text(waiting, station.queue.hold_reason)}")
-        self._failed = self._failed or verb.id == "skip"  # one goal less that arrives
+            self._print_timed(
+                f"queue: {line_by_line.queue_text(waiting, station.queue.hold_reason)}"
+            )
+        # A skipped goal will not arrive, so not all that was requested has succeeded.
+        self._has_failed = self._has_failed or verb.id == "skip"
         return outcome
 
-    async def _speak_slowly(self, verb: Verb, values: Values) -> None:
-        """Carry out a verb whose outcome takes seconds: the lines behind it do not wait."""
+    async def _run_slow_verb(self, verb: Verb, values: Values) -> None:
+        """Run a verb whose outcome takes seconds, and print it; later lines do not wait."""
         try:
-            outcome = await speak(self._station, verb, values, self._until, None)
+            outcome = await speak(self._station, verb, values, self._conditions.wait_at_most, None)
         finally:
-            self._slow -= 1
+            self._running_beside -= 1
         if outcome.ok:
-            self._out(outcome.text)
+            self._print(outcome.text)
         else:
-            self._fail(f"{verb.id}: {outcome.text}")
-        self._changed.set()
+            self._print_failure(f"{verb.id}: {outcome.text}")
+        self._conditions.check_again()
 
-    async def _answer(self, word: str, rest: list[str]) -> Outcome:
-        """What an assistant asked for is decided, by a person. Raises ValueError."""
-        if not self._input.is_terminal:
-            raise ValueError("only a person at a terminal answers an assistant")
-        if len(rest) != 1 or not rest[0].isascii() or not rest[0].isdecimal() or len(rest[0]) > 9:
-            raise ValueError("needs the number of a request")
-        await self._hold(lambda: self._input.is_quiet)  # the rest of a paste, or STOP, is behind it
-        number, (read, pause) = int(rest[0]), self._input.last
-        told = self._asked.get(number)
-        if told is None and self._station.requests.get(number) is None:
-            return Outcome(Code.REFUSED, f"there is no request {number}")
-        # of what was typed ahead, or pasted with more, nobody has read what it answers
-        alone = pause >= _BEHIND and not self._input.has_news
-        if told is None or read - told < READ or not alone or not self._output.is_done:
-            return Outcome(Code.REFUSED, "read it first, then answer, by a line alone")
-        outcome = self._station.answer(number, allowed=word == "allow")
-        self._changed.set()
-        return outcome
-
-    def _tell_requests(self) -> None:
-        """What an assistant asks for, once, and how it is answered."""
-        for one in self._station.view.requests:
-            if one.number not in self._asked:
-                self._asked[one.number] = self._clock.monotonic()
-                ways = f"allow {one.number} or deny {one.number}, within {EXPIRES:g} s"
-                self._say(f"{one.asker.source} wants: {one.text} ({ways})")
+    # Questions and requests, which a person answers.
 
     async def _ask(self, question: Question) -> None:
-        """Put a question to the person at the terminal; returns when it is answered by yes.
+        """Ask the person at the terminal; return if the answer is yes.
 
-        Raises ArchoError when it is not, or nobody is there, and Void at a STOP. The next line is
-        the answer; one that is neither yes nor no is a command like any other.
+        The next line is the answer. A line that is neither yes nor no means no, and is carried out
+        as a command.
+
+        Raises:
+            ArchoError: The answer is not yes, or the input is no terminal.
+            Void: A STOP was read after the line that the question is about.
         """
         first, *more = (" ".join(line.split()) for line in question.text.splitlines() if line)
         if more:
-            self._out("\n".join((first, *more)))
+            self._print("\n".join((first, *more)))
         text = f"{question.go}?" if more else first
         if not self._input.is_terminal:
             raise ArchoError(f"{text} (add {YES} to do it)")
         gate = self._robot.stops.gate()
-        self._say(f"{text} [y/N]")
+        self._print_timed(f"{text} [y/N]")
         self._is_asking = True
         try:
-            await self._hold(lambda: gate.is_shut or self._input.has_news)
-            line = await self._line() if self._input.has_news else None
+            await self._conditions.wait(lambda: gate.is_shut or self._input.has_news)
+            line = await self._next_line() if self._input.has_news else None
         finally:
             self._is_asking = False
-        await self._hold(lambda: self._input.is_quiet)  # a terminal gives line by line: STOP behind
+        # A terminal hands over one line a read: a STOP may be right behind the answer.
+        await self._conditions.wait(lambda: self._input.is_quiet)
         answer = "" if line is None else line.text.strip().lower()
         if line is not None and (line.fault or answer not in ("", *_YES, *_NO)):
             self._put_back = line
@@ -401,119 +405,137 @@ class Plain:
         if answer not in _YES:
             raise ArchoError("not done: the answer was not yes")
 
+    async def _answer_request(self, word: str, rest: list[str]) -> Outcome:
+        """Allow or deny what an assistant requested, if a person has read it.
+
+        Args:
+            word: `allow` or `deny`.
+            rest: The other words of the line: the number of the request.
+
+        Raises:
+            ValueError: No person types, or `rest` is not a number.
+        """
+        if not self._input.is_terminal:
+            raise ValueError("only a person at a terminal answers an assistant")
+        if len(rest) != 1 or not rest[0].isascii() or not rest[0].isdecimal() or len(rest[0]) > 9:
+            raise ValueError("needs the number of a request")
+        # The rest of a paste, or a STOP, may be right behind this line.
+        await self._conditions.wait(lambda: self._input.is_quiet)
+        number, (read_at, pause) = int(rest[0]), self._input.last
+        shown_at = self._requests_shown_at.get(number)
+        if shown_at is None and self._station.requests.get(number) is None:
+            return Outcome(Code.REFUSED, f"there is no request {number}")
+        # An answer that was typed ahead, or pasted with other lines, is by nobody who has read.
+        is_alone = pause >= _PAUSE_BEFORE_ANSWER and not self._input.has_news
+        is_read = shown_at is not None and read_at - shown_at >= READ
+        if not is_read or not is_alone or not self._output.is_done:
+            return Outcome(Code.REFUSED, "read it first, then answer, by a line alone")
+        outcome = self._station.answer(number, allowed=word == "allow")
+        self._conditions.check_again()
+        return outcome
+
+    # What the station calls (`station.Frontend`).
+
     def carry_out(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        """Beside the rest."""
+        """Run work as a task beside the others."""
         self._start(work())
 
     def beside(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
-        """As everything here."""
+        """Run work as `carry_out` does: the end waits for neither."""
         self._start(work())
 
     def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """One from the queue: no line waits for it."""
+        """Print why a goal of the queue was refused: no line waits for its answer."""
         if not outcome.ok:
-            self._fail(f"{wanted.text}: {outcome.text}")
+            self._print_failure(f"{wanted.text}: {outcome.text}")
         self._station.look()
-        self._changed.set()
+        self._conditions.check_again()
 
     @property
     def has_person(self) -> bool:
-        """Not where a program types."""
+        """True at a terminal; a script cannot answer an assistant's request."""
         return self._input.is_terminal
 
     def ask_no_more(self) -> None:
-        """An answer that is read behind a STOP does not count."""
+        """Do nothing: `_ask` compares the STOPs itself, after the answer was read."""
 
     def restart(self, why: str) -> None:
-        """Not here, and said: lines that are read already would be lost."""
+        """Only print why a restart is due, since it would lose the lines that were read already."""
         self._robot.note("WARN", "console", f"{why}: they count from the next start on")
 
-    # what happens
+    # What is printed.
 
-    def _take(self, snapshot: Snapshot) -> None:
+    def _on_snapshot(self, snapshot: Snapshot) -> None:
+        """Print what is new in a snapshot."""
         for event in snapshot.events:
-            if event.number not in self._printed and self._is_news(event, snapshot.goal):
-                self._say(event_text(event), event.time)
-        self._printed = {event.number for event in snapshot.events}
-        self._tell_goal(snapshot)
-        self._tell_alarms(self._station.take(snapshot))
-        self._tell_requests()
-        self._changed.set()
+            if event.number not in self._printed_events and is_event_news(
+                event, snapshot.goal, self._station.view.hosted, is_ending=self._shutdown.has_begun
+            ):
+                self._print_timed(event_text(event), event.time)
+        self._printed_events = {event.number for event in snapshot.events}
+        self._print_goal(snapshot)
+        self._print_alarms(self._station.take(snapshot))
+        self._print_requests()
+        self._conditions.check_again()
 
-    def _is_news(self, event: Event, goal: Goal | None) -> bool:
-        """False for an event that no line is printed for, or whose words another line has."""
-        if event.level not in _SHOWN_LEVELS:
-            return event.level == "INFO" and is_of_own_file(event, self._station.view.hosted)
-        act = event.act
-        if event.level == "YOU" and act is not None and not Outcome(act.code, "").ok:
-            # else `failed: ...` says it; of what comes later no line was typed
-            return self._shutdown.has_begun or "later" in act.arguments
-        if goal is None or not goal.mine or not goal.kind.refusals:
-            return True
-        # the log of a refusal is where its reason comes from
-        refusal = event.text.startswith(goal.kind.refusals)
-        said = event.text.removeprefix(goal.kind.refusals) == goal.message
-        its = goal.phase == Phase.SENT or (goal.phase == Phase.REFUSED and said)
-        return not (refusal and its)
-
-    def _tell_goal(self, snapshot: Snapshot) -> None:
+    def _print_goal(self, snapshot: Snapshot) -> None:
+        """Print the state of the goal if it is news, and note each goal that did not arrive."""
         goal, before = snapshot.goal, self._goal
         self._goal = goal
         if any(ended.mine and ended.phase != Phase.ARRIVED for ended in snapshot.history):
-            self._failed = True
+            self._has_failed = True
         if goal is None:
             return
         if before is not None and before.number != goal.number:
             before = None
-        if (before is None or _said_of(before) != _said_of(goal)) and not _is_said(before, goal):
-            said = line_by_line.goal_text(snapshot, self._clock.monotonic(), self._status.ask)
-            self._say(f"goal {said}")
+        if is_goal_news(before, goal):
+            now = self._clock.monotonic()
+            self._print_timed(f"goal {line_by_line.goal_text(snapshot, now, self._status.ask)}")
 
-    def _tell_alarms(self, changed: list[Alarm]) -> None:
+    def _print_alarms(self, changed: list[Alarm]) -> None:
+        """Print each alarm that changed, a new one with what can be done about it."""
         for alarm in changed:
             is_new = alarm.state == State.UNACKNOWLEDGED
-            what = self._status.advice(alarm, self._robot.snapshot) if is_new else alarm.name
-            self._say(f"alarm {alarm.state.value}: {what}")
+            text = self._status.advice(alarm, self._robot.snapshot) if is_new else alarm.name
+            self._print_timed(f"alarm {alarm.state.value}: {text}")
 
-    def _fail(self, said: str) -> None:
-        """Say what did not succeed; the exit code will."""
-        self._say(f"failed: {said}")
-        self._failed = True
+    def _print_requests(self) -> None:
+        """Print each new request of an assistant, and what to type to answer it."""
+        for request in self._station.view.requests:
+            if request.number not in self._requests_shown_at:
+                self._requests_shown_at[request.number] = self._clock.monotonic()
+                ways = f"allow {request.number} or deny {request.number}, within {EXPIRES:g} s"
+                self._print_timed(f"{request.asker.source} wants: {request.text} ({ways})")
 
-    def _say(self, text: str, at: float | None = None) -> None:
-        self._out(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
+    def _print_failure(self, text: str) -> None:
+        """Print that something failed, and have the exit code be 1."""
+        self._print_timed(f"failed: {text}")
+        self._has_failed = True
 
-    async def _until(self, condition: Callable[[], object], timeout: float | None = None) -> None:
-        """Wait until the condition holds after a snapshot, or the time (s) has passed."""
-        with contextlib.suppress(TimeoutError):
-            await self._clock.wait_for(self._hold(condition), timeout)
+    def _print_timed(self, text: str, at: float | None = None) -> None:
+        """Print a text behind a time of day.
 
-    async def _hold(self, condition: Callable[[], object]) -> None:
-        while not condition():
-            self._changed.clear()
-            await self._changed.wait()
+        Args:
+            text: The text.
+            at: Unix time in seconds; None for now.
+        """
+        self._print(f"{time_of_day(self._clock.now() if at is None else at)} {text}")
 
-
-def _said_of(goal: Goal) -> tuple[Phase, bool, bool, int]:
-    """What of a goal is worth a line when it changes: on its way, each quarter of that."""
-    return goal.phase, bool(goal.unreadable), _is_heard(goal), min(int(goal.fraction() * 4), 3)
-
-
-def _is_said(before: Goal | None, goal: Goal) -> bool:
-    """True when the robot's answer to what was typed says the same, and has a line."""
-    if before is None or before.phase == Phase.SENT:  # else the answer came late
-        begins = goal.phase == Phase.MOVING and not _is_heard(goal)
-        return goal.mine and (begins or goal.phase in (Phase.SENT, Phase.REFUSED))
-    return goal.mine and goal.phase == Phase.CANCELLING and goal.cancel_asked is not None
-
-
-def _is_heard(goal: Goal) -> bool:
-    """True when it has given feedback."""
-    return bool(goal.unreadable or goal.feedback) or goal.remaining is not None
+    def _print(self, text: str) -> None:
+        """Print a text of one or more lines, without control characters."""
+        lines = [safe(line) for line in text.splitlines()]
+        self._output.put(
+            "".join(f"{in_ascii(line) if self._ascii else line}\n" for line in lines).encode()
+        )
 
 
 def run(station: Station, read: int | None) -> int:
-    """Operate through a descriptor and standard output; returns the exit code."""
+    """Operate a station through a file descriptor and standard output; return the exit code.
+
+    Args:
+        station: The station.
+        read: The file descriptor of the input; None if there is no input.
+    """
 
     async def operate() -> int:
         return await Plain(station, read, sys.stdout.fileno()).run()

@@ -343,33 +343,33 @@ class Server:
         if uid is not None and hasattr(os, "getuid") and uid != os.getuid():
             connected.close()
             return
-        client, cutter = Client(self, connected, pid), lines.LineCutter()
+        client, splitter = Client(self, connected, pid), lines.LineSplitter()
         self._open[client] = None
         if len(self._open) > MAX_CONNECTIONS:
             surplus = next(islice(self._open, MAX_CLIENTS, None))
             del self._open[surplus]
             surplus.drop()
         read, last = _read_at_once(connected), -_FLOOD_PAUSE
-        self._take(client, cutter, read)  # Before the hello: it may have sent STOP and left.
+        self._take(client, splitter, read)  # Before the hello: it may have sent STOP and left.
         try:
             client.tell(self.hello)
             while chunk := await asyncio.get_running_loop().sock_recv(connected, _CHUNK):
-                self._take(client, cutter, chunk)
+                self._take(client, splitter, chunk)
                 if time.monotonic() - last < _FLOOD_PAUSE:  # A flood.
                     await asyncio.sleep(_FLOOD_PAUSE * min(len(self._open), MAX_CLIENTS))
                 last = time.monotonic()
         except OSError:
             pass  # It was dropped, or has left.
         finally:
-            for data in cutter.take(b"\n"):  # An unfinished line is no request, but may be STOP.
+            for data in splitter.feed(b"\n"):  # An unfinished line is no request, but may be STOP.
                 if _stop_in(data, self.stops) is not None:
                     client.take(data)
             self._open.pop(client, None)
             client.leave()
             await client.close()
 
-    def _take(self, client: Client, cutter: lines.LineCutter, chunk: bytes) -> None:
-        for data in cutter.take(chunk):
+    def _take(self, client: Client, splitter: lines.LineSplitter, chunk: bytes) -> None:
+        for data in splitter.feed(chunk):
             if data.strip() or data == lines.TOO_LONG:
                 client.take(data)
 

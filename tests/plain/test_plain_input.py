@@ -12,8 +12,8 @@ from contextlib import contextmanager
 import pytest
 
 from archo_tui.clock import Clock
-from archo_tui.plain.input import Input, Line
-from archo_tui.plain.lines import LONGEST, TOO_LONG, LineCutter, is_stop
+from archo_tui.plain.input import Input, TypedLine
+from archo_tui.plain.lines import MAX_LINE, TOO_LONG, LineSplitter, is_stop
 from archo_tui.robot.stops import Stops
 from tests.support import clock
 from tests.support.quiet import until
@@ -33,7 +33,7 @@ def reading(stops: Stops) -> Iterator[tuple[Input, int]]:
     os.close(read)
 
 
-async def _read(text: bytes) -> tuple[int, list[Line]]:
+async def _read(text: bytes) -> tuple[int, list[TypedLine]]:
     """How many STOPs are in it, and the other lines."""
     stops = Stops()
     read, write = os.pipe()
@@ -56,9 +56,9 @@ async def _read(text: bytes) -> tuple[int, list[Line]]:
 def test_lines_are_cut_at_any_place_and_a_long_one_is_counted_out() -> None:
     text = b"one\n\ntwo \xc3\xbc\n" + b"x" * 100_000 + b"\nafter\n"
     for size in (1, 7, 4096, len(text)):
-        lines, found = LineCutter(), []
+        lines, found = LineSplitter(), []
         for start in range(0, len(text), size):
-            found += lines.take(text[start : start + size])
+            found += lines.feed(text[start : start + size])
         assert found == [b"one", b"", "two ü".encode(), TOO_LONG, b"after"]
 
 
@@ -89,7 +89,7 @@ def test_lines_are_cut_at_any_place_and_a_long_one_is_counted_out() -> None:
 async def test_stop_is_a_stop_however_it_is_typed(line: bytes) -> None:
     assert await _read(b"go 'x\n" + line + b"\nrelease\n") == (
         1,
-        [Line("go 'x", 0), Line("release", 1)],
+        [TypedLine("go 'x", 0), TypedLine("release", 1)],
     )
     assert (await _read(b"release\n" + line))[0] == 1  # the input ends without a line's end
 
@@ -107,23 +107,23 @@ def test_a_line_of_opened_brackets_is_looked_at_in_no_time() -> None:
 
 
 async def test_a_line_of_64_kib_is_taken_and_a_longer_one_is_not() -> None:
-    _, (line, longer) = await _read(b"x" * LONGEST + b"\n" + b"x" * (LONGEST + 1) + b"\n")
-    assert line == Line("x" * LONGEST, 0)
-    assert longer == Line("", 0, f"a line of more than {LONGEST} bytes")
+    _, (line, longer) = await _read(b"x" * MAX_LINE + b"\n" + b"x" * (MAX_LINE + 1) + b"\n")
+    assert line == TypedLine("x" * MAX_LINE, 0)
+    assert longer == TypedLine("", 0, f"a line of more than {MAX_LINE} bytes")
 
 
 async def test_a_line_in_another_encoding_is_not_guessed_at() -> None:
     _, (line, after) = await _read(b"set cam label Gr\xfcn\nstatus\n")
-    assert line == Line(
+    assert line == TypedLine(
         "", 0, "a line that is not UTF-8: set cam label Gr\N{REPLACEMENT CHARACTER}n"
     )
-    assert after == Line("status", 0)
+    assert after == TypedLine("status", 0)
 
 
 async def test_each_line_carries_the_stops_that_came_before_it() -> None:
     assert await _read(b"a\nstop\nb\nstop\nstop\nc\n") == (
         3,
-        [Line("a", 0), Line("b", 1), Line("c", 3)],
+        [TypedLine("a", 0), TypedLine("b", 1), TypedLine("c", 3)],
     )
 
 
@@ -137,12 +137,12 @@ async def test_more_than_a_megabyte_of_lines_is_refused_and_stop_is_not() -> Non
         assert typed.overflows == 1
         waited = 0
         while line := typed.take():
-            assert line == Line("status", 0)
+            assert line == TypedLine("status", 0)
             waited += 1
         assert waited == 1024 * 1024 // len("status")
         os.write(write, b"release\n")
         await until(lambda: typed.has_news)
-        assert typed.take() == Line("release", 1)
+        assert typed.take() == TypedLine("release", 1)
 
 
 class SlowToCount(Stops):

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from archo_tui.plain.output import MOST, Output
+from archo_tui.plain.output import MAX_WAITING, Output
 from tests.support.night import corners
 from tests.support.quiet import until
 from tests.support.script import Script, shell
@@ -98,7 +98,7 @@ async def test_the_oldest_lines_are_left_out_and_never_a_part_of_one() -> None:
     others = [line for line in lines if line not in notices]
     assert all(re.fullmatch(r"line number \d{6}", line) for line in others)
     assert sum(int(notice.split()[1]) for notice in notices) == count - len(others)
-    assert MOST <= len(said) < MOST + 2 * 65536
+    assert MAX_WAITING <= len(said) < MAX_WAITING + 2 * 65536
     await until(lambda: output.is_done)
     for descriptor in (read, write):
         os.close(descriptor)

@@ -572,7 +572,7 @@ async def test_where_a_program_types_nobody_can_allow_anything() -> None:
 async def test_in_plain_what_stands_behind_an_answer_is_read_first(
     behind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    reads, goes_on = Input._chunk, threading.Event()
+    reads, goes_on = Input._read_chunk, threading.Event()
 
     def chunk(of: Input) -> bytes:
         goes_on.wait()
@@ -585,7 +585,7 @@ async def test_in_plain_what_stands_behind_an_answer_is_read_first(
         await heard(person, "(allow 1 or deny 1, within 60 s)")
         since = seconds()
         await until(lambda: seconds() > since + 1.1)
-        monkeypatch.setattr(Input, "_chunk", chunk)  # from the next on: a terminal gives lines
+        monkeypatch.setattr(Input, "_read_chunk", chunk)  # from the next on: a terminal gives lines
         person.type(f"allow 1\n{behind}\n")
         await until(lambda: person._plain._input.last[0] > since)
         await until(lambda: not person._plain._input._waiting)

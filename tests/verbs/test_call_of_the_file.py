@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui.plain.lines import words_of
+from archo_tui.plain.lines import shell_words
 from archo_tui.remote.server import _stop_in
 from archo_tui.robot.stops import Stops
 from archo_tui.robot_file.model import CommandService, StopServices
@@ -158,7 +158,7 @@ def read_as_stop(words: list[str], stop: StopServices = LATCH) -> set[bool]:
     line = json.dumps({"id": 1, "words": words})
     escaped = line.replace("call", "c\\u0061ll").replace("emergency", "\\u0065mergency")
     return {
-        stops.is_stop_call(words_of(" ".join(words).encode())),
+        stops.is_stop_call(shell_words(" ".join(words).encode())),
         *(_stop_in(text.encode(), stops) is not None for text in (line, escaped)),
     }
 

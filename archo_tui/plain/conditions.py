@@ -1,0 +1,43 @@
+"""Waiting for conditions of the loop that no single event announces."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+
+from archo_tui.clock import Clock
+
+
+class Conditions:
+    """Waits until conditions hold, each checked again after every change.
+
+    All methods are called on the running loop.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        """Bind to the running loop; `clock` measures the timeouts."""
+        self._clock = clock
+        self._changed = asyncio.Event()
+
+    def check_again(self) -> None:
+        """Have every condition that is waited for checked once more: something changed."""
+        self._changed.set()
+
+    async def wait(self, condition: Callable[[], object]) -> None:
+        """Return as soon as the condition holds; never, if it never does."""
+        while not condition():
+            self._changed.clear()
+            await self._changed.wait()
+
+    async def wait_at_most(
+        self, condition: Callable[[], object], timeout: float | None = None
+    ) -> None:
+        """Return as soon as the condition holds, or the time has passed.
+
+        Args:
+            condition: The condition; a true value ends the wait.
+            timeout: Seconds; None for no limit.
+        """
+        with contextlib.suppress(TimeoutError):
+            await self._clock.wait_for(self.wait(condition), timeout)

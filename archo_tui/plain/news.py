@@ -1,0 +1,70 @@
+"""The rules for what `--plain` prints of events and goals: each fact once. Pure functions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.state import Event, Goal, Hosted, Phase
+from archo_tui.words.event import is_of_own_file
+
+_PRINTED_LEVELS = ("YOU", "SHELL", "AI", "PEER", "WARN", "ERROR", "FATAL")
+
+
+def is_event_news(
+    event: Event, goal: Goal | None, hosted: Iterable[Hosted], *, is_ending: bool
+) -> bool:
+    """Return True if a line is printed for an event.
+
+    No line is printed for a low level, nor for what another line reports in its own words.
+
+    Args:
+        event: The event.
+        goal: The latest goal.
+        hosted: The nodes of this process.
+        is_ending: True if the console ends because of a signal or an error.
+    """
+    if event.level not in _PRINTED_LEVELS:
+        return event.level == "INFO" and is_of_own_file(event, hosted)
+    act = event.act
+    if event.level == "YOU" and act is not None and not Outcome(act.code, "").ok:
+        # `failed: ...` reports what failed of the typed line. There is no such line while the
+        # console ends, nor for what fails after the line was answered.
+        return is_ending or "later" in act.arguments
+    if goal is None or not goal.mine or not goal.kind.refusals:
+        return True
+    # The server logs why it refuses a goal, and `failed: ...` repeats that reason.
+    is_refusal = event.text.startswith(goal.kind.refusals)
+    is_repeated = event.text.removeprefix(goal.kind.refusals) == goal.message
+    is_of_goal = goal.phase == Phase.SENT or (goal.phase == Phase.REFUSED and is_repeated)
+    return not (is_refusal and is_of_goal)
+
+
+def is_goal_news(before: Goal | None, goal: Goal) -> bool:
+    """Return True if a line is printed for the state of a goal.
+
+    Args:
+        before: The same goal in the snapshot before; None if it was not in it.
+        goal: The goal now.
+    """
+    is_changed = before is None or _milestone(before) != _milestone(goal)
+    return is_changed and not _is_in_answer(before, goal)
+
+
+def _milestone(goal: Goal) -> tuple[Phase, bool, bool, int]:
+    """Return what differs between two states that each deserve a line; 0 to 3 are quarters."""
+    quarter = min(int(goal.fraction() * 4), 3)
+    return goal.phase, bool(goal.unreadable), _has_feedback(goal), quarter
+
+
+def _is_in_answer(before: Goal | None, goal: Goal) -> bool:
+    """Return True if the answer to the typed line reports this change already."""
+    if before is None or before.phase == Phase.SENT:  # Otherwise the answer came late.
+        has_just_begun = goal.phase == Phase.MOVING and not _has_feedback(goal)
+        return goal.mine and (has_just_begun or goal.phase in (Phase.SENT, Phase.REFUSED))
+    return goal.mine and goal.phase == Phase.CANCELLING and goal.cancel_asked is not None
+
+
+def _has_feedback(goal: Goal) -> bool:
+    """Return True if feedback was received, readable or not."""
+    return bool(goal.unreadable or goal.feedback) or goal.remaining is not None
