@@ -169,7 +169,7 @@ class Assistants:
         try:
             outcome = await wait_for(self._station, self._verbs, [], {"timeout": seconds}, over)
         except RanOut:
-            raise RanOut(self._so_far(self._own(asker, words))) from None
+            raise RanOut(self._progress_text(self._own(asker, words))) from None
         one = self._own(asker, words)
         if one.stand != Stand.ALLOWED:
             text = f"request {one.number} is {one.stand.value}: {one.why}".removesuffix(": ")
@@ -178,7 +178,7 @@ class Assistants:
         said = {"code": outcome.code.value, "text": outcome.text}
         return said if goal is None else {**said, "data": as_data.goal(goal, self._now)}
 
-    def _so_far(self, one: Request) -> str:
+    def _progress_text(self, one: Request) -> str:
         if one.stand == Stand.WAITS:
             left = f"{one.left(self._now):.0f} s left"
             return f"request {one.number} still waits for a person, {left}"

@@ -49,36 +49,36 @@ class Stopped:
         self.console, self.code, self.text = console, code, text
 
 
-def find(asked: Mapping[str, Any], faults: list[str] | None = None) -> list[Connection]:
+def find(selection: Mapping[str, Any], faults: list[str] | None = None) -> list[Connection]:
     """Return all consoles that could be meant, by process; also those that do not answer.
 
     Args:
-        asked: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
+        selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
         faults: Gets the reason for each folder that is not looked into.
     """
-    found = _candidates(asked, [] if faults is None else faults)
+    found = _candidates(selection, [] if faults is None else faults)
     _exchange(found, b"", lambda console: bool(console.hello), HELLO_TIMEOUT)
     for console in found:
-        if not _could_be(asked, console):
+        if not _could_be(selection, console):
             console.close()
-    found = [one for one in found if not one.is_dead and _could_be(asked, one)]
+    found = [one for one in found if not one.is_dead and _could_be(selection, one)]
     return sorted(found, key=lambda console: int(console.who.get("pid", 0)))
 
 
-def choose(asked: Mapping[str, Any]) -> Connection:
+def choose(selection: Mapping[str, Any]) -> Connection:
     """Return a connection to the one console that is meant, whose hello has come.
 
     A console that only watches is passed over where another one of the same robot can act.
 
     Args:
-        asked: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
+        selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
 
     Raises:
         Unreached: There is none, there are several, or one that could be meant does not answer:
             a verb could reach another robot.
     """
-    asked, faults = _with_variable(asked), []  # type: ignore[var-annotated]
-    found = _able_to_act(find(asked, faults))
+    selection, faults = _with_default_console(selection), []  # type: ignore[var-annotated]
+    found = _able_to_act(find(selection, faults))
     silent = [console for console in found if console.fault]
     if len(found) == 1 and not silent:
         found[0].wait()
@@ -86,10 +86,10 @@ def choose(asked: Mapping[str, Any]) -> Connection:
     for console in found:
         console.close()
     if silent:
-        raise Unreached(_silent_error(asked, silent, found))
+        raise Unreached(_silent_error(selection, silent, found))
     if not found:
-        raise Nobody(no_console_error(asked, faults))
-    raise Unreached(_several_error(asked, found))
+        raise Nobody(no_console_error(selection, faults))
+    raise Unreached(_several_error(selection, found))
 
 
 def _able_to_act(found: list[Connection]) -> list[Connection]:
@@ -136,14 +136,14 @@ def reach(path: str, within: float = HELLO_TIMEOUT) -> Connection:
 
 
 def stop(
-    asked: Mapping[str, Any],
+    selection: Mapping[str, Any],
     notice: Callable[[str], None],
     more: Mapping[str, Any] | None = None,
 ) -> list[Stopped]:
     """Send STOP to every console that could be meant, before any is waited for.
 
     Args:
-        asked: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
+        selection: `to`, `engine` and `domain`, as `protocol.is_meant` takes them.
         notice: Called at once with what a person should know while other consoles are waited for.
         more: Further names and values of the request.
 
@@ -154,10 +154,10 @@ def stop(
         Unreached: No console could be meant.
     """
     faults: list[str] = []
-    meant = _with_variable(asked)
+    meant = _with_default_console(selection)
     ended = _stop_each(meant, notice, more or {}, faults)
-    if not ended and not asked.get("to") and meant.get("to"):
-        ended = _stop_each(asked, notice, more or {}, [])
+    if not ended and not selection.get("to") and meant.get("to"):
+        ended = _stop_each(selection, notice, more or {}, [])
         if ended:
             notice(f"no console {meant['to']} runs here, which {CHOSEN} names: STOP went to all")
     if not ended:
@@ -168,13 +168,17 @@ def stop(
 
 
 def _stop_each(
-    asked: Mapping[str, Any],
+    selection: Mapping[str, Any],
     notice: Callable[[str], None],
     more: Mapping[str, Any],
     faults: list[str],
 ) -> list[Stopped]:
-    found = _candidates(asked, faults)
-    first = line({"id": 1, "words": ["stop"], **more, **asked})
+    """Send STOP to each console that fits, and wait for all; the arguments are those of `stop`.
+
+    The list is empty if no console fits; `faults` gets the folders that are not looked into.
+    """
+    found = _candidates(selection, faults)
+    first = line({"id": 1, "words": ["stop"], **more, **selection})
     began = time.monotonic()
 
     def is_over(console: Connection) -> bool:
@@ -188,13 +192,13 @@ def _stop_each(
     _exchange(found, first, is_over, STOP_TIMEOUT - HELLO_TIMEOUT)
     there = [console for console in found if not console.is_dead]
     watching = _only_watching(there)  # Their refusal tells nothing about the robot.
-    ended = [_stopped(console) for console in there if console not in watching]
+    ended = [_stop_result(console) for console in there if console not in watching]
     for console in found:
         console.close()
     return [one for one in ended if one.code != NOT_MEANT]
 
 
-def _stopped(console: Connection) -> Stopped:
+def _stop_result(console: Connection) -> Stopped:
     result = console.result
     if result is not None:
         code, text = result["code"], result.get("text")
@@ -208,13 +212,13 @@ def _stopped(console: Connection) -> Stopped:
     return Stopped(console.described, LOST, f"{UNCONFIRMED}; {why}")
 
 
-def _with_variable(asked: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what is asked, with the console that the variable names if there is no `to`."""
-    to = asked.get("to") or os.environ.get(CHOSEN, "")
-    return {**asked, "to": to} if to else dict(asked)
+def _with_default_console(selection: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the selection, with the console that the variable names if there is no `to`."""
+    to = selection.get("to") or os.environ.get(CHOSEN, "")
+    return {**selection, "to": to} if to else dict(selection)
 
 
-def _candidates(asked: Mapping[str, Any], faults: list[str]) -> list[Connection]:
+def _candidates(selection: Mapping[str, Any], faults: list[str]) -> list[Connection]:
     """Return a connection for each socket, without those whose card tells that it is not meant.
 
     Raises:
@@ -223,12 +227,12 @@ def _candidates(asked: Mapping[str, Any], faults: list[str]) -> list[Connection]
     if not hasattr(socket, "AF_UNIX"):
         raise Unreached("this system has no sockets for it: only Linux and macOS do")
     made = [Connection(path, socket_files.read_card(path)) for path in socket_files.sockets(faults)]
-    return [one for one in made if _could_be(asked, one)]
+    return [one for one in made if _could_be(selection, one)]
 
 
-def _could_be(asked: Mapping[str, Any], console: Connection) -> bool:
+def _could_be(selection: Mapping[str, Any], console: Connection) -> bool:
     """Return False if the console's hello, or its card, tells that it is not meant."""
-    return not console.who or is_meant(asked, console.who)
+    return not console.who or is_meant(selection, console.who)
 
 
 def _exchange(
@@ -265,35 +269,44 @@ def _exchange(
 
 
 def _silent_error(
-    asked: Mapping[str, Any], silent: Sequence[Connection], all_: Sequence[Any]
+    selection: Mapping[str, Any], silent: Sequence[Connection], all_: Sequence[Any]
 ) -> str:
     """Return the error for consoles that could be meant and do not answer."""
     said = "; ".join(console.fault for console in silent)
-    if asked.get("to"):
-        return f"no console {asked['to']} answers here; {said}"
+    if selection.get("to"):
+        return f"no console {selection['to']} answers here; {said}"
     if len(all_) == 1:
         return said
     return f"{said}; nothing is chosen while it could be meant: --to PID or --to NAMESPACE chooses"
 
 
-def _several_error(asked: Mapping[str, Any], found: Sequence[Connection]) -> str:
+def _several_error(selection: Mapping[str, Any], found: Sequence[Connection]) -> str:
     lines = "".join(f"\n  {console.described}" for console in found)
-    if not asked.get("to"):
+    if not selection.get("to"):
         return f"several consoles run here, --to PID or --to NAMESPACE chooses:{lines}"
     names = "".join(f"\n  --to {one.who.get('name', '')}  {one.described}" for one in found)
-    return f"--to {asked['to']} fits several consoles, the names of their sockets choose:{names}"
+    return (
+        f"--to {selection['to']} fits several consoles, the names of their sockets choose:{names}"
+    )
 
 
-def no_console_error(asked: Mapping[str, Any], faults: Sequence[str]) -> str:
-    """Return the error for no console that could be meant, with what may be the cause."""
-    to, by_name = asked.get("to", ""), os.environ.get(CHOSEN, "")
+def no_console_error(selection: Mapping[str, Any], faults: Sequence[str]) -> str:
+    """Return the error text for a search that found no console, with the likely causes.
+
+    Args:
+        selection: Which console was looked for, as for `find`.
+        faults: The reasons why folders of sockets were not looked into.
+    """
+    to, by_name = selection.get("to", ""), os.environ.get(CHOSEN, "")
     said = NOBODY
     if to:
         named = f", which {CHOSEN} names" if to == by_name else ""
         said = f"no console {to} runs here{named} (archo-tui consoles lists them)"
-    elif asked.get("engine"):
-        domain = asked.get("domain")
-        where = asked["engine"] if domain is None else f"{asked['engine']}, domain {domain},"
+    elif selection.get("engine"):
+        domain = selection.get("domain")
+        where = (
+            selection["engine"] if domain is None else f"{selection['engine']}, domain {domain},"
+        )
         said = f"no console of {where} runs here (archo-tui consoles lists them)"
     others = socket_files.other_users()
     hints = [*faults, *(f"a console of {one} runs here: run this as {one}" for one in others)]

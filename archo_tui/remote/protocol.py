@@ -69,15 +69,15 @@ def is_stop(request: Mapping[str, Any]) -> bool:
     return isinstance(words, str) and is_stop_text(words.replace("\0", ""))
 
 
-def is_meant(asked: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
+def is_meant(selection: Mapping[str, Any], hello: Mapping[str, Any]) -> bool:
     """Return True when a console is one of those that a request is meant for.
 
     Args:
-        asked: `to` is a process, a namespace or the name of a socket; `engine` and `domain` are as
-            in a hello. What is missing or empty fits every console.
+        selection: `to` is a process, a namespace or the name of a socket; `engine` and `domain`
+            are as in a hello. What is missing or empty fits every console.
         hello: What the console says of itself.
     """
-    to, engine, domain = asked.get("to"), asked.get("engine"), asked.get("domain")
+    to, engine, domain = selection.get("to"), selection.get("engine"), selection.get("domain")
     names = (str(hello.get("pid")), hello.get("namespace"), hello.get("name"))
     return (
         (not to or str(to) in names)

@@ -72,11 +72,11 @@ class RequestHandler:
 
     def answer(self, client: ClientSession, answer: dict[str, Any], stops: int) -> None:
         """Take what a client sends while its request is carried out."""
-        self._station.post(partial(self._answered, client, answer))
+        self._station.post(partial(self._on_answer, client, answer))
 
     def gone(self, client: ClientSession) -> None:
         """Call off what a client waits for that has left."""
-        self._station.post(partial(self._leave, client))
+        self._station.post(partial(self._on_client_gone, client))
 
     # Called on the console's loop.
 
@@ -114,7 +114,7 @@ class RequestHandler:
         except Exception as error:  # Whatever failed, the client gets a reply.
             return Outcome(Code.REFUSED, in_one_line(error))
 
-    def _work_of(self, client: ClientSession) -> _ClientWork:
+    def _get_or_begin_work(self, client: ClientSession) -> _ClientWork:
         if client not in self._clients:
             self._clients[client] = _ClientWork(client)
             self._list_clients()
@@ -124,7 +124,7 @@ class RequestHandler:
         self._station.clients = tuple(session.asker.source for session in self._clients.values())
         self._station.look()
 
-    async def _leave(self, client: ClientSession) -> None:
+    async def _on_client_gone(self, client: ClientSession) -> None:
         session = self._clients.pop(client, None)
         if session is None:  # It requested nothing.
             return
@@ -150,8 +150,9 @@ class RequestHandler:
             session.asker.has_left = True
             await self._station.call_off(session.asker)
 
-    async def _answered(self, client: ClientSession, answer: dict[str, Any]) -> None:
-        session = self._work_of(client)
+    async def _on_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
+        """Pass on the answer to a question, or call the client's request off at a `give_up`."""
+        session = self._get_or_begin_work(client)
         if answer.get("give_up") and session.task is None:
             client.tell(_result(None, Outcome(Code.DONE, "it had ended")))
         elif answer.get("give_up"):
@@ -167,7 +168,7 @@ class RequestHandler:
             session.asked.set_result(answer.get("answer") is True)
 
     async def _serve(self, client: ClientSession, request: dict[str, Any], stops: int) -> None:
-        session, number = self._work_of(client), request.get("id")
+        session, number = self._get_or_begin_work(client), request.get("id")
         session.begin(request)
         if session.is_assistant:
             self._list_clients()
@@ -356,12 +357,12 @@ class _Declined(ArchoError):
 
 
 class _ClientWork:
-    """What is being carried out for one client.
+    """The work that is carried out for one client.
 
     Attributes:
-        sent: The ends of the goals that it sent last.
-        asked: Set to the person's answer to a question; None if none is asked.
-        task: Carries out its request; None between requests.
+        sent: The futures of the outcomes of the goals that it sent last.
+        asked: The future of the person's answer to a question; None while none is asked.
+        task: The task that carries out its request; None between requests.
         asker: The client as events and goals name it.
         is_assistant: True from the first request on that says so.
         has_gone: True once it has left.

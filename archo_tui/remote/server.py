@@ -152,13 +152,14 @@ class Client:
             self._waiting.append((data, stops.count))
             self._size += len(data)
             if not self._is_busy:
-                self._next()
+                self._serve_next_line()
 
     def _rest(self) -> None:
         self._rests = True
-        self._loop.call_later(REQUEST_INTERVAL, self._next)
+        self._loop.call_later(REQUEST_INTERVAL, self._serve_next_line)
 
-    def _next(self) -> None:
+    def _serve_next_line(self) -> None:
+        """Hand the oldest waiting line to the handler, with the answers that follow it."""
         self._rests = False
         self._is_busy = bool(self._waiting)
         if not self._waiting:
@@ -189,7 +190,7 @@ class Client:
             self._socket.shutdown(socket.SHUT_RDWR)
 
     async def close(self) -> None:
-        """Close the socket, once nothing is being written to it."""
+        """Make the current write fail, wait for its end, and close the socket."""
         self.drop()
         if self._writing is not None:  # It fails now.
             await asyncio.wait([self._writing])
@@ -231,12 +232,12 @@ def _stop_in(data: bytes, stops: Stops) -> dict[str, Any] | None:
     request = _read(data)
     if request is None:
         return {"words": ["stop"]} if lines.is_stop(data) else None
-    if stops.is_stop_call(_words(request)):
+    if stops.is_stop_call(_words_if_valid(request)):
         return {**request, "words": ["stop"]}
     return request if is_stop(request) else None
 
 
-def _words(request: dict[str, Any]) -> list[str]:
+def _words_if_valid(request: dict[str, Any]) -> list[str]:
     try:
         return words_of(request)
     except ValueError:

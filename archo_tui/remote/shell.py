@@ -155,14 +155,14 @@ def run(
         given = _CommandLine(words)
         timeout = given.timeout
         to = given.values.get("--to") or (meant or {}).get("to")
-        asked = {**(meant or {}), **({"to": to} if to else {})}
+        selection = {**(meant or {}), **({"to": to} if to else {})}
         if given.stops:
-            return _stop(asked, given, attach)
+            return _stop(selection, given, attach)
         # If a console is named, no other one and no other robot is meant.
         if helps or "--to" in given.values or os.environ.get(finder.CHOSEN):
             attach = None
         try:
-            console = finder.choose(asked)
+            console = finder.choose(selection)
         except finder.Nobody:
             if attach is None:
                 raise
@@ -254,16 +254,30 @@ def consoles(words: Sequence[str]) -> int:
 
 
 def _stop(
-    asked: Mapping[str, Any],
+    selection: Mapping[str, Any],
     given: _CommandLine,
     attach: Callable[[], AbstractContextManager[Speaks]] | None,
 ) -> int:
-    """Send STOP to every console that could be meant, and return the worst result's exit code."""
+    """Send STOP to every console that could be meant, or else to the robot itself.
+
+    Args:
+        selection: Which consoles are meant, as for `finder.find`.
+        given: The words of the STOP; those after the first are ignored, with a warning.
+        attach: Connects to the robot itself, which is done if no console confirms the STOP and
+            no `--to` is given; None: nothing can.
+
+    Returns:
+        The highest exit code of all results.
+
+    Raises:
+        Unreached: Neither a console nor the robot could be reached.
+        ArchoError: No console is there, and the session for the robot itself cannot begin.
+    """
     if len(given.rest) > 1:
         _complain(f"{given.rest[0]}: ignored: {' '.join(given.rest[1:])}")
     codes, unreached = [], ""
     try:
-        ended = finder.stop(asked, _complain)
+        ended = finder.stop(selection, _complain)
     except Unreached as error:
         ended, unreached = [], str(error)
     if attach is not None and "--to" not in given.values:  # which acts where a console only watches

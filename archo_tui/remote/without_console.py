@@ -74,9 +74,9 @@ class InProcessConnection:
         self._number = 0
         self._loop = asyncio.new_event_loop()
         self._tasks: set[asyncio.Task[None]] = set()
-        self._thread = threading.Thread(target=self._run, name="once", daemon=True)
+        self._thread = threading.Thread(target=self._run_loop, name="once", daemon=True)
         found = threading.Event()
-        self._begin(self._live(found))
+        self._begin(self._keep_station_going(found))
         self._thread.start()
         if not found.wait(PATIENCE):
             self.close()
@@ -159,7 +159,7 @@ class InProcessConnection:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    def _run(self) -> None:
+    def _run_loop(self) -> None:
         asyncio.set_event_loop(self._loop)
         self._loop.run_forever()
         for task in self._tasks:
@@ -170,7 +170,8 @@ class InProcessConnection:
     def _take(self, snapshot: Snapshot) -> None:
         self._station.take(snapshot)
 
-    async def _live(self, found: threading.Event) -> None:
+    async def _keep_station_going(self, found: threading.Event) -> None:
+        """Let the station tick until the loop ends; set `found` once a node is on the graph."""
         station = self._station
         station.run_on(self)
         station.robot.subscribe(self._take)
