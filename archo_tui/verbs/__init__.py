@@ -8,12 +8,12 @@ from archo_tui.robot.state import Leaf
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
 from archo_tui.verbs.base import Verb
-from archo_tui.verbs.goals import Cancel, Continue, Go, SendGoal, Skip
+from archo_tui.verbs.goals import Cancel, ContinueQueue, Go, SendGoal, SkipGoal
 from archo_tui.verbs.keep import Keep
-from archo_tui.verbs.nodes import Copy, Halt, LogLevel, Nodes, Start
+from archo_tui.verbs.nodes import DuplicateNode, LogLevel, Nodes, StartNode, StopNode
 from archo_tui.verbs.parameters import Get, Load, Params, Save, Set, Undo
 from archo_tui.verbs.services import Call, Give
-from archo_tui.verbs.stop import GiveUpStop, Release, StopNow
+from archo_tui.verbs.stop import GiveUpStop, ReleaseStop, StopNow
 from archo_tui.verbs.tell import Events, Past, Status
 from archo_tui.verbs.topics import Topics
 
@@ -34,8 +34,8 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[Leaf]]) -> Iterator[Verb
         go = Go(kind, forms.get(kind.id), "" if number else "go")
         ask = ask or go.how
         yield go
-    yield from (Cancel(), Continue(), Skip())
-    yield from (StopNow(robot.stop), Release(robot.stop), GiveUpStop())
+    yield from (Cancel(), ContinueQueue(), SkipGoal())
+    yield from (StopNow(robot.stop), ReleaseStop(robot.stop), GiveUpStop())
     for command in robot.commands:
         yield Give(command)
         if command.toggle:
@@ -43,5 +43,5 @@ def _all(robot: RobotFile, forms: Mapping[str, Sequence[Leaf]]) -> Iterator[Verb
     yield from (Status(ask, robot), Past(), Events(), Keep())
     yield from (Alarms(), Acknowledge(), Shelve())
     yield from (Params(), Get(), Set(), Undo(), Save(), Load())
-    yield from (Nodes(), Topics(), Start(), Halt(), Copy(), LogLevel())
+    yield from (Nodes(), Topics(), StartNode(), StopNode(), DuplicateNode(), LogLevel())
     yield from (SendGoal(), Call())

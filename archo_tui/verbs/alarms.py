@@ -63,6 +63,8 @@ def _fitting(station: Station, name: str) -> list[Alarm]:
 
 
 class Acknowledge(_OfAlarm):
+    """The verb `ack`: without a name it means the first alarm of the list, not all."""
+
     id, title, tells = "ack", "Acknowledge", True
     help = "Acknowledge the alarm that comes first, another by its name, or all"
     arguments = (Argument("alarm", rest=True, optional=True),)
@@ -82,6 +84,8 @@ class Acknowledge(_OfAlarm):
 
 
 class Shelve(_OfAlarm):
+    """The verb `shelve`: a second time for the same alarm, it takes it off the shelf."""
+
     id, title, tells = "shelve", "Shelve", True
     help = f"Silence an alarm for {SHELF_TIME / 60:.0f} min and say why; of a shelved one: end that"
     arguments = (Argument("alarm"), Argument("reason", rest=True, optional=True))

@@ -99,7 +99,12 @@ def _word(snapshot: Snapshot, now: float, width: int) -> str:
 
 
 def goal(found: Goal, now: float) -> dict[str, Any]:
-    """Return a goal as data; the values of another client's goal are not known."""
+    """Return a goal as JSON has it.
+
+    Args:
+        found: The goal; the fields of another client's goal are not known, so they are empty.
+        now: Monotonic time, in s, for its age.
+    """
     return {
         "kind": found.kind.id,
         "values": bounded(found.fields),
@@ -116,7 +121,7 @@ def goal(found: Goal, now: float) -> dict[str, Any]:
 
 
 def event(found: Event) -> dict[str, Any]:
-    """Return an event as data, with what was done if it was a verb."""
+    """Return an event as JSON has it, with the names and values of its act if it records one."""
     told: dict[str, Any] = {
         "time": found.time,
         "level": found.level,
@@ -132,7 +137,7 @@ def event(found: Event) -> dict[str, Any]:
 
 
 def parameter(found: Parameter) -> dict[str, Any]:
-    """Return a parameter as data."""
+    """Return a parameter as JSON has it; long values are cut."""
     values = bounded({"value": found.value, "initial": found.initial})
     return {
         "node": found.node,

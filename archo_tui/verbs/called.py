@@ -12,9 +12,9 @@ from archo_tui.verbs.base import Verb
 from archo_tui.verbs.goals import Go, kind_of
 from archo_tui.verbs.parse import YES, named
 from archo_tui.verbs.services import Call, Give
-from archo_tui.verbs.stop import Release, StopNow
+from archo_tui.verbs.stop import ReleaseStop, StopNow
 
-Called = StopNow | Release | Give  # Verbs that call a service of the robot file.
+Called = StopNow | ReleaseStop | Give  # Verbs that call a service of the robot file.
 _ACTION_PART = "/_action/"  # Between an action's name and those of its services.
 
 
@@ -50,7 +50,7 @@ def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str,
     """Return the verbs that call a service of the robot file, by the full name of the service."""
     found: dict[str, list[Called]] = {}
     for verb in verbs.values():
-        if isinstance(verb, (StopNow, Release, Give)) and verb.service:
+        if isinstance(verb, (StopNow, ReleaseStop, Give)) and verb.service:
             found.setdefault(snapshot.full(verb.service), []).append(verb)
     return found
 

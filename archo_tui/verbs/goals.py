@@ -60,6 +60,10 @@ class Go(Verb):
         return f"Type {self.id}, then {listed}, each with an equals sign and its value."
 
     def values(self, words: Sequence[str]) -> Values:
+        """Return the values of each goal, as a list under GOALS.
+
+        If a goal is one number, each word is a goal of its own.
+        """
         if self._leaves is None:
             raise ValueError(mismatch.not_installed(self.kind.action, self.kind.type))
         several = any(argument.many for argument in self.arguments) and "=" not in "".join(words)
@@ -171,7 +175,7 @@ class Cancel(Verb):
         return await station.cancel(another=True)
 
 
-class Continue(Verb):
+class ContinueQueue(Verb):
     id, title = "continue", "Continue the queue"
     help = "Continue the queue of goals that is held"
     acts = moves = True
@@ -193,7 +197,7 @@ class Continue(Verb):
         return station.resume()
 
 
-class Skip(Verb):
+class SkipGoal(Verb):
     id, title = "skip", "Skip a goal"
     help = "Leave out the next goal of the queue"
     acts = survives_stop = True

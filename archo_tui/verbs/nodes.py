@@ -87,7 +87,7 @@ class _OfNode(Verb):
         raise NotImplementedError
 
 
-class Start(_OfNode):
+class StartNode(_OfNode):
     id, title = "start", "Start"
     help = "Start again a node that was started here, and was stopped or has crashed"
     starts = True
@@ -96,7 +96,7 @@ class Start(_OfNode):
         return station.host.start_node
 
 
-class Halt(_OfNode):
+class StopNode(_OfNode):
     id, title = "halt", "Stop"
     help = "Stop a node that was started here; asks first when the robot needs it now"
     may_ask = True
@@ -116,7 +116,7 @@ class Halt(_OfNode):
         return Question("Stop a node", text, "Leave it", "Stop it")
 
 
-class Copy(_OfNode):
+class DuplicateNode(_OfNode):
     id, title = "copy", "Copy"
     help = "Run another copy of a node that was started here"
     may_ask = starts = True

@@ -49,7 +49,7 @@ def is_reported(station: Station, node: str) -> bool:
     return node in reported or station.age >= PATIENCE
 
 
-class _OfOne(Verb):
+class _OfParameter(Verb):
     """A verb for one parameter."""
 
     def is_ready(self, station: Station, values: Values) -> bool:
@@ -61,11 +61,12 @@ class _OfOne(Verb):
         return full_name(snapshot, values["node"], {p.node for p in snapshot.parameters})
 
     def found(self, station: Station, values: Values) -> Parameter | None:
+        """Return the parameter that the values name, or None if no node has reported it."""
         wanted = self.node(station, values), values["name"]
         known = station.robot.snapshot.parameters
         return next((p for p in known if (p.node, p.name) == wanted), None)
 
-    def missing(self, station: Station, values: Values) -> Outcome:
+    def missing_outcome(self, station: Station, values: Values) -> Outcome:
         node, name = self.node(station, values), values["name"]
         snapshot = station.robot.snapshot
         nodes = {n.name for n in snapshot.nodes} | {p.node for p in snapshot.parameters}
@@ -76,7 +77,7 @@ class _OfOne(Verb):
         return Outcome(Code.MISUSE, f"{node} has no parameter {name}{near}")
 
 
-class Get(_OfOne):
+class Get(_OfParameter):
     id, title, tells = "get", "Get a parameter", True
     help = "Show a parameter"
     arguments = (_NODE, _NAME)
@@ -84,7 +85,7 @@ class Get(_OfOne):
     async def run(self, station: Station, values: Values) -> Outcome:
         parameter = self.found(station, values)
         if parameter is None:
-            return self.missing(station, values)
+            return self.missing_outcome(station, values)
         return Outcome(Code.DONE, line(_for_asker(parameter)))
 
     def data(self, station: Station, values: Values) -> Any:
@@ -92,7 +93,7 @@ class Get(_OfOne):
         return None if parameter is None else as_data.parameter(_for_asker(parameter))
 
 
-class Set(_OfOne):
+class Set(_OfParameter):
     id, title, acts = "set", "Set a parameter", True
     help = "Set a parameter; quotes work as in a shell, and empty text is ''"
     arguments = (_NODE, _NAME, Argument("value", rest=True))
@@ -116,7 +117,7 @@ class Set(_OfOne):
     async def run(self, station: Station, values: Values) -> Outcome:
         parameter = self.found(station, values)
         if parameter is None:
-            return self.missing(station, values)
+            return self.missing_outcome(station, values)
         changed = {parameter.name: values["value"]}
         return await station.set_parameters(parameter.node, changed)
 

@@ -10,6 +10,8 @@ from archo_tui.verbs.base import Question, Values, Verb
 
 
 class StopNow(Verb):
+    """The verb `stop`: send the robot's STOP, or cancel every goal of a robot that has none."""
+
     id, title = "stop", "STOP"
     help = "STOP: software stop, at once and latched; does not replace the hardware one"
     acts = urgent = True
@@ -24,7 +26,9 @@ class StopNow(Verb):
         return await station.robot.emergency_stop()
 
 
-class Release(Verb):
+class ReleaseStop(Verb):
+    """The verb `release`: call the service that allows moves again after a STOP."""
+
     id, title = "release", "Release"
     help = "Release the stop (asks first); nothing resumes by itself"
     acts = moves = may_ask = True
