@@ -46,6 +46,7 @@ class _EventRecording:
         self.messages[:0] = ring.subscribe(self._on_message)
 
     def _on_message(self, message: ReceivedMessage, weight: int) -> None:
+        """Add a message, or drop it if MAX_BYTES are reached: `is_full` ends the recording then."""
         self._bytes += weight
         if self._bytes < MAX_BYTES:
             self.messages.append(message)
@@ -96,6 +97,7 @@ class _ContinuousBag:
             self._messages[:0] = ring.subscribe(self._on_message)
 
     def _on_message(self, message: ReceivedMessage, weight: int) -> None:
+        """Add a message, or drop it and set `left_out` while MAX_BYTES wait to be written."""
         with self._lock:
             self._bytes += weight
             if self._bytes < MAX_BYTES:
@@ -249,7 +251,15 @@ class BlackBox:
             job()
 
     def _append(self, current: _ContinuousBag, to: Path, *, is_last: bool = False) -> None:
-        """Write the messages that came since the last time to the continuous bag."""
+        """Write the messages that came since the last call, on the writing thread.
+
+        The first call creates the bag. A failure is kept for the operator, and abandons the bag.
+
+        Args:
+            current: The bag.
+            to: The path of the bag's folder; if that exists, a number is put behind its name.
+            is_last: True to end the bag after these messages.
+        """
         from archo_tui.recording import bag, store
 
         current.is_waiting = False
@@ -301,6 +311,7 @@ class BlackBox:
             self._add_event("WARN", "console", text)
 
     def _write_event(self, recording: _EventRecording) -> None:
+        """Write a recording to the disk on the writing thread, and make room for the next ones."""
         from archo_tui.recording import bag, store
 
         about = {"why": ", ".join(recording.why), "kept": "yes" if recording.kept else "no"}
@@ -342,6 +353,11 @@ class BlackBox:
             self._budget_warning = f"OLD RECORDINGS ARE NOT DELETED: {self._describe_error(error)}"
 
     def _make_room(self, written: Path | None = None) -> None:
+        """Delete the oldest recordings beyond the budget, and warn if little of it is left.
+
+        Args:
+            written: The recording that was written last, which is not deleted; None for none.
+        """
         from archo_tui.recording import store
 
         size, gone = store.make_room(self._folder, self._budget, written)
