@@ -52,12 +52,13 @@ class LinearReader:
             BudgetExceeded: The file is too large; likewise.
         """
         try:
-            self._run()
+            self._read_records()
         finally:
             self._end_run()
         self._end_chunk()
 
-    def _run(self) -> None:
+    def _read_records(self) -> None:
+        """Read the head of each record up to the end of the messages, or to where it is cut."""
         offset = len(MAGIC)
         while True:
             self._budget.count_record()
@@ -107,6 +108,7 @@ class LinearReader:
         return self._file.read(count)
 
     def _on_message(self, offset: int, length: int) -> None:
+        """Add a message outside of chunks to the range that it continues, or to a new one."""
         head = self._file.read(min(length, MESSAGE_HEAD.size))
         if len(head) < MESSAGE_HEAD.size or length > MAX_RECORD:
             self._fault("messages that are damaged or too large are left out")
@@ -128,6 +130,13 @@ class LinearReader:
         self._open_run = None
 
     def _begin_chunk(self, offset: int, length: int, *, is_cut: bool) -> None:
+        """Remember a chunk until the message index behind it is read.
+
+        Args:
+            offset: The offset of the chunk's record in the file.
+            length: The bytes of its content that are in the file.
+            is_cut: True if the file ends within it.
+        """
         self._end_chunk()
         self._file.seek(offset + FRAME.size)
         times = self._file.read(_TIMES.size)
@@ -136,6 +145,7 @@ class LinearReader:
         self._channels, self._count = set(), 0
 
     def _on_message_index(self, length: int) -> None:
+        """Note the channel of a message index, and count the messages that it lists."""
         head = self._file.read(min(length, _INDEX.size))
         if len(head) == _INDEX.size:
             channel, size = _INDEX.unpack(head)
