@@ -57,7 +57,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         *(robot.FormGoalKey(goal) for goal in goals[1:]),
         generic.AnyGoal(verbs["send_goal"]),
         generic.AnyService(verbs["call"]),
-        generic.KeepRobot(),
+        generic.WriteRobotFile(),
         console.AcknowledgeKey(verbs["ack"]),
         console.ShowAlarms(),
         *(console.PanelKey(number, title) for number, title in enumerate(titles, 1)),

@@ -91,20 +91,20 @@ class ShowHelp(Command):
         if isinstance(console.screen, Help):
             console.screen.action_close()
             return
-        console.open(Help(partial(_entries, console)))
+        console.open(Help(partial(_help_entries, console)))
 
 
-def _entries(console: Console) -> list[Entry]:
+def _help_entries(console: Console) -> list[Entry]:
     from archo_tui.screens.help import Entry
 
-    entries = [_entry(console, c) for c in console.registry if not isinstance(c, PanelKey)]
+    entries = [_help_entry(console, c) for c in console.registry if not isinstance(c, PanelKey)]
     panels = sum(isinstance(command, PanelKey) for command in console.registry)
     entries.append(Entry(NOT_TYPING.capitalize(), f"1-{panels}", "Go to a panel", ""))
     first = EVERYWHERE.capitalize()
     return sorted(entries, key=lambda entry: (entry.section != first, not entry.key))
 
 
-def _entry(console: Console, command: Command) -> Entry:
+def _help_entry(console: Console, command: Command) -> Entry:
     from archo_tui.screens.help import Entry
 
     key = console.view.key(command.id)

@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 class _AnyOf(VerbCommand):
     """A command that lists actions or services, and opens a form for the chosen one."""
 
-    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
-        """Return the names, each with its types."""
+    def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
+        """Return the actions or services on the graph, by full name, each with its types."""
         raise NotImplementedError
 
     def run(self, console: Console) -> None:
         from archo_tui.screens.choose import Choose
 
-        names = sorted(self.found(console))
+        names = sorted(self.types_by_name(console))
         choices = [choice for name in names for choice in self.choices(console, name)]
         console.open(Choose(self.help, choices))
 
@@ -42,14 +42,15 @@ class _AnyOf(VerbCommand):
         """Return the rows of the list for one name."""
         from archo_tui.screens.choose import Choice
 
-        types = ", ".join(self.found(console)[name])
-        return [Choice(name, partial(self._form, console, name), types)]
+        types = ", ".join(self.types_by_name(console)[name])
+        return [Choice(name, partial(self._open_form, console, name), types)]
 
-    async def _form(self, console: Console, name: str) -> None:
+    async def _open_form(self, console: Console, name: str) -> None:
+        """Open the form for the type of that action or service; its values go to `send`."""
         from archo_tui.screens.message_form import MessageForm
 
         try:
-            kind = type_of("one", name, self.found(console))
+            kind = type_of("one", name, self.types_by_name(console))
         except ValueError as error:
             console.show_message(str(error))
             return
@@ -70,26 +71,28 @@ class _AnyOf(VerbCommand):
 
 
 class AnyGoal(_AnyOf):
+    """The command that sends a goal to any action on the graph."""
+
     key = "G"
 
-    async def _form(self, console: Console, name: str) -> None:
+    async def _open_form(self, console: Console, name: str) -> None:
         kind = kind_of(console.view.snapshot, name)
         if kind is None:
-            await super()._form(console, name)
+            await super()._open_form(console, name)
             return
         go = next(v for v in console.verbs.values() if isinstance(v, Go) and v.kind == kind)
         work = FormGoalKey(go).run(console)  # The robot file has a form of its own.
         if work is not None:
             await work
 
-    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
+    def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         return console.view.snapshot.actions
 
     async def send(
         self, console: Console, name: str, kind: str, values: Mapping[str, Any]
     ) -> Outcome:
         short = name.rpartition("/")[2]
-        goal = GoalKind(id=_id(console, name), title=short, action=name, type=kind)
+        goal = GoalKind(id=_unused_id(console, name), title=short, action=name, type=kind)
         outcome = await self.verb.run(console.station, {KIND: goal, GOALS: [values]})
         console.update_screen()  # The goal may wait in the queue.
         if outcome.ok:
@@ -100,19 +103,22 @@ class AnyGoal(_AnyOf):
 
 
 class AnyService(_AnyOf):
+    """The command that calls any service on the graph."""
+
     key = "C"
 
     def choices(self, console: Console, name: str) -> list[Choice]:
+        """Return a row for each verb of the robot file that calls the service, or else its form."""
         from archo_tui.screens.choose import Choice
 
         verbs = verbs_by_service(console.verbs, console.view.snapshot).get(name, [])
         return [
-            Choice(name, partial(self._speak, console, verb), verb.title, words=verb.id)
+            Choice(name, partial(self._run_verb, console, verb), verb.title, words=verb.id)
             for verb in verbs
         ] or super().choices(console, name)
 
     @staticmethod
-    def _speak(console: Console, verb: Verb) -> Work | None:
+    def _run_verb(console: Console, verb: Verb) -> Work | None:
         """Run a verb of the robot file, with its question or its refusal."""
         if verb.urgent:
             console.action_command(verb.id)
@@ -123,7 +129,7 @@ class AnyService(_AnyOf):
             return None
         return console.run_verb(verb, {})
 
-    def found(self, console: Console) -> Mapping[str, tuple[str, ...]]:
+    def types_by_name(self, console: Console) -> Mapping[str, tuple[str, ...]]:
         return console.view.snapshot.services
 
     async def send(
@@ -136,12 +142,12 @@ class AnyService(_AnyOf):
             short = name.rpartition("/")[2]
             known = [old for old in console.used.commands if old.service != name]
             if not values:  # A robot file has no commands with fields.
-                used = CommandService(id=_id(console, name), title=short, service=name)
+                used = CommandService(id=_unused_id(console, name), title=short, service=name)
                 console.used = replace(console.used, commands=(*known, used))
         return outcome
 
 
-def _id(console: Console, name: str) -> str:
+def _unused_id(console: Console, name: str) -> str:
     """Return an id for a used action or service that no command of this robot has."""
     kept = console.used
     used = {goal.id for goal in kept.goals if goal.action != name}
@@ -160,7 +166,9 @@ def _paths(values: Mapping[str, Any], before: str = "") -> Iterator[str]:
             yield f"{before}{name}"
 
 
-class KeepRobot(Command):
+class WriteRobotFile(Command):
+    """The command that writes a robot file with the goals and services used so far."""
+
     id = "keep_robot"
     help = "Keep as robot file: the robot's own, and the goals and services used without it"
 

@@ -25,7 +25,7 @@ class ShowRecordings(Command):
         from archo_tui.screens.recordings import RecordingList
 
         with console.opening():
-            found = await _found(console)
+            found = await _list_recordings(console)
         if found is None:
             return
 
@@ -51,12 +51,12 @@ class ShowRecordings(Command):
             console.report_failure(Outcome(Code.REFUSED, f"not deleted: {error.strerror or error}"))
         else:
             console.station.robot.note("YOU", "console", f"recording {recording.name} deleted")
-        found = await _found(console)
+        found = await _list_recordings(console)
         if found is not None and not dialog.has_left:
             dialog.refill(found)
 
 
-async def _found(console: Console) -> list[Recording] | None:
+async def _list_recordings(console: Console) -> list[Recording] | None:
     """Return the recordings, newest first, or None after showing why they cannot be read."""
     from archo_tui.recording import store
 

@@ -32,19 +32,19 @@ def replay_commands(player: Player, commands: tuple[Command, ...]) -> tuple[Comm
         StepSeconds(player, "on", "right", 1.0, "1 s"),
         StepSeconds(player, "back_ten", "shift+left", -10.0),
         StepSeconds(player, "on_ten", "shift+right", 10.0),
-        Begin(player),
-        End(player),
+        GoToBegin(player),
+        GoToEnd(player),
         StepMessage(player, "message_before", "comma", -1),
         StepMessage(player, "message_after", "full_stop", 1),
-        Speed(player, "slower", "left_curly_bracket", -1),
-        Speed(player, "faster", "right_curly_bracket", 1, "Speed"),
+        ChangeSpeed(player, "slower", "left_curly_bracket", -1),
+        ChangeSpeed(player, "faster", "right_curly_bracket", 1, "Speed"),
         StepMark(player, "next_mark", "n", 1, "Mark"),
         StepMark(player, "mark_before", "N", -1),
         *shown,
         PanelKey(TIME, "Time line"),
-        NothingStopped(),
+        RefuseStop(),
         CopySelection(),
-        Alarms(player),
+        ShowRecordedAlarms(player),
         QuitReplay(),
         QuitReplayEverywhere(),
     )
@@ -87,7 +87,7 @@ class StepSeconds(_TimeLineCommand):
         self.player.go_to(self.player.position + self._seconds)
 
 
-class Begin(_TimeLineCommand):
+class GoToBegin(_TimeLineCommand):
     id, key = "begin", "home"
     help = "To the beginning of the recording"
 
@@ -95,7 +95,7 @@ class Begin(_TimeLineCommand):
         self.player.go_to(self.player.start)
 
 
-class End(_TimeLineCommand):
+class GoToEnd(_TimeLineCommand):
     id, key = "end", "end"
     help = "To the end of the recording"
 
@@ -114,7 +114,7 @@ class StepMessage(_TimeLineCommand):
         self.player.step_message(self._step)
 
 
-class Speed(_TimeLineCommand):
+class ChangeSpeed(_TimeLineCommand):
     def __init__(self, player: Player, name: str, key: str, step: int, footer: str = "") -> None:
         super().__init__(player)
         self.id, self.key, self._step, self.footer = name, key, step, footer
@@ -139,7 +139,9 @@ class StepMark(_TimeLineCommand):
             )
 
 
-class NothingStopped(Command):
+class RefuseStop(Command):
+    """The command of the STOP key in a replay, which says that nothing was stopped."""
+
     id, key, where = "stop", "ctrl+x", EVERYWHERE
     help = "Says that nothing is stopped: this is a recording"
 
@@ -156,7 +158,7 @@ class CopySelection(Command):
             console.show_message(f"Nothing is selected. Press {console.view.key('quit')} to quit.")
 
 
-class Alarms(Command):
+class ShowRecordedAlarms(Command):
     id, key = "alarms", "A"
     help = "List the alarms that there were"
 

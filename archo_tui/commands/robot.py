@@ -73,6 +73,12 @@ class FormGoalKey(VerbCommand):
 
 
 class CancelKey(VerbCommand):
+    """The command of ctrl+c, which cancels the running goal.
+
+    If none is running, it ends the wait of a dialog, or copies the selection. A key that is held
+    down cancels our own goal only.
+    """
+
     key, footer = "ctrl+c", "Cancel"
     where = EVERYWHERE
     resend_after = 0.5
@@ -162,11 +168,11 @@ class GiveKey(VerbCommand):
         (name,) = self._on.given.toggle.values()
         is_on = _reading(console, name)
         if is_on is None:
-            self._ask(console, name, self._off)
+            self._ask_which_way(console, name, self._off)
             return None
         return console.run_verb(self._off if is_on else self._on, {})
 
-    def _ask(self, console: Console, reading: str, off: services.Give) -> None:
+    def _ask_which_way(self, console: Console, reading: str, off: services.Give) -> None:
         title = self._on.given.title
         question = f"The robot does not report {reading}: {title} or {off.title}?"
         answers = {verb.title: partial(console.run_verb, verb, {}) for verb in (self._on, off)}
