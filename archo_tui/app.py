@@ -21,7 +21,7 @@ from archo_tui.robot.state import WATCHING, Snapshot
 from archo_tui.robot.stops import NOT_SENT
 from archo_tui.screens.leaving import Leaving
 from archo_tui.screens.main import MainScreen
-from archo_tui.station import recall
+from archo_tui.station import form_history
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import COMMANDS, start_worker
@@ -124,7 +124,7 @@ class ArchoApp(KeyedApp):
         goal = self.station.view.snapshot.goal
         if not self.has_sent and goal is not None and goal.mine:
             self.has_sent = True
-            start_worker(self, partial(in_daemon, recall.keep_sent), COMMANDS)
+            start_worker(self, partial(in_daemon, form_history.note_sent_goal), COMMANDS)
         self.view = self._view()
         # Before or after the life of the screen.
         if not (self.is_running and self.main.is_mounted):
@@ -344,17 +344,20 @@ class ArchoApp(KeyedApp):
     def _keep(self, typed: list[str]) -> None:
         """Keep what was typed for the arrow keys, also after a restart."""
         kind, panel = self.view.snapshot.file.goals[0], self.main.goal
-        panel.set_typed([*(old for old in panel.typed if old != typed), typed][-recall.MOST :])
-        start_worker(self, partial(in_daemon, recall.add, kind.id, typed), COMMANDS)
+        others = [old for old in panel.typed if old != typed]
+        panel.set_typed([*others, typed][-form_history.MAX_ENTRIES :])
+        start_worker(self, partial(in_daemon, form_history.add, kind.id, typed), COMMANDS)
 
     async def _recall(self) -> None:
         goals = self.view.snapshot.file.goals
         if goals:
             form = goals[0].id
-            self.has_sent, before = await in_daemon(lambda: (recall.has_sent(), recall.load(form)))
+            self.has_sent, before = await in_daemon(
+                lambda: (form_history.has_sent_goal(), form_history.load(form))
+            )
             since = self.main.goal.typed  # Sent while a slow disk was read; it comes last.
             earlier = [old for old in before if old not in since]
-            self.main.goal.set_typed([*earlier, *since][-recall.MOST :])
+            self.main.goal.set_typed([*earlier, *since][-form_history.MAX_ENTRIES :])
 
     # The methods of the station's Frontend.
 

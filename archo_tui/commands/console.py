@@ -16,7 +16,7 @@ from archo_tui.commands.base import (
     Work,
 )
 from archo_tui.shutdown import CANCEL, LEAVE, let_go
-from archo_tui.station.alarms import is_grave
+from archo_tui.station.alarms import any_urgent
 from archo_tui.system import CAN_SUSPEND
 from archo_tui.verbs.base import Verb
 from archo_tui.words.goal import activity
@@ -42,7 +42,7 @@ class ShowAlarms(Command):
         from archo_tui.screens.request import AnswerRequest
 
         station, waiting = console.station, console.station.requests.waiting
-        if waiting and not is_grave(console.view.alarms):  # Alarms of high priority come first.
+        if waiting and not any_urgent(console.view.alarms):  # Alarms of high priority come first.
             told = partial(_answer, console), console.dialog_gone
             seen = (lambda: console.is_stuck), (lambda: console.input)
             console.open(AnswerRequest(waiting[0], console.view, *seen, *told))

@@ -29,7 +29,7 @@ from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.robot.stops import NOT_SENT, Void
 from archo_tui.robot.text import safe
 from archo_tui.shutdown import Shutdown
-from archo_tui.station.alarms import Alarm, State
+from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.queue import QueuedGoal
 from archo_tui.station.requests import EXPIRES, READ
 from archo_tui.terminal.ascii import ascii_only, in_ascii
@@ -495,7 +495,7 @@ class Plain:
     def _print_alarms(self, changed: list[Alarm]) -> None:
         """Print each alarm that changed, a new one with what can be done about it."""
         for alarm in changed:
-            is_new = alarm.state == State.UNACKNOWLEDGED
+            is_new = alarm.state == AlarmState.UNACKNOWLEDGED
             text = self._status.advice(alarm, self._robot.snapshot) if is_new else alarm.name
             self._print_timed(f"alarm {alarm.state.value}: {text}")
 

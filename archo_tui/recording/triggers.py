@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from archo_tui.robot.state import Goal, Phase, Snapshot
-from archo_tui.station.alarms import Alarm, Priority, State
+from archo_tui.station.alarms import Alarm, AlarmState, Priority
 from archo_tui.station.station import View
 
 STOP = "STOP"
@@ -46,7 +46,7 @@ def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
 def _alarm_reasons(changed: Sequence[Alarm]) -> Iterator[str]:
     """Yield each alarm of high priority that has become active."""
     for alarm in changed:
-        if alarm.priority == Priority.HIGH and alarm.state == State.UNACKNOWLEDGED:
+        if alarm.priority == Priority.HIGH and alarm.state == AlarmState.UNACKNOWLEDGED:
             yield alarm.name
 
 

@@ -9,7 +9,7 @@ from archo_tui.remote.protocol import is_wait
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Goal, Latch
 from archo_tui.robot.values import parse_number
-from archo_tui.station.alarms import CONTACT_LOST, EMPTY
+from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST
 from archo_tui.station.station import Station
 from archo_tui.verbs.base import THERE, Verb
 from archo_tui.words.state import no_data_text
@@ -148,7 +148,9 @@ def _is_held(station: Station) -> bool:
 def _goes_nowhere(station: Station) -> bool:
     """Return True while a goal makes no sense: the robot is stopped, empty or not heard."""
     names = {alarm.name for alarm in station.view.alarms if not alarm.is_over}
-    is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint((CONTACT_LOST, EMPTY))
+    is_bad = station.robot.snapshot.is_stopped or not names.isdisjoint(
+        (CONTACT_LOST, BATTERY_EMPTY)
+    )
     return is_bad or _is_silent(station)
 
 

@@ -33,7 +33,8 @@ from archo_tui.robot.telemetry import Kept as Readings
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import safe
 from archo_tui.robot_file.model import GoalKind, RobotFile
-from archo_tui.station.alarms import Alarm, AlarmBoard, conditions
+from archo_tui.station.alarm_conditions import conditions
+from archo_tui.station.alarms import Alarm, AlarmBoard
 
 ROSOUT = "/rosout"
 _MAX_TIME = 1e11  # Unix time; a date much later cannot be shown.

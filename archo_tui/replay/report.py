@@ -12,7 +12,7 @@ from archo_tui.replay.bag_file import BagFile
 from archo_tui.replay.player import namespace_of
 from archo_tui.replay.replay_state import MAX_SILENCE, ROSOUT, ReplayState
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.alarms import Alarm, State
+from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.words.event import event_text
 
 
@@ -61,6 +61,6 @@ def _alarm_changes(before: frozenset[str], found: dict[str, Alarm], time: float)
     """Yield a line for each alarm that has come or gone since `before`."""
     now = time_of_day(time)
     for name, alarm in found.items():
-        if name not in before and alarm.state == State.UNACKNOWLEDGED:
+        if name not in before and alarm.state == AlarmState.UNACKNOWLEDGED:
             yield f"{now}  {alarm.priority.value}: {alarm.text}"
     yield from (f"{now}  over: {name}" for name in sorted(before - found.keys()))

@@ -11,8 +11,7 @@ from archo_tui.replay.bag_file import BagMessage
 from archo_tui.replay.message_reader import MAX_MESSAGES
 from archo_tui.replay.replay_state import Checkpoint, ReplayState
 from archo_tui.robot.state import OWN_LEVELS, Snapshot
-from archo_tui.station.alarms import Alarm
-from archo_tui.station.alarms import State as AlarmState
+from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.station.history import History
 
 SPAN = 3600.0  # Seconds.

@@ -11,7 +11,7 @@ from textual.containers import Vertical
 
 from archo_tui.screens.dialog import Dialog
 from archo_tui.screens.shelve import ShelveReason
-from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
+from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, Priority
 from archo_tui.station.station import View
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text
 from archo_tui.words.alarm import no_alarms_text, timeline
@@ -21,7 +21,7 @@ _INDENT = " " * 8
 
 def alarm_lines(alarm: Alarm, width: int, _columns: Columns) -> list[Text]:
     """`✗ HIGH  since 12:04:31, unacknowledged`, and what to do below."""
-    style = {State.UNACKNOWLEDGED: "bold", State.SHELVED: QUIET}.get(alarm.state, "")
+    style = {AlarmState.UNACKNOWLEDGED: "bold", AlarmState.SHELVED: QUIET}.get(alarm.state, "")
     head = f"{alarm.priority.value:<7} {timeline(alarm)}"
     text = textwrap.wrap(alarm.text, max(width - len(_INDENT), 20))
     return [(head, style), *((_INDENT + line, style) for line in text)]
@@ -97,7 +97,7 @@ class AlarmList(Dialog[None]):
             self._shelve(alarm, reason)
             self._changed()
 
-        if alarm.priority == Priority.HIGH and alarm.state != State.SHELVED:
+        if alarm.priority == Priority.HIGH and alarm.state != AlarmState.SHELVED:
             self.app.push_screen(ShelveReason(alarm, shelve))
         else:
             shelve("")

@@ -14,7 +14,7 @@ from textual.widgets import Static
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Form
-from archo_tui.station import recall
+from archo_tui.station import form_history
 from archo_tui.terminal.app import COMMANDS, start_worker
 
 _KIND = "a file"  # under which they are kept
@@ -50,7 +50,7 @@ class AskPath(Form):
         start_worker(self, self._recall, "recall")
 
     async def _recall(self) -> None:
-        used = await in_daemon(recall.load, _KIND)
+        used = await in_daemon(form_history.load, _KIND)
         self._recent = [texts[0] for texts in reversed(used) if texts]
         shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
         self.write(".recent", Content.styled(shown, "$quiet"))
@@ -80,5 +80,5 @@ class AskPath(Form):
             self.is_asking = False
             self.say(said)
             return
-        await in_daemon(recall.add, _KIND, [str(path.absolute())])
+        await in_daemon(form_history.add, _KIND, [str(path.absolute())])
         self.dismiss()

@@ -1,6 +1,7 @@
-"""Alarms in the manner of ISA-18.2, as a pure state machine: conditions and times come in.
+"""Alarms in the manner of ISA-18.2: a pure state machine that conditions and times go into.
 
-An alarm is gone only when it is over and acknowledged. Shelved, it is silent for a limited time.
+An alarm is gone only when its condition is over and the operator has acknowledged it. A shelved
+alarm is silent for a limited time.
 """
 
 from __future__ import annotations
@@ -9,22 +10,12 @@ from collections.abc import Iterable, Mapping
 from enum import Enum
 from typing import NamedTuple
 
-from archo_tui.clock import time_of_day
 from archo_tui.robot.period import LEAST_SILENCE, Pause
-from archo_tui.robot.state import (
-    Hosted,
-    Latch,
-    Life,
-    OpenStop,
-    Phase,
-    Snapshot,
-    StopAnswer,
-    not_offered,
-)
+from archo_tui.robot.state import Snapshot
 
 
 class Priority(Enum):
-    """How soon to act; the value is glyph and word."""
+    """How soon the operator has to act; the value is glyph and word."""
 
     HIGH = "✗ HIGH"
     MED = "▲ MED"
@@ -32,346 +23,244 @@ class Priority(Enum):
 
     @property
     def glyph(self) -> str:
-        """The first character of it."""
+        """The one character that stands for the priority."""
         return self.value[0]
 
 
-class State(Enum):
-    """The states of ISA-18.2; the value is the word in the list."""
+class AlarmState(Enum):
+    """The states of ISA-18.2; the value is the word in the list of alarms.
+
+    RETURNED is ISA-18.2's "returned to normal unacknowledged". REPLACED is ours: an alarm of
+    higher priority stands for the same cause, so the alarm is gone although nothing is normal.
+    """
 
     NORMAL = "normal"
     UNACKNOWLEDGED = "unacknowledged"
     ACKNOWLEDGED = "acknowledged"
-    OVER = "over, unacknowledged"
+    RETURNED = "over, unacknowledged"
     SHELVED = "shelved"
-    REPLACED = "replaced by a graver one"  # of the same cause: it is not normal, and gone
+    REPLACED = "replaced by a graver one"
 
 
 class Change(Enum):
-    """What can happen to an alarm."""
+    """An event that may change the state of an alarm."""
 
-    RAISED = "raised"
-    CLEARED = "cleared"
+    RAISED = "raised"  # Its condition holds.
+    CLEARED = "cleared"  # Its condition is over.
     ACKNOWLEDGE = "acknowledge"
     SHELVE = "shelve"
-    UNSHELVE = "unshelve"  # by the operator, or because its time is over
-    REPLACED = "replaced"  # by a graver alarm of the same cause
+    UNSHELVE = "unshelve"  # By the operator, or because its time on the shelf is over.
+    REPLACED = "replaced"  # By an alarm of higher priority with the same cause.
 
 
-_NORMAL, _UNSEEN, _SEEN = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
-_OVER, _SHELVED, _REPLACED = State.OVER, State.SHELVED, State.REPLACED
-# what is not here changes nothing; a shelved alarm that clears stays shelved for its time, and is
-# raised again after it if its condition holds then
-TRANSITIONS: dict[tuple[State, Change], State] = {
-    (_NORMAL, Change.RAISED): _UNSEEN,
-    (_UNSEEN, Change.CLEARED): _OVER,
-    (_UNSEEN, Change.ACKNOWLEDGE): _SEEN,
-    (_UNSEEN, Change.SHELVE): _SHELVED,
-    (_UNSEEN, Change.REPLACED): _REPLACED,
-    (_SEEN, Change.CLEARED): _NORMAL,
-    (_SEEN, Change.SHELVE): _SHELVED,
-    (_SEEN, Change.REPLACED): _REPLACED,
-    (_OVER, Change.RAISED): _UNSEEN,
-    (_OVER, Change.ACKNOWLEDGE): _NORMAL,
-    (_OVER, Change.SHELVE): _SHELVED,
+_NORMAL, _SHELVED, _REPLACED = AlarmState.NORMAL, AlarmState.SHELVED, AlarmState.REPLACED
+_UNACKNOWLEDGED, _ACKNOWLEDGED = AlarmState.UNACKNOWLEDGED, AlarmState.ACKNOWLEDGED
+_RETURNED = AlarmState.RETURNED
+# A pair that is not listed changes nothing. A shelved alarm stays shelved for its time also if its
+# condition is over, and is raised again afterwards if the condition holds then.
+TRANSITIONS: dict[tuple[AlarmState, Change], AlarmState] = {
+    (_NORMAL, Change.RAISED): _UNACKNOWLEDGED,
+    (_UNACKNOWLEDGED, Change.CLEARED): _RETURNED,
+    (_UNACKNOWLEDGED, Change.ACKNOWLEDGE): _ACKNOWLEDGED,
+    (_UNACKNOWLEDGED, Change.SHELVE): _SHELVED,
+    (_UNACKNOWLEDGED, Change.REPLACED): _REPLACED,
+    (_ACKNOWLEDGED, Change.CLEARED): _NORMAL,
+    (_ACKNOWLEDGED, Change.SHELVE): _SHELVED,
+    (_ACKNOWLEDGED, Change.REPLACED): _REPLACED,
+    (_RETURNED, Change.RAISED): _UNACKNOWLEDGED,
+    (_RETURNED, Change.ACKNOWLEDGE): _NORMAL,
+    (_RETURNED, Change.SHELVE): _SHELVED,
     (_SHELVED, Change.UNSHELVE): _NORMAL,
 }
 
-CONTACT_LOST, UNCONFIRMED, EMPTY = "contact lost", "stop not confirmed", "battery empty"
-STOPPED, LOW, CRASHED = "stopped", "low battery", "node crashed"
-WORD, MIXED, TWICE = "battery health", "several publishers", "name twice"
-NO_WORD = "no word of the goal"
-SILENT, UNWRITTEN, GAUGE = "motor silent", "journal not written", "gauge"
-UNRECORDED = "recordings"
-UNCERTAIN = "stop not certain"
-OUTLIVED, STOPS = "moves after stop", "several stops"
-NOBODY, NO_CLOCK = "no nodes", "no clock"
-EARLIER = "earlier stop"
+# The kinds of alarms, as lists, journal and --plain name them.
+MOVES_AFTER_STOP = "moves after stop"
+STOP_UNCONFIRMED = "stop not confirmed"
+STOP_UNCERTAIN = "stop not certain"
+SEVERAL_STOP_SERVERS = "several stops"
+CONTACT_LOST = "contact lost"
+BATTERY_EMPTY = "battery empty"
+MOTOR_SILENT = "motor silent"
+GOAL_SILENT = "no word of the goal"
+NODE_CRASHED = "node crashed"
+STOPPED = "stopped"
+LOW_BATTERY = "low battery"
+BATTERY_HEALTH = "battery health"
+GAUGE_WARNING = "gauge"
+SEVERAL_PUBLISHERS = "several publishers"
+DUPLICATE_NAME = "name twice"
+NO_NODES = "no nodes"
+NO_CLOCK = "no clock"
+EARLIER_STOP = "earlier stop"
+JOURNAL_NOT_WRITTEN = "journal not written"
+RECORDING_TROUBLE = "recordings"
+
+# Within a priority, the alarm that is listed first is shown first.
 _PRIORITIES = {
-    OUTLIVED: Priority.HIGH,
-    UNCONFIRMED: Priority.HIGH,
-    UNCERTAIN: Priority.HIGH,
-    STOPS: Priority.HIGH,
+    MOVES_AFTER_STOP: Priority.HIGH,
+    STOP_UNCONFIRMED: Priority.HIGH,
+    STOP_UNCERTAIN: Priority.HIGH,
+    SEVERAL_STOP_SERVERS: Priority.HIGH,
     CONTACT_LOST: Priority.HIGH,
-    EMPTY: Priority.HIGH,
-    SILENT: Priority.HIGH,
-    NO_WORD: Priority.HIGH,
-    CRASHED: Priority.HIGH,
+    BATTERY_EMPTY: Priority.HIGH,
+    MOTOR_SILENT: Priority.HIGH,
+    GOAL_SILENT: Priority.HIGH,
+    NODE_CRASHED: Priority.HIGH,
     STOPPED: Priority.MED,
-    LOW: Priority.MED,
-    WORD: Priority.MED,
-    GAUGE: Priority.MED,
-    MIXED: Priority.MED,
-    TWICE: Priority.MED,
-    NOBODY: Priority.MED,
+    LOW_BATTERY: Priority.MED,
+    BATTERY_HEALTH: Priority.MED,
+    GAUGE_WARNING: Priority.MED,
+    SEVERAL_PUBLISHERS: Priority.MED,
+    DUPLICATE_NAME: Priority.MED,
+    NO_NODES: Priority.MED,
     NO_CLOCK: Priority.MED,
-    EARLIER: Priority.LOW,
-    UNWRITTEN: Priority.LOW,
-    UNRECORDED: Priority.LOW,
-}  # of each kind; the worst first
+    EARLIER_STOP: Priority.LOW,
+    JOURNAL_NOT_WRITTEN: Priority.LOW,
+    RECORDING_TROUBLE: Priority.LOW,
+}
 _ORDER = list(_PRIORITIES)
 
-# of what the robot says: they stand as they were while it is not heard
-_HEARD = (EMPTY, STOPPED, LOW, WORD, SILENT, NO_WORD, GAUGE)
+# The alarms that follow from what the robot reports. While contact is lost they stay as they were.
+_REPORTED = (
+    *(BATTERY_EMPTY, STOPPED, LOW_BATTERY, BATTERY_HEALTH),
+    *(MOTOR_SILENT, GOAL_SILENT, GAUGE_WARNING),
+)
 _LAST_KNOWN = " (last known)"
-_CHARGER = "the command that charges"
-# what to do, where that is a command: its id, and the words around the way to give it
+
+_CHARGE = "charge"  # The robot file's command that charges, whatever its id is.
+# Alarms that a command helps against: the command's id, and the words around the way to give it.
 _REMEDIES = {
     STOPPED: ("release", ", then {} to release"),
-    EARLIER: ("release", ": {} to release"),
-    LOW: (_CHARGER, ", or {} to charge"),
+    EARLIER_STOP: ("release", ": {} to release"),
+    LOW_BATTERY: (_CHARGE, ", or {} to charge"),
 }
-# s that a condition must hold before it counts; a node that was killed lingers on a ROS 2 graph
-# for about 20 s
+# Seconds that a condition must hold before the alarm is raised (ISA-18.2's on-delay). 30 s, because
+# a killed node stays on the graph of ROS 2 for about 20 s.
 ON_DELAY = {
-    LOW: 2.0,
-    EMPTY: 2.0,
-    WORD: 2.0,
-    GAUGE: 2.0,
-    UNCONFIRMED: 1.0,
-    UNCERTAIN: 1.0,
-    STOPS: 2.0,
-    MIXED: 30.0,
-    TWICE: 30.0,
-    NOBODY: 5.0,
+    LOW_BATTERY: 2.0,
+    BATTERY_EMPTY: 2.0,
+    BATTERY_HEALTH: 2.0,
+    GAUGE_WARNING: 2.0,
+    STOP_UNCONFIRMED: 1.0,
+    STOP_UNCERTAIN: 1.0,
+    SEVERAL_STOP_SERVERS: 2.0,
+    SEVERAL_PUBLISHERS: 30.0,
+    DUPLICATE_NAME: 30.0,
+    NO_NODES: 5.0,
     NO_CLOCK: 5.0,
 }
-SHELF_TIME = 600.0  # s
+SHELF_TIME = 600.0  # Seconds that an alarm stays shelved.
 
 
 class Alarm(NamedTuple):
-    """One alarm; `text` says what and what to do. Times are Unix times, but for `shelf_ends`."""
+    """One alarm that is not normal.
 
-    name: str  # its kind, and of which node where there are several
+    Attributes:
+        name: Its kind, followed by the node, topic or gauge where there may be several.
+        text: What is the case and what to do.
+        since: Unix time at which it was raised.
+        state: Its state by ISA-18.2.
+        until: Unix time at which its condition was over; None while the condition holds.
+        shelved_until: Unix time at which the shelf ends, for people; None if it is not shelved.
+        shelf_ends: The same in monotonic seconds, so that setting the clock of the computer does
+            not silence the alarm for longer.
+        reason: Why the operator shelved it.
+    """
+
+    name: str
     text: str
     since: float
-    state: State = State.UNACKNOWLEDGED
-    until: float | None = None  # when its condition was over
-    shelved_until: float | None = None  # as a time of day, for people
-    shelf_ends: float | None = None  # monotonic s: a clock that is set must not silence it longer
-    reason: str = ""  # why it was shelved
+    state: AlarmState = AlarmState.UNACKNOWLEDGED
+    until: float | None = None
+    shelved_until: float | None = None
+    shelf_ends: float | None = None
+    reason: str = ""
 
     @property
     def priority(self) -> Priority:
-        """How soon to act."""
+        """How soon the operator has to act."""
         return _PRIORITIES[_kind(self.name)]
 
     @property
     def is_over(self) -> bool:
-        """True when its condition no longer holds."""
+        """True if its condition no longer holds."""
         return self.until is not None
 
     @property
     def acknowledged(self) -> bool:
-        """True when nothing is left to acknowledge."""
-        return self.state not in (State.UNACKNOWLEDGED, State.OVER)
+        """True if nothing is left to acknowledge."""
+        return self.state not in (AlarmState.UNACKNOWLEDGED, AlarmState.RETURNED)
 
     @property
     def rank(self) -> tuple[bool, bool, bool, int]:
-        """Sorts what needs attention first to the front."""
-        shelved = self.state == State.SHELVED
+        """The key to sort alarms by: what needs attention first comes first."""
+        shelved = self.state == AlarmState.SHELVED
         return shelved, self.acknowledged, self.is_over, _ORDER.index(_kind(self.name))
 
 
-def is_grave(alarms: Iterable[Alarm]) -> bool:
-    """True while one of the gravest is not acknowledged."""
+def any_urgent(alarms: Iterable[Alarm]) -> bool:
+    """Return whether an active alarm of high priority is not acknowledged."""
     return any(
-        one.priority == Priority.HIGH and one.state == State.UNACKNOWLEDGED for one in alarms
+        alarm.priority == Priority.HIGH and alarm.state == AlarmState.UNACKNOWLEDGED
+        for alarm in alarms
     )
 
 
-def advice(alarm: Alarm, given: Mapping[str, str]) -> str:
-    """What an alarm says, with what to do; `given` says how: `press R` (see `ways`)."""
+def advice(alarm: Alarm, hints: Mapping[str, str]) -> str:
+    """Return the text of an alarm, with the command that helps while its condition holds.
+
+    Args:
+        alarm: The alarm.
+        hints: How to give each command that may help, from `remedy_hints`.
+    """
     command, words = _REMEDIES.get(alarm.name, ("", ""))
-    if command not in given or alarm.is_over or alarm.text.endswith(_LAST_KNOWN):
+    if command not in hints or alarm.is_over or alarm.text.endswith(_LAST_KNOWN):
         return alarm.text
-    return alarm.text + words.format(given[command])
+    return alarm.text + words.format(hints[command])
 
 
-def ways(snapshot: Snapshot, by_id: Mapping[str, str]) -> dict[str, str]:
-    """Return how to give the commands that `advice` knows; none of those that no node offers."""
-    robot, found = snapshot.file, {}
+def remedy_hints(snapshot: Snapshot, hints_by_id: Mapping[str, str]) -> dict[str, str]:
+    """Choose how to give the commands that help against alarms.
+
+    Args:
+        snapshot: What is known of the robot: a command that no node offers is left out.
+        hints_by_id: How to give each command by its id, as `press R` or `type release`.
+
+    Returns:
+        The hints that `advice` takes.
+    """
+    robot, hints = snapshot.file, {}
     if robot.stop is not None and not snapshot.unavailable(robot.stop.release):
-        found["release"] = by_id.get("release", "")
+        hints["release"] = hints_by_id.get("release", "")
     for command in robot.commands:
         charges = "battery.charging" in command.toggle.values()
         if charges and not snapshot.unavailable(command.service):
-            found.setdefault(_CHARGER, by_id.get(command.id, ""))
-    return {name: way for name, way in found.items() if way}
+            hints.setdefault(_CHARGE, hints_by_id.get(command.id, ""))
+    return {command: hint for command, hint in hints.items() if hint}
 
 
 def _kind(name: str) -> str:
-    """Without the node that it is about."""
-    return GAUGE if name.startswith(f"{GAUGE} ") else name.partition(" /")[0]
-
-
-def conditions(
-    snapshot: Snapshot,
-    now: float,
-    hosted: Iterable[Hosted] = (),
-    unwritten: str = "",
-    unrecorded: str = "",
-    unseen: str = "",
-    earlier_stop: float | None = None,
-) -> dict[str, str]:
-    """Which alarms' conditions hold at `now` (monotonic s), with the text for each.
-
-    `unwritten` is why the journal is not written, `unrecorded` the text about recordings,
-    `unseen` where no node is, when none is found, and what to try. `earlier_stop` is the Unix time
-    of a STOP from before this console's start that the journal has no release of.
-    """
-    battery, motion = snapshot.battery, snapshot.motion
-    found: dict[str, str] = {}
-    if snapshot.open_stop is not None:
-        text = stop_texts(snapshot, snapshot.open_stop, now)[0]
-        found[UNCONFIRMED] = f"{text}: use the hardware stop"
-    if snapshot.latch is Latch.UNCERTAIN:
-        found[UNCERTAIN] = (
-            f"STOP OF {time_of_day(snapshot.latch_time)[:-3]} IS NO LONGER CERTAIN: "
-            f"{snapshot.latch_lost}: stop again, or release it"
-        )
-    stop = snapshot.file.stop
-    if stop is not None and stop.service in snapshot.several:
-        nodes = snapshot.several[stop.service]
-        found[STOPS] = (
-            f"{len(nodes)} NODES SERVE {stop.service}: {', '.join(nodes)}: STOP must be confirmed "
-            "by all of them; keep the hardware stop at hand"
-        )
-    is_known = snapshot.released is not None or snapshot.is_stopped
-    if earlier_stop is not None and not (is_known or motion.stopped is not None or motion.moving):
-        found[EARLIER] = (
-            f"STOP OF {time_of_day(earlier_stop)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
-            "the robot may still be stopped"
-        )
-    if _moves_on(snapshot, now):
-        found[OUTLIVED] = "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"
-    if snapshot.outlived:
-        runs = "RUNS" if len(snapshot.outlived) == 1 else "RUN"
-        found[OUTLIVED] = (
-            f"STOP WAS ANSWERED, BUT {', '.join(snapshot.outlived)} STILL {runs}: "
-            "use the hardware stop"
-        )
-    if unwritten:
-        found[UNWRITTEN] = f"JOURNAL NOT WRITTEN: {unwritten}"
-    if unrecorded:
-        found[UNRECORDED] = unrecorded
-    hosted = tuple(hosted)
-    heard = battery.received is not None or motion.received is not None
-    if unseen and not (heard or hosted or snapshot.nodes or snapshot.elsewhere):
-        found[NOBODY] = f"NO NODES {unseen}"
-    waiting = [p.node for p in snapshot.parameters if p.name == "use_sim_time" and p.value is True]
-    if waiting and not snapshot.has_clock:
-        found[NO_CLOCK] = (
-            f"NO CLOCK for {', '.join(waiting)}: use_sim_time is true and nobody publishes /clock: "
-            "start the simulator, or set it to false"
-        )
-    for node in hosted:
-        if node.life == Life.CRASHED:
-            found[f"{CRASHED} {node.name}"] = (
-                f"NODE CRASHED {node.name}: see why in Nodes, then start it again"
-            )
-    for topic, names in snapshot.publishers.items():
-        found[f"{MIXED} /{topic}"] = (
-            f"{len(names)} PUBLISHERS of {topic}: {', '.join(names)}: their readings come mixed"
-        )
-    for name in snapshot.twice:
-        found[f"{TWICE} {name}"] = f"TWO NODES NAMED {name}: a call reaches both of them"
-    if heard and (
-        (battery.received is None or battery.is_old(now))
-        and (motion.received is None or motion.is_old(now))
-    ):
-        # one cause, one alarm: what was last heard says nothing about now
-        last = max(battery.received or 0.0, motion.received or 0.0)
-        found[CONTACT_LOST] = f"CONTACT LOST for {now - last:.0f} s: the robot may still be moving"
-        return found
-    goal = snapshot.running_goal
-    moving = goal is not None
-    dock = "dock the robot when this move is done" if moving else "dock the robot"
-    if battery.percentage is not None and not battery.is_old(now):
-        if battery.percentage <= 0.0:
-            described = snapshot.file.battery
-            refuses = described is not None and described.empty_refuses_moves
-            more = "the robot refuses moves, charge it where it stands" if refuses else "charge it"
-            found[EMPTY] = f"BATTERY EMPTY: {more}"
-        elif is_low(snapshot) and not battery.charging:
-            found[LOW] = f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
-    if battery.health and not battery.is_old(now):
-        if not health(snapshot):
-            found[WORD] = f"BATTERY HEALTH {battery.health}: the console does not know this word"
-        elif health(snapshot) == "replace":
-            found[WORD] = f"BATTERY HEALTH {battery.health}: have the battery replaced"
-    if motion.received is not None and motion.is_old(now) and (moving or motion.moving):
-        topic = snapshot.file.motion.topic if snapshot.file.motion else "motion"
-        found[SILENT] = (
-            f"{topic} silent for {now - motion.received:.0f} s while moving: "
-            "the robot may still be driving"
-        )
-    elif goal is not None and goal.phase == Phase.LOST:
-        found[NO_WORD] = (
-            f"NO WORD FROM {goal.kind.title.upper()} for {now - (goal.heard or goal.sent):.0f} s: "
-            "the robot may still be driving"
-        )
-    if snapshot.is_at_rest:
-        found[STOPPED] = "STOPPED: look for the cause"
-    for reading in snapshot.gauges:
-        if reading.warns and not reading.is_old(now):
-            name, unit = reading.gauge.title, reading.gauge.unit
-            found[f"{GAUGE} {name}"] = (
-                f"{name.upper()} {reading.value:g} {unit}".rstrip() + f": {reading.warns}"
-            )
-    return found
-
-
-def stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:
-    """What came of a STOP that the robot has not confirmed: in full, and ever shorter."""
-    waited, answer, why = now - stop.asked, stop.answer, stop.why
-    if answer not in (StopAnswer.AWAITED, StopAnswer.NONE):
-        return (f"STOP {answer.value} {why}".rstrip(),)
-    service = "" if snapshot.file.stop is None else snapshot.file.stop.service
-    if service not in snapshot.offered and answer == StopAnswer.AWAITED:
-        # it waits for a server, or the one that it was sent to has left
-        return f"STOP NOT CONFIRMED ({not_offered(service)})", "STOP NOT CONFIRMED"
-    if waited < 1:
-        return ("STOP SENT",)
-    silent = f"STOP SENT, {StopAnswer.NONE.value} {why}".rstrip() + f" for {waited:.0f} s"
-    again = answer == StopAnswer.NONE
-    more = ", sent again while the robot is heard" if again else " (not confirmed by the robot)"
-    return silent + more, silent, f"STOP SENT, silent {waited:.0f} s"
-
-
-def _moves_on(snapshot: Snapshot, now: float) -> bool:
-    """True when the robot says that it moves, a while after a STOP."""
-    stop, motion = snapshot.open_stop, snapshot.motion
-    if motion.received is None or motion.is_old(now):
-        return False
-    if stop is None or stop.answer == StopAnswer.NOT_SENT:
-        return snapshot.moves_on
-    return bool(motion.moving) and motion.received - stop.asked >= 1.0
-
-
-def is_low(snapshot: Snapshot) -> bool:
-    """By the robot's own word, or by its percentage: a good word says nothing against that."""
-    charge, threshold = snapshot.battery.percentage, snapshot.threshold
-    is_below = charge is not None and threshold is not None and charge < threshold
-    return is_below or health(snapshot) == "low"
-
-
-def health(snapshot: Snapshot) -> str:
-    """What the battery's word means: good, low, replace; empty: none was said, or it is unknown."""
-    described = snapshot.file.battery
-    return "" if described is None else described.health.get(snapshot.battery.health or "", "")
+    """Return the name of an alarm without the node, topic or gauge that it is about."""
+    if name.startswith(f"{GAUGE_WARNING} "):  # The title of a gauge has no slash in front.
+        return GAUGE_WARNING
+    return name.partition(" /")[0]
 
 
 class AlarmBoard:
-    """The alarms that are not normal. Every method that changes some returns them as they are."""
+    """All alarms that are not normal.
+
+    Each method that changes alarms returns those whose state differs now, as they are now. An
+    alarm that is gone is among them, with the state NORMAL or REPLACED.
+    """
 
     def __init__(self) -> None:
+        """Make an empty board."""
         self._alarms: dict[str, Alarm] = {}
-        self._pending: dict[str, float] = {}  # condition -> monotonic s since it holds
+        self._pending: dict[str, float] = {}  # Since when each condition holds, monotonic seconds.
         self._pause = Pause()
 
     def copy(self) -> AlarmBoard:
-        """Another one with the same alarms."""
+        """Return another board with the same alarms, which changes independently."""
         board = AlarmBoard()
         board._alarms, board._pending = dict(self._alarms), dict(self._pending)
         board._pause = self._pause
@@ -380,9 +269,17 @@ class AlarmBoard:
     def update(
         self, found: dict[str, str], monotonic: float, now: float, known_over: Iterable[str] = ()
     ) -> list[Alarm]:
-        """Take the conditions that hold now (`conditions`); `now` is a Unix time.
+        """Raise, clear and unshelve alarms by the conditions that hold now.
 
-        While contact is lost, alarms by what the robot said stay, but for those in `known_over`.
+        Args:
+            found: The texts of the conditions that hold, by alarm name (see `conditions`).
+            monotonic: The time now, in monotonic seconds.
+            now: The same as a Unix time.
+            known_over: Alarms that are cleared although contact is lost. All others that follow
+                from the robot's reports stay until there is contact again.
+
+        Returns:
+            The alarms whose state has changed.
         """
         changed: list[Alarm] = []
         self._pause = self._pause.look(monotonic)
@@ -392,30 +289,34 @@ class AlarmBoard:
                 changed += self._change(alarm, Change.UNSHELVE, now)
             elif alarm.shelf_ends is not None:
                 until = now + alarm.shelf_ends - monotonic
-                if abs(until - (alarm.shelved_until or 0.0)) > 1.0:  # the time of day was set
+                # The clock of the computer was set: people see when the shelf really ends.
+                if abs(until - (alarm.shelved_until or 0.0)) > 1.0:
                     self._alarms[alarm.name] = alarm._replace(shelved_until=until)
         self._pending = {name: self._pending.get(name, monotonic) for name in found}
         for name, text in found.items():
             known = self._alarms.get(name)
             if known is not None and not known.is_over:
                 self._alarms[name] = known._replace(text=text)
-            elif _kind(name) in (CONTACT_LOST, SILENT, NO_WORD) and just_resumed:
-                continue
+            elif _kind(name) in (CONTACT_LOST, MOTOR_SILENT, GOAL_SILENT) and just_resumed:
+                continue  # The silence was this process's own: it was suspended.
             elif monotonic - self._pending[name] >= ON_DELAY.get(_kind(name), 0.0):
-                raised = known or Alarm(name, text, now, State.NORMAL)
+                raised = known or Alarm(name, text, now, AlarmState.NORMAL)
                 changed += self._change(raised._replace(text=text), Change.RAISED, now)
-        low = self._alarms.get(LOW)
-        if low is not None and low.is_over and EMPTY in found and not self._stands(EMPTY):
-            changed += self._change(low, Change.RAISED, now)  # until it is sure that it is empty
+        low = self._alarms.get(LOW_BATTERY)
+        is_delayed = BATTERY_EMPTY in found and not self._is_active(BATTERY_EMPTY)
+        if low is not None and low.is_over and is_delayed:
+            # The battery is at least low until BATTERY_EMPTY has held for its on-delay.
+            changed += self._change(low, Change.RAISED, now)
         for alarm in list(self._alarms.values()):
             if alarm.name in found or alarm.is_over:
                 continue
-            if alarm.name == LOW and EMPTY in found:  # one cause, one alarm, and no gap between
-                if self._stands(EMPTY):
+            if alarm.name == LOW_BATTERY and BATTERY_EMPTY in found:
+                # One cause has one alarm at a time, and no moment without an alarm.
+                if self._is_active(BATTERY_EMPTY):
                     changed += self._change(alarm, Change.REPLACED, now)
                 continue
-            is_heard = _kind(alarm.name) in _HEARD and alarm.name not in known_over
-            if CONTACT_LOST in found and is_heard:
+            is_reported = _kind(alarm.name) in _REPORTED and alarm.name not in known_over
+            if CONTACT_LOST in found and is_reported:
                 text = alarm.text.removesuffix(_LAST_KNOWN) + _LAST_KNOWN
                 self._alarms[alarm.name] = alarm._replace(text=text)
                 continue
@@ -423,58 +324,85 @@ class AlarmBoard:
         return changed
 
     def acknowledge(self, alarm: Alarm, now: float) -> list[Alarm]:
-        """Somebody has seen it."""
+        """Acknowledge an alarm: the operator has seen it.
+
+        Args:
+            alarm: The alarm as the operator saw it; its state by now decides what changes.
+            now: The time now, as a Unix time.
+
+        Returns:
+            The alarm if its state has changed, else an empty list.
+        """
         return self._change(self._alarms.get(alarm.name, alarm), Change.ACKNOWLEDGE, now)
 
     def shelve(self, alarm: Alarm, monotonic: float, now: float, reason: str = "") -> list[Alarm]:
-        """Silence it for SHELF_TIME, or take it off the shelf."""
+        """Shelve an alarm for SHELF_TIME; if it is shelved, take it off the shelf.
+
+        Args:
+            alarm: The alarm as the operator saw it; its state by now decides what changes.
+            monotonic: The time now, in monotonic seconds.
+            now: The same as a Unix time.
+            reason: Why it is shelved, for the list and the journal.
+
+        Returns:
+            The alarm if its state has changed, else an empty list.
+        """
         known = self._alarms.get(alarm.name, alarm)._replace(reason=reason)
-        if known.state == State.SHELVED:
+        if known.state == AlarmState.SHELVED:
             return self._change(known, Change.UNSHELVE, now)
         ends, until = monotonic + SHELF_TIME, now + SHELF_TIME
         shelved = known._replace(shelf_ends=ends, shelved_until=until)
         return self._change(shelved, Change.SHELVE, now)
 
     def all(self) -> tuple[Alarm, ...]:
-        """Unacknowledged first, then active, then by priority; shelved last."""
+        """Return all alarms: unacknowledged first, then active, then by priority; shelved last."""
         return tuple(sorted(self._alarms.values(), key=lambda alarm: alarm.rank))
 
-    def _stands(self, name: str) -> bool:
+    def _is_active(self, name: str) -> bool:
         return name in self._alarms and not self._alarms[name].is_over
 
     def _change(self, alarm: Alarm, change: Change, now: float) -> list[Alarm]:
+        """Carry out a change and keep its times; return the alarm if its state differs now."""
         state = TRANSITIONS.get((alarm.state, change), alarm.state)
         new = alarm._replace(state=state)
         if change in (Change.CLEARED, Change.REPLACED):
             new = new._replace(until=now)
         elif change == Change.RAISED:
-            since = alarm.since if alarm.state == State.SHELVED else now
+            since = alarm.since if alarm.state == AlarmState.SHELVED else now
             new = new._replace(since=since, until=None)
-        if state != State.SHELVED:
+        if state != AlarmState.SHELVED:
             new = new._replace(shelf_ends=None, shelved_until=None)
-        if state in (State.NORMAL, State.REPLACED):
+        if state in (AlarmState.NORMAL, AlarmState.REPLACED):
             self._alarms.pop(alarm.name, None)
         else:
             self._alarms[alarm.name] = new
         return [new] if state != alarm.state else []
 
 
-class Ringer:
-    """Says of which alarms somebody is to be told: grave ones, once each time that they come."""
+class AlarmBell:
+    """The record of which alarms the operator was called for, by bell and notification.
+
+    An alarm of high priority calls once each time that it is raised.
+    """
 
     def __init__(self) -> None:
-        self._told: set[tuple[str, float]] = set()  # name, and since when
+        """Create a bell that has not rung for any alarm."""
+        self._rung: set[tuple[str, float]] = set()  # Name, and Unix time at which it was raised.
 
-    def news(self, alarms: Iterable[Alarm]) -> list[Alarm]:
-        """Those of all the alarms that are new and grave."""
-        standing = {(alarm.name, alarm.since): alarm for alarm in alarms}
-        self._told &= standing.keys()
-        found = {
-            which: alarm
-            for which, alarm in standing.items()
+    def take_new(self, alarms: Iterable[Alarm]) -> list[Alarm]:
+        """Return the alarms to ring for now, and remember that they have rung.
+
+        Args:
+            alarms: All alarms on the board.
+        """
+        on_board = {(alarm.name, alarm.since): alarm for alarm in alarms}
+        self._rung &= on_board.keys()
+        new = {
+            key: alarm
+            for key, alarm in on_board.items()
             if alarm.priority == Priority.HIGH
-            and alarm.state == State.UNACKNOWLEDGED
-            and which not in self._told
+            and alarm.state == AlarmState.UNACKNOWLEDGED
+            and key not in self._rung
         }
-        self._told |= found.keys()
-        return list(found.values())
+        self._rung |= new.keys()
+        return list(new.values())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from archo_tui.robot.state import Phase, Snapshot
-from archo_tui.station.alarms import health, is_low
+from archo_tui.station.alarm_conditions import battery_health, is_battery_low
 
 Facts = frozenset[tuple[object, ...]]
 
@@ -48,8 +48,8 @@ def obstacles(snapshot: Snapshot) -> Facts:
         "goal runs": goal is not None and goal.is_running,
         "goal in doubt": goal is not None and goal.phase in (Phase.UNKNOWN, Phase.LOST),
         "empty": battery.percentage is not None and battery.percentage <= 0.0,
-        "low": is_low(snapshot),
-        "replace": health(snapshot) == "replace",
+        "low": is_battery_low(snapshot),
+        "replace": battery_health(snapshot) == "replace",
         "charging": battery.charging,
         "moving": motion.moving,
         "stopped": snapshot.is_stopped,

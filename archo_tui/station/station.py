@@ -20,7 +20,8 @@ from archo_tui.robot.asker import YOU, Asker, asked_by, asking
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Goal, Hosted, Snapshot
 from archo_tui.robot.stops import NEVER_LEFT, NOT_SENT
-from archo_tui.station.alarms import STOPPED, Alarm, AlarmBoard, Ringer, conditions
+from archo_tui.station.alarm_conditions import conditions
+from archo_tui.station.alarms import STOPPED, Alarm, AlarmBell, AlarmBoard
 from archo_tui.station.history import History
 from archo_tui.station.ledger import RELEASE, Ledger
 from archo_tui.station.queue import GoalQueue, QueuedGoal
@@ -139,7 +140,7 @@ class Station:
         robot file was given, so ARCHO's is used, whatever robot is there.
         """
         self.quiet, self.unseen = quiet, unseen
-        self.ringer = Ringer()  # here, for a screen that was started anew does not ring again
+        self.bell = AlarmBell()  # here, for a screen that was started anew does not ring again
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.file_is_default = file_is_default

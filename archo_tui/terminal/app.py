@@ -204,7 +204,7 @@ class TerminalApp(App[None]):
 
     def ring(self, alarms: Iterable[Alarm]) -> None:
         """Ring the bell and notify the desktop of new alarms of high priority."""
-        news = self.station.ringer.news(alarms)
+        news = self.station.bell.take_new(alarms)
         if news and not self.station.quiet and self._driver is not None:
             self.bell()
             self._driver.write("".join(desktop_notification(alarm.text) for alarm in news))

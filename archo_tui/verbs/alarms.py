@@ -6,7 +6,7 @@ from typing import Any
 
 from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.station.alarms import SHELF_TIME, Alarm, Priority, State
+from archo_tui.station.alarms import SHELF_TIME, Alarm, AlarmState, Priority
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import state
 from archo_tui.verbs.base import Argument, Values, Verb
@@ -95,7 +95,7 @@ class Shelve(_OfAlarm):
 
     async def run(self, station: Station, values: Values) -> Outcome:
         alarm, reason = self._split(station, values["alarm"], values.get("reason", ""))
-        shelved = alarm.state == State.SHELVED
+        shelved = alarm.state == AlarmState.SHELVED
         if alarm.priority == Priority.HIGH and not shelved and not reason.strip():
             return Outcome(Code.MISUSE, "type a reason: it goes into the journal")
         station.shelve(alarm, reason.strip())

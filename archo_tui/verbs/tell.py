@@ -10,7 +10,7 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.alarms import Alarm, advice, ways
+from archo_tui.station.alarms import Alarm, advice, remedy_hints
 from archo_tui.station.history import SPANS, Quantity, readings
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
@@ -48,7 +48,7 @@ class Status(Verb):
 
     def advice(self, alarm: Alarm, snapshot: Snapshot) -> str:
         """Return an alarm's text with what can be typed about it now."""
-        return advice(alarm, ways(snapshot, self._typed))
+        return advice(alarm, remedy_hints(snapshot, self._typed))
 
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True if battery and motion were received, as far as the robot has them."""

@@ -14,7 +14,14 @@ from archo_tui.clock import time_of_day
 from archo_tui.robot.asker import ASSISTANT
 from archo_tui.robot.state import Battery, Latch, Motion, Phase
 from archo_tui.robot.text import harmless
-from archo_tui.station.alarms import Alarm, Priority, State, advice, is_grave, ways
+from archo_tui.station.alarms import (
+    Alarm,
+    AlarmState,
+    Priority,
+    advice,
+    any_urgent,
+    remedy_hints,
+)
 from archo_tui.station.station import View
 from archo_tui.widgets.keys import click, key_content
 from archo_tui.widgets.rows import crop, pad
@@ -79,10 +86,10 @@ def banner(view: ScreenState, width: int) -> Content:
 
     Without an alarm, an operator who has never sent a goal sees the keys to begin with.
     """
-    shown = [alarm for alarm in view.alarms if alarm.state != State.SHELVED]
-    if view.requests and not is_grave(view.alarms):  # Alarms of high priority come first.
+    shown = [alarm for alarm in view.alarms if alarm.state != AlarmState.SHELVED]
+    if view.requests and not any_urgent(view.alarms):  # Alarms of high priority come first.
         return _request_banner(view, shown, width)
-    names = [alarm.name for alarm in view.alarms if alarm.state == State.SHELVED]
+    names = [alarm.name for alarm in view.alarms if alarm.state == AlarmState.SHELVED]
     shelved = f"shelved: {', '.join(names)}" if names else ""
     if not shown:
         return Content.styled(f" {shelved}", "$quiet") if shelved else _first_keys(view, width)
@@ -90,7 +97,11 @@ def banner(view: ScreenState, width: int) -> Content:
     more = f"   +{len(shown) - 1} more" if len(shown) > 1 else ""
     more += "   an assistant asks" if view.requests else ""
     keys = {name: f"press {key}" for name, key in view.keys.items() if name not in view.blocked}
-    texts = [advice(alarm, ways(view.snapshot, keys)), alarm.text, _without_brackets(alarm.text)]
+    texts = [
+        advice(alarm, remedy_hints(view.snapshot, keys)),
+        alarm.text,
+        _without_brackets(alarm.text),
+    ]
     if alarm.until is not None:
         text = f"was: {alarm.text.partition(':')[0]}, since {time_of_day(alarm.since)}"
         texts = [f"{text}, over at {time_of_day(alarm.until)}"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Snapshot
-from archo_tui.station.alarms import Alarm, State
+from archo_tui.station.alarms import Alarm, AlarmState
 from archo_tui.words.state import no_data_text
 
 
@@ -29,5 +29,5 @@ def no_alarms_text(snapshot: Snapshot) -> str:
 
 def state_word(alarm: Alarm) -> str:
     """Return the word of an alarm's state; a shelved alarm's says also if its condition is over."""
-    is_over = alarm.state == State.SHELVED and alarm.is_over
+    is_over = alarm.state == AlarmState.SHELVED and alarm.is_over
     return f"over, {alarm.state.value}" if is_over else alarm.state.value

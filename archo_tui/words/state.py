@@ -9,7 +9,7 @@ from __future__ import annotations
 from itertools import groupby
 
 from archo_tui.robot.state import Latch, Reading, Snapshot
-from archo_tui.station.alarms import health, is_low, stop_texts
+from archo_tui.station.alarm_conditions import battery_health, is_battery_low, open_stop_texts
 
 PLAIN, STRONG, OLD, WARN, BAD = "plain", "strong", "old", "warn", "bad"  # Tones.
 ACTIVE, EDGE = "active", "edge"  # The filled and the empty part of a bar.
@@ -79,7 +79,7 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
     battery = snapshot.battery
     if battery.received is None:
         return "?", "NO DATA", OLD
-    if health(snapshot) == "replace":
+    if battery_health(snapshot) == "replace":
         return "✗", "REPLACE", BAD
     if battery.unreadable:
         return "?", f"UNREADABLE {battery.unreadable}", WARN
@@ -87,9 +87,9 @@ def battery_word(snapshot: Snapshot) -> tuple[str, str, str]:
         return "✗", "EMPTY", BAD
     if battery.charging:
         return "↯", "CHARGING", STRONG
-    if is_low(snapshot):
+    if is_battery_low(snapshot):
         return "▲", "LOW", WARN
-    if battery.health and not health(snapshot):
+    if battery.health and not battery_health(snapshot):
         return "?", battery.health, WARN
     return "●", "GOOD", PLAIN
 
@@ -175,7 +175,7 @@ def motion_word(snapshot: Snapshot, now: float, width: int) -> Spans:
     """
     motion, described = snapshot.motion, snapshot.file.motion
     if snapshot.open_stop is not None:
-        texts = stop_texts(snapshot, snapshot.open_stop, now)
+        texts = open_stop_texts(snapshot, snapshot.open_stop, now)
         text = next((text for text in texts if len(text) <= width), texts[-1])
         return ((text[:width], BAD),)
     if snapshot.latch is Latch.UNCERTAIN:

@@ -15,7 +15,7 @@ from textual.widgets import Input
 from archo_tui.app import ArchoApp
 from archo_tui.commands.console import PanelKey
 from archo_tui.paths import config_file
-from archo_tui.station import recall
+from archo_tui.station import form_history
 from archo_tui.terminal import themes
 from tests.support.clock import seconds
 from tests.support.console import FAST, LONG, Console, console
@@ -190,15 +190,15 @@ async def test_what_is_typed_ahead_of_the_robot_goes_into_the_field() -> None:
 async def test_what_was_sent_before_the_kept_goals_were_read_is_not_lost(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    recall.add("shelf", ["7"])
-    read, fill = recall.load, ArchoApp._recall
+    form_history.add("shelf", ["7"])
+    read, fill = form_history.load, ArchoApp._recall
     found, is_read = read("shelf"), asyncio.Event()
 
     async def fill_later(app: ArchoApp) -> None:
         await is_read.wait()
         await fill(app)
 
-    monkeypatch.setattr("archo_tui.station.recall.load", lambda _: found)
+    monkeypatch.setattr("archo_tui.station.form_history.load", lambda _: found)
     monkeypatch.setattr(ArchoApp, "_recall", fill_later)
     async with console(node_makers=[Nobody], wait=False) as op:
         await op.until("● nobody")

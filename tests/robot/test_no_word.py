@@ -15,7 +15,7 @@ from archo_tui.robot import state
 from archo_tui.robot.asker import Asker, asked_by
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Phase
-from archo_tui.station.alarms import NO_WORD
+from archo_tui.station.alarms import GOAL_SILENT
 from archo_tui.station.queue import QueuedGoal
 from tests.support import clock
 from tests.support.archo import SHELF, go
@@ -131,7 +131,7 @@ async def test_who_waits_for_its_end_is_told_that_it_is_lost(
         assert outcome.text.startswith("goal lost: no word from it for ")
         assert 8 <= seconds() - began < 12
         assert station.running_goal is not None
-        assert NO_WORD in {alarm.name for alarm in station.view.alarms}
+        assert GOAL_SILENT in {alarm.name for alarm in station.view.alarms}
 
 
 async def test_input_that_is_over_waits_for_it_no_longer_and_ends_with_1(

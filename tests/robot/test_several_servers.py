@@ -16,7 +16,8 @@ from std_msgs.msg import Float32
 
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import OpenStop, Phase, StopAnswer
-from archo_tui.station.alarms import OUTLIVED, STOPS, UNCONFIRMED, conditions
+from archo_tui.station.alarm_conditions import conditions
+from archo_tui.station.alarms import MOVES_AFTER_STOP, SEVERAL_STOP_SERVERS, STOP_UNCONFIRMED
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.clock import NOW
@@ -126,9 +127,9 @@ async def test_one_stop_counts_the_answers_of_all_its_servers(
 async def test_two_servers_of_stop_are_an_alarm_that_names_them() -> None:
     made: list[Brake] = []
     async with robot(making(made, Brake, "a"), making(made, Brake, "b")) as it:
-        await until(lambda: STOPS in alarms(it))
-        assert "2 NODES SERVE emergency_stop: /a, /b:" in alarms(it)[STOPS]
-        assert "hardware stop" in alarms(it)[STOPS]
+        await until(lambda: SEVERAL_STOP_SERVERS in alarms(it))
+        assert "2 NODES SERVE emergency_stop: /a, /b:" in alarms(it)[SEVERAL_STOP_SERVERS]
+        assert "hardware stop" in alarms(it)[SEVERAL_STOP_SERVERS]
 
 
 async def test_a_stop_without_an_answer_is_sent_again_until_there_is_one() -> None:
@@ -137,7 +138,7 @@ async def test_a_stop_without_an_answer_is_sent_again_until_there_is_one() -> No
         await until(lambda: it.snapshot.battery.received is not None)
         assert not (await ended(it.emergency_stop())).ok
         await until(lambda: made[0].asked >= 3)
-        assert "STOP SENT, no answer for" in alarms(it)[UNCONFIRMED]
+        assert "STOP SENT, no answer for" in alarms(it)[STOP_UNCONFIRMED]
         made[0].says = "yes"
         await until(lambda: it.snapshot.open_stop is None)
         asked = made[0].asked
@@ -174,7 +175,7 @@ async def test_a_stop_that_is_refused_late_says_why_and_is_not_sent_again() -> N
         assert not (await ended(it.emergency_stop())).ok
         later = clock.seconds() + 12.0
         await until(lambda: clock.seconds() > later)
-        assert alarms(it)[UNCONFIRMED] == "STOP REFUSED (a no): use the hardware stop"
+        assert alarms(it)[STOP_UNCONFIRMED] == "STOP REFUSED (a no): use the hardware stop"
         assert made[0].asked < 5
 
 
@@ -197,7 +198,7 @@ async def test_a_stop_that_was_refused_says_why_and_is_not_sent_again() -> None:
     async with robot(making(made, Brake, "a", "no")) as it:
         await until(lambda: it.snapshot.battery.received is not None)
         assert not (await ended(it.emergency_stop())).ok
-        assert alarms(it)[UNCONFIRMED] == "STOP REFUSED (a no): use the hardware stop"
+        assert alarms(it)[STOP_UNCONFIRMED] == "STOP REFUSED (a no): use the hardware stop"
         later = clock.seconds() + 3.0
         await until(lambda: clock.seconds() > later)
         assert made[0].asked == 1
@@ -207,7 +208,7 @@ async def test_a_stop_that_cannot_be_sent_says_so() -> None:
     async with robot(lambda **options: Node("none", **options)) as it:
         assert not (await ended(it.emergency_stop())).ok
         said = "STOP NOT SENT (/emergency_stop is not offered by any node): use the hardware stop"
-        assert alarms(it)[UNCONFIRMED] == said
+        assert alarms(it)[STOP_UNCONFIRMED] == said
 
 
 async def test_a_stop_that_nobody_could_be_sent_is_sent_once_somebody_serves_it() -> None:
@@ -220,7 +221,7 @@ async def test_a_stop_that_nobody_could_be_sent_is_sent_once_somebody_serves_it(
         await until(lambda: said in {event.text for event in it.snapshot.events})
         assert made[0].asked == 1
         assert it.snapshot.open_stop is None
-        assert UNCONFIRMED not in alarms(it)
+        assert STOP_UNCONFIRMED not in alarms(it)
 
 
 async def test_a_stop_is_given_up_when_the_operator_says_so() -> None:
@@ -229,7 +230,7 @@ async def test_a_stop_is_given_up_when_the_operator_says_so() -> None:
         await until(lambda: it.snapshot.battery.received is not None)
         assert not (await ended(it.emergency_stop())).ok
         assert (await ended(it.give_up_stop())).ok
-        assert UNCONFIRMED not in alarms(it)
+        assert STOP_UNCONFIRMED not in alarms(it)
         asked, later = made[0].asked, clock.seconds() + 3.0
         await until(lambda: clock.seconds() > later)
         assert made[0].asked <= asked + 1  # one may have been on its way
@@ -305,8 +306,8 @@ async def test_a_goal_of_a_restarted_server_does_not_run_for_ever(
 
 async def test_moving_behind_a_stop_that_is_not_confirmed_is_an_alarm() -> None:
     moving = STATES["motor moving"]._replace(open_stop=OpenStop(NOW - 3, StopAnswer.NONE))
-    assert OUTLIVED in conditions(moving, NOW)
-    assert OUTLIVED not in conditions(
+    assert MOVES_AFTER_STOP in conditions(moving, NOW)
+    assert MOVES_AFTER_STOP not in conditions(
         moving._replace(open_stop=OpenStop(NOW, StopAnswer.NONE)), NOW
     )
-    assert OUTLIVED not in conditions(moving._replace(open_stop=None), NOW)
+    assert MOVES_AFTER_STOP not in conditions(moving._replace(open_stop=None), NOW)

@@ -25,7 +25,7 @@ from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Leaf, Snapshot
 from archo_tui.screens.leaving import Leaving
-from archo_tui.station import recall
+from archo_tui.station import form_history
 from archo_tui.terminal.stop_marks import dispatch
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.rows import Rows
@@ -216,7 +216,7 @@ def messages(keys: list[str]) -> list[list[Message]]:
 def _no_files(monkeypatch: pytest.MonkeyPatch) -> None:
     """Write no file, and let no button be dead while it shows that it was pressed."""
     monkeypatch.setattr(save_load, "write_atomically", lambda *_: None)
-    monkeypatch.setattr(recall, "add", lambda *_: None)
+    monkeypatch.setattr(form_history, "add", lambda *_: None)
     monkeypatch.setattr(widgets.Button, "_start_active_affect", lambda _: None)
 
 

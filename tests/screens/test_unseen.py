@@ -9,7 +9,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
 from archo_tui import engine
-from archo_tui.station.alarms import NO_CLOCK, NOBODY
+from archo_tui.station.alarms import NO_CLOCK, NO_NODES
 from tests.support import chosen
 from tests.support.console import FAST, Console, console
 from tests.support.plain import operated
@@ -22,7 +22,7 @@ def names(op: Console) -> list[str]:
 async def test_without_any_node_the_banner_says_where_was_looked() -> None:
     async with console(only=True, wait=False) as op:
         await op.until("NO NODES ")
-        assert names(op) == [NOBODY]
+        assert names(op) == [NO_NODES]
         if chosen.ENGINE == "embedded":
             await op.until("NO NODES in this process: give one by --node FILE")
         else:

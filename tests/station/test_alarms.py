@@ -9,28 +9,28 @@ import pytest
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Hosted, Latch, Life, OpenStop, Parameter, Phase, Snapshot
 from archo_tui.screens.alarms import alarm_lines
+from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import (
+    BATTERY_EMPTY,
+    BATTERY_HEALTH,
     CONTACT_LOST,
-    CRASHED,
-    EARLIER,
-    EMPTY,
-    LOW,
+    EARLIER_STOP,
+    GOAL_SILENT,
+    LOW_BATTERY,
+    MOTOR_SILENT,
+    MOVES_AFTER_STOP,
     NO_CLOCK,
-    NO_WORD,
-    NOBODY,
-    OUTLIVED,
+    NO_NODES,
+    NODE_CRASHED,
     SHELF_TIME,
-    SILENT,
+    STOP_UNCONFIRMED,
     STOPPED,
     TRANSITIONS,
-    UNCONFIRMED,
-    WORD,
+    AlarmBell,
     AlarmBoard,
+    AlarmState,
     Change,
-    Ringer,
-    State,
-    conditions,
-    ways,
+    remedy_hints,
 )
 from archo_tui.station.history import History
 from archo_tui.station.station import View
@@ -45,17 +45,17 @@ from tests.support.states import BATTERY, MOTOR, NORMAL, STATES
     [
         ("nothing heard yet", []),
         ("normal", []),
-        ("battery low and moving", [LOW]),
-        ("battery empty", [EMPTY]),
+        ("battery low and moving", [LOW_BATTERY]),
+        ("battery empty", [BATTERY_EMPTY]),
         ("battery charging", []),
-        ("battery without health", [LOW]),
-        ("battery to be replaced", [WORD]),
-        ("battery with an unknown word", [WORD]),
+        ("battery without health", [LOW_BATTERY]),
+        ("battery to be replaced", [BATTERY_HEALTH]),
+        ("battery with an unknown word", [BATTERY_HEALTH]),
         ("battery not a number", []),
         ("battery old", []),
         ("contact lost", [CONTACT_LOST]),
         ("motor stopped", [STOPPED]),
-        ("motor stop not confirmed", [UNCONFIRMED]),
+        ("motor stop not confirmed", [STOP_UNCONFIRMED]),
     ],
 )
 def test_conditions_of_every_state(state: str, names: list[str]) -> None:
@@ -65,23 +65,23 @@ def test_conditions_of_every_state(state: str, names: list[str]) -> None:
 def test_an_empty_battery_refuses_moves_only_where_the_robot_file_says_so() -> None:
     empty = STATES["battery empty"]
     refuses = "BATTERY EMPTY: the robot refuses moves, charge it where it stands"
-    assert conditions(empty, NOW) == {EMPTY: refuses}
+    assert conditions(empty, NOW) == {BATTERY_EMPTY: refuses}
     assert empty.file.battery is not None
     drives_on = replace(empty.file.battery, empty_refuses_moves=False)
     other = empty._replace(file=replace(empty.file, battery=drives_on))
-    assert conditions(other, NOW) == {EMPTY: "BATTERY EMPTY: charge it"}
+    assert conditions(other, NOW) == {BATTERY_EMPTY: "BATTERY EMPTY: charge it"}
 
 
 def test_a_good_word_says_nothing_against_a_low_percentage() -> None:
     empty = NORMAL._replace(battery=BATTERY._replace(percentage=3.0, health="good"))
-    assert conditions(empty, NOW) == {LOW: "LOW BATTERY 3.0 %: dock the robot"}
+    assert conditions(empty, NOW) == {LOW_BATTERY: "LOW BATTERY 3.0 %: dock the robot"}
 
 
 def test_a_battery_to_be_replaced_is_an_alarm_and_low_by_its_percentage() -> None:
     low = NORMAL._replace(battery=BATTERY._replace(percentage=12.0, health="replace"))
     assert conditions(low, NOW) == {
-        LOW: "LOW BATTERY 12.0 %: dock the robot",
-        WORD: "BATTERY HEALTH replace: have the battery replaced",
+        LOW_BATTERY: "LOW BATTERY 12.0 %: dock the robot",
+        BATTERY_HEALTH: "BATTERY HEALTH replace: have the battery replaced",
     }
 
 
@@ -91,13 +91,13 @@ SIMULATED = Parameter("/motor_controller", "use_sim_time", "bool", True, False)
 def test_nobody_on_the_graph_is_an_alarm_that_says_where_was_looked() -> None:
     nobody, where = Snapshot(file=NORMAL.file), "on domain 7: try this"
     found = conditions(nobody, NOW, unseen=where)
-    assert found == {NOBODY: f"NO NODES {where}"}
+    assert found == {NO_NODES: f"NO NODES {where}"}
     for seen in (
         nobody._replace(nodes=NORMAL.nodes),
         nobody._replace(elsewhere=("/north",)),  # the header says where
         nobody._replace(battery=BATTERY._replace(received=NOW)),
     ):
-        assert NOBODY not in conditions(seen, NOW, unseen=where)
+        assert NO_NODES not in conditions(seen, NOW, unseen=where)
     stopped = (Hosted("/a", Life.STOPPED),)
     assert conditions(nobody, NOW, stopped, unseen=where) == {}  # the operator's own doing
 
@@ -115,7 +115,7 @@ def test_simulated_time_without_a_clock_is_an_alarm_that_names_the_nodes() -> No
 
 def test_a_crashed_node_is_an_alarm_of_its_own() -> None:
     hosted = (Hosted("/a", Life.CRASHED, "boom"), Hosted("/b"), Hosted("/c", Life.STOPPED))
-    assert list(conditions(NORMAL, NOW, hosted)) == [f"{CRASHED} /a"]
+    assert list(conditions(NORMAL, NOW, hosted)) == [f"{NODE_CRASHED} /a"]
 
 
 @pytest.mark.parametrize(
@@ -132,7 +132,7 @@ def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
     found = conditions(NORMAL._replace(outlived=goals, open_stop=OpenStop(NOW - 3)), NOW)
     board.update(found, 0, 100)
     board.update(found, 3, 103)
-    assert [alarm.name for alarm in board.all()] == [OUTLIVED, UNCONFIRMED]
+    assert [alarm.name for alarm in board.all()] == [MOVES_AFTER_STOP, STOP_UNCONFIRMED]
     assert shown(board).startswith("✗ STOP WAS ANSWERED")
     assert said in shown(board)
 
@@ -146,8 +146,8 @@ def test_lost_contact_hides_what_was_last_heard() -> None:
 
 
 # the whole state machine: state, what happens, state afterwards (all else changes nothing)
-N, U, A = State.NORMAL, State.UNACKNOWLEDGED, State.ACKNOWLEDGED
-O, S, R = State.OVER, State.SHELVED, State.REPLACED  # noqa: E741
+N, U, A = AlarmState.NORMAL, AlarmState.UNACKNOWLEDGED, AlarmState.ACKNOWLEDGED
+O, S, R = AlarmState.RETURNED, AlarmState.SHELVED, AlarmState.REPLACED  # noqa: E741
 TABLE = {
     N: {Change.RAISED: U},
     U: {Change.CLEARED: O, Change.ACKNOWLEDGE: A, Change.SHELVE: S, Change.REPLACED: R},
@@ -158,31 +158,31 @@ TABLE = {
 }
 
 
-@pytest.mark.parametrize("state", State)
+@pytest.mark.parametrize("state", AlarmState)
 @pytest.mark.parametrize("change", Change)
-def test_the_state_machine(state: State, change: Change) -> None:
+def test_the_state_machine(state: AlarmState, change: Change) -> None:
     assert TRANSITIONS.get((state, change), state) == TABLE[state].get(change, state)
 
 
-def reach(state: State) -> AlarmBoard:
+def reach(state: AlarmState) -> AlarmBoard:
     """A board whose one alarm is in that state, by the way an operator gets there."""
     board = AlarmBoard()
-    if state == State.NORMAL:
+    if state == AlarmState.NORMAL:
         return board
     board.update({STOPPED: "stop: look"}, 0, 100)
-    if state == State.ACKNOWLEDGED:
+    if state == AlarmState.ACKNOWLEDGED:
         board.acknowledge(board.all()[0], 100)
-    if state == State.SHELVED:
+    if state == AlarmState.SHELVED:
         board.shelve(board.all()[0], 0, 100)
-    if state == State.OVER:
+    if state == AlarmState.RETURNED:
         board.update({}, 1, 101)
     return board
 
 
-@pytest.mark.parametrize("state", State)
-def test_the_board_keeps_to_the_machine(state: State) -> None:
-    def now(board: AlarmBoard) -> State:
-        return board.all()[0].state if board.all() else State.NORMAL
+@pytest.mark.parametrize("state", AlarmState)
+def test_the_board_keeps_to_the_machine(state: AlarmState) -> None:
+    def now(board: AlarmBoard) -> AlarmState:
+        return board.all()[0].state if board.all() else AlarmState.NORMAL
 
     for change, after in TABLE[state].items():
         if change == Change.REPLACED:
@@ -227,7 +227,7 @@ def test_a_banner_without_room_keeps_what_to_do_and_how_many_more() -> None:
     board = AlarmBoard()
     found = conditions(NORMAL._replace(open_stop=OpenStop(NOW - 12)), NOW)
     for time in (0, 3):
-        board.update({**found, EMPTY: "BATTERY EMPTY"}, time, 100)
+        board.update({**found, BATTERY_EMPTY: "BATTERY EMPTY"}, time, 100)
     assert shown(board).startswith("✗ STOP SENT, no ")
     assert shown(board).endswith(": use the hardware stop   +1 more   (a)")
 
@@ -256,12 +256,12 @@ def test_a_gap_in_contact_changes_nothing_about_what_the_robot_said() -> None:
     board.acknowledge(board.all()[0], 101)
     board.update({CONTACT_LOST: "lost"}, 2, 102)
     stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
-    assert (stopped.state, stopped.text) == (State.ACKNOWLEDGED, "stop (last known)")
+    assert (stopped.state, stopped.text) == (AlarmState.ACKNOWLEDGED, "stop (last known)")
     assert board.update({STOPPED: "stop"}, 3, 103) == [
         alarm for alarm in board.all() if alarm.name == CONTACT_LOST
     ]
     stopped = next(alarm for alarm in board.all() if alarm.name == STOPPED)
-    assert (stopped.state, stopped.text, stopped.since) == (State.ACKNOWLEDGED, "stop", 100)
+    assert (stopped.state, stopped.text, stopped.since) == (AlarmState.ACKNOWLEDGED, "stop", 100)
 
 
 def test_a_stop_that_is_known_to_be_over_is_not_kept_as_last_known() -> None:
@@ -277,16 +277,18 @@ def test_a_goal_that_says_nothing_is_an_alarm_unless_the_motor_is_silent() -> No
     moving = STATES["motor moving"]
     goal = moving.goal._replace(phase=Phase.LOST, heard=NOW - 6)  # type: ignore[union-attr]
     found = conditions(moving._replace(goal=goal), NOW)
-    assert found == {NO_WORD: "NO WORD FROM GO TO SHELF for 6 s: the robot may still be driving"}
+    assert found == {
+        GOAL_SILENT: "NO WORD FROM GO TO SHELF for 6 s: the robot may still be driving"
+    }
     silent = moving._replace(goal=goal, motion=replace(MOTOR, received=NOW - 6))
-    assert list(conditions(silent, NOW)) == [SILENT]
+    assert list(conditions(silent, NOW)) == [MOTOR_SILENT]
 
 
 def test_a_motor_that_falls_silent_in_a_move_is_an_alarm_of_its_own() -> None:
     silent = STATES["motor moving"]._replace(motion=replace(MOTOR, received=NOW - 3))
     found = conditions(silent, NOW)
-    assert list(found) == [SILENT]
-    assert found[SILENT] == (
+    assert list(found) == [MOTOR_SILENT]
+    assert found[MOTOR_SILENT] == (
         "motor_status silent for 3 s while moving: the robot may still be driving"
     )
     resting = NORMAL._replace(motion=replace(MOTOR, received=NOW - 3))
@@ -295,13 +297,13 @@ def test_a_motor_that_falls_silent_in_a_move_is_an_alarm_of_its_own() -> None:
 
 def test_a_condition_must_hold_for_its_delay() -> None:
     board = AlarmBoard()
-    board.update({LOW: "low"}, 0.0, 100)
-    board.update({LOW: "low"}, 1.9, 101.9)
+    board.update({LOW_BATTERY: "low"}, 0.0, 100)
+    board.update({LOW_BATTERY: "low"}, 1.9, 101.9)
     assert board.all() == ()
     board.update({}, 1.95, 101.95)
-    board.update({LOW: "low"}, 2.1, 102.1)  # counts anew
+    board.update({LOW_BATTERY: "low"}, 2.1, 102.1)  # counts anew
     assert board.all() == ()
-    board.update({LOW: "low 2"}, 4.2, 104.2)
+    board.update({LOW_BATTERY: "low 2"}, 4.2, 104.2)
     assert [alarm.text for alarm in board.all()] == ["low 2"]
 
 
@@ -315,29 +317,29 @@ def test_the_text_follows_without_a_new_alarm() -> None:
 
 
 def test_a_shelved_alarm_comes_back_after_its_time_if_it_still_holds() -> None:
-    board = reach(State.SHELVED)
+    board = reach(AlarmState.SHELVED)
     board.update({STOPPED: "stop"}, SHELF_TIME - 1, 100 + SHELF_TIME - 1)
-    assert [alarm.state for alarm in board.all()] == [State.SHELVED]
+    assert [alarm.state for alarm in board.all()] == [AlarmState.SHELVED]
     board.update({STOPPED: "stop"}, SHELF_TIME, 100 + SHELF_TIME)
-    assert [alarm.state for alarm in board.all()] == [State.UNACKNOWLEDGED]
+    assert [alarm.state for alarm in board.all()] == [AlarmState.UNACKNOWLEDGED]
 
 
 @pytest.mark.parametrize("by", [-90_000, 90_000])
 def test_a_clock_that_is_set_leaves_an_alarm_shelved_for_its_time(by: int) -> None:
-    board = reach(State.SHELVED)
+    board = reach(AlarmState.SHELVED)
     board.update({STOPPED: "stop"}, SHELF_TIME - 60, 100 + by + SHELF_TIME - 60)
     (shelved,) = board.all()
-    assert shelved.state == State.SHELVED
+    assert shelved.state == AlarmState.SHELVED
     lines = [text for text, _ in alarm_lines(shelved, 80, ())]
     assert f"until {time_of_day(100 + by + SHELF_TIME)}" in lines[0]
     board.update({STOPPED: "stop"}, SHELF_TIME, 100 + by + SHELF_TIME)
-    assert [alarm.state for alarm in board.all()] == [State.UNACKNOWLEDGED]
+    assert [alarm.state for alarm in board.all()] == [AlarmState.UNACKNOWLEDGED]
 
 
 def test_a_shelved_alarm_that_is_over_goes_after_its_time() -> None:
-    board = reach(State.SHELVED)
+    board = reach(AlarmState.SHELVED)
     board.update({}, 5, 105)
-    assert [alarm.state for alarm in board.all()] == [State.SHELVED]
+    assert [alarm.state for alarm in board.all()] == [AlarmState.SHELVED]
     board.update({STOPPED: "again"}, 6, 106)  # does not disturb
     board.update({}, 7, 107)
     board.update({}, SHELF_TIME, 100 + SHELF_TIME)
@@ -346,8 +348,8 @@ def test_a_shelved_alarm_that_is_over_goes_after_its_time() -> None:
 
 def test_the_banner_names_the_key_of_what_can_be_done_now() -> None:
     board = AlarmBoard()
-    board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 0, 100)
-    board.update({LOW: "LOW BATTERY 18.0 %: dock the robot"}, 3, 103)
+    board.update({LOW_BATTERY: "LOW BATTERY 18.0 %: dock the robot"}, 0, 100)
+    board.update({LOW_BATTERY: "LOW BATTERY 18.0 %: dock the robot"}, 3, 103)
     keys = {"ack": "a", "charge": "c"}
     view = ScreenState(NORMAL, NOW, NOW, 0.0, "embedded", "/", History(), board.all(), keys=keys)
     assert "dock the robot, or press c to charge" in banner(view, 120).plain
@@ -365,24 +367,30 @@ def test_the_header_names_what_is_silent_while_the_rest_is_heard() -> None:
 
 def test_a_low_battery_stays_an_alarm_until_it_counts_as_empty() -> None:
     board = AlarmBoard()
-    low, empty = {LOW: "LOW BATTERY 0.1 %: dock"}, {EMPTY: "BATTERY EMPTY: charge it"}
+    low, empty = (
+        {LOW_BATTERY: "LOW BATTERY 0.1 %: dock"},
+        {BATTERY_EMPTY: "BATTERY EMPTY: charge it"},
+    )
     board.update(low, 0, 100)
     board.update(low, 2, 102)
     board.acknowledge(board.all()[0], 103)
     for later in (3, 4):
         board.update(empty, later, 100 + later)
-        assert [(alarm.name, alarm.is_over) for alarm in board.all()] == [(LOW, False)]
+        assert [(alarm.name, alarm.is_over) for alarm in board.all()] == [(LOW_BATTERY, False)]
     changed = board.update(empty, 5, 105)
-    assert [alarm.name for alarm in board.all()] == [EMPTY]
+    assert [alarm.name for alarm in board.all()] == [BATTERY_EMPTY]
     assert [(alarm.name, alarm.state) for alarm in changed] == [
-        (EMPTY, State.UNACKNOWLEDGED),
-        (LOW, State.REPLACED),
+        (BATTERY_EMPTY, AlarmState.UNACKNOWLEDGED),
+        (LOW_BATTERY, AlarmState.REPLACED),
     ]
 
 
 def test_a_low_battery_that_was_over_is_one_again_when_it_falls_empty() -> None:
     board = AlarmBoard()
-    low, empty = {LOW: "LOW BATTERY 0.1 %: dock"}, {EMPTY: "BATTERY EMPTY: charge it"}
+    low, empty = (
+        {LOW_BATTERY: "LOW BATTERY 0.1 %: dock"},
+        {BATTERY_EMPTY: "BATTERY EMPTY: charge it"},
+    )
     board.update(low, 0, 100)
     board.update(low, 2, 102)
     board.update({}, 3, 103)  # it is being charged
@@ -390,7 +398,7 @@ def test_a_low_battery_that_was_over_is_one_again_when_it_falls_empty() -> None:
     board.update(empty, 4, 104)
     assert shown(board).startswith("▲ LOW BATTERY 0.1 %")
     board.update(empty, 6, 106)
-    assert [alarm.name for alarm in board.all()] == [EMPTY]
+    assert [alarm.name for alarm in board.all()] == [BATTERY_EMPTY]
 
 
 def test_silence_while_the_console_was_suspended_is_no_alarm() -> None:
@@ -414,22 +422,22 @@ def test_a_console_that_stands_still_again_and_again_raises_lost_contact() -> No
 
 @pytest.mark.parametrize("acknowledged", [True, False])
 def test_a_grave_alarm_that_comes_again_rings_again(acknowledged: bool) -> None:
-    board, ringer = AlarmBoard(), Ringer()
+    board, bell = AlarmBoard(), AlarmBell()
     board.update({CONTACT_LOST: "lost"}, 0, 100)
-    assert len(ringer.news(board.all())) == 1
+    assert len(bell.take_new(board.all())) == 1
     if acknowledged:
         board.acknowledge(board.all()[0], 101)
     board.update({CONTACT_LOST: "lost for 2 s"}, 2, 102)
-    assert ringer.news(board.all()) == []
+    assert bell.take_new(board.all()) == []
     board.update({}, 3, 103)
     board.update({CONTACT_LOST: "lost"}, 4, 104)  # before anybody looked
-    assert [alarm.name for alarm in ringer.news(board.all())] == [CONTACT_LOST]
+    assert [alarm.name for alarm in bell.take_new(board.all())] == [CONTACT_LOST]
 
 
 def test_a_grave_alarm_whose_shelf_ends_while_it_holds_rings_again() -> None:
-    board, ringer = AlarmBoard(), Ringer()
+    board, bell = AlarmBoard(), AlarmBell()
     board.update({CONTACT_LOST: "lost"}, 0, 100)
-    assert len(ringer.news(board.all())) == 1
+    assert len(bell.take_new(board.all())) == 1
     board.shelve(board.all()[0], 1, 101, "a test")
     for later, rings in (
         (2, 0),
@@ -439,14 +447,14 @@ def test_a_grave_alarm_whose_shelf_ends_while_it_holds_rings_again() -> None:
         (SHELF_TIME + 2, 0),
     ):
         board.update({CONTACT_LOST: "lost"}, later, 100 + later)
-        assert len(ringer.news(board.all())) == rings
+        assert len(bell.take_new(board.all())) == rings
 
 
 def test_a_command_that_no_node_offers_is_not_advised() -> None:
     typed = {"charge": "type charge", "release": "type release"}
-    assert set(ways(NORMAL, typed).values()) == {"type charge", "type release"}
+    assert set(remedy_hints(NORMAL, typed).values()) == {"type charge", "type release"}
     alone = NORMAL._replace(offered=NORMAL.offered - {"set_charging", "release_emergency_stop"})
-    assert ways(alone, typed) == {}
+    assert remedy_hints(alone, typed) == {}
 
 
 @pytest.mark.parametrize(
@@ -464,5 +472,5 @@ def test_a_stop_from_before_the_start_is_told_until_something_is_known(
     snapshot: Snapshot, is_told: bool
 ) -> None:
     found = conditions(snapshot, NOW, earlier_stop=1_700_000_000.0)
-    assert (EARLIER in found) is is_told
+    assert (EARLIER_STOP in found) is is_told
     assert not snapshot.is_stopped or not is_told

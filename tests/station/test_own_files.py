@@ -13,7 +13,7 @@ import pytest
 from archo_tui import regular_files
 from archo_tui.paths import config_file, state_file
 from archo_tui.recording import store
-from archo_tui.station import recall
+from archo_tui.station import form_history
 from archo_tui.terminal import themes
 from archo_tui.terminal.stderr import guarded_stderr
 
@@ -41,20 +41,20 @@ def misplaced(request: pytest.FixtureRequest) -> Callable[[Path], Path]:
 
 def test_what_was_typed_before_is_not_known(misplaced: Callable[[Path], Path]) -> None:
     misplaced(state_file("typed.json"))
-    assert recall.load("shelf") == []
+    assert form_history.load("shelf") == []
 
 
 def test_what_is_typed_is_kept_where_a_file_can_be(misplaced: Callable[[Path], Path]) -> None:
     path = misplaced(state_file("typed.json"))
-    recall.add("shelf", ["7"])
-    assert recall.load("shelf") == ([] if path.is_dir() else [["7"]])
+    form_history.add("shelf", ["7"])
+    assert form_history.load("shelf") == ([] if path.is_dir() else [["7"]])
 
 
 def test_nested_without_end_nothing_was_typed() -> None:
     file = state_file("typed.json")
     file.parent.mkdir(parents=True)
     file.write_text("[" * 200_000)
-    assert recall.load("shelf") == []
+    assert form_history.load("shelf") == []
 
 
 def test_no_theme_is_remembered(misplaced: Callable[[Path], Path]) -> None:

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import pytest
 
-from archo_tui.station.alarms import CONTACT_LOST, LOW, Alarm, Ringer, State
+from archo_tui.station.alarms import CONTACT_LOST, LOW_BATTERY, Alarm, AlarmBell, AlarmState
 from archo_tui.terminal.notification import desktop_notification
 from tests.support.terminal import Terminal
 
 
 def test_a_grave_alarm_is_news_once_until_it_is_gone() -> None:
-    ringer, grave = Ringer(), Alarm(CONTACT_LOST, "", 0.0)
-    assert ringer.news([grave, Alarm(LOW, "", 0.0)]) == [grave]
-    over = Alarm(CONTACT_LOST, "", 0.0, State.OVER)
-    for standing in (grave, over, grave, Alarm(CONTACT_LOST, "", 0.0, State.ACKNOWLEDGED)):
-        assert ringer.news([standing]) == []
-    assert ringer.news([]) == []
-    assert ringer.news([grave]) == [grave]
+    bell, grave = AlarmBell(), Alarm(CONTACT_LOST, "", 0.0)
+    assert bell.take_new([grave, Alarm(LOW_BATTERY, "", 0.0)]) == [grave]
+    over = Alarm(CONTACT_LOST, "", 0.0, AlarmState.RETURNED)
+    for standing in (grave, over, grave, Alarm(CONTACT_LOST, "", 0.0, AlarmState.ACKNOWLEDGED)):
+        assert bell.take_new([standing]) == []
+    assert bell.take_new([]) == []
+    assert bell.take_new([grave]) == [grave]
 
 
 @pytest.mark.parametrize(

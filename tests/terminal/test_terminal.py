@@ -25,8 +25,8 @@ SLOW = ("--ros-args", "-p", "feedback_period:=0.1", "-p", "time_scale:=1.0")
 
 HANGING_DISK = """
 import threading
-from archo_tui.station import recall
-recall._read = threading.Event().wait
+from archo_tui.station import form_history
+form_history._read = threading.Event().wait
 """
 INTERRUPTED = """
 import os, signal

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.state import Goal, Motion, OpenStop, Phase, Snapshot
-from archo_tui.station import recall
-from archo_tui.station.alarms import CONTACT_LOST, EMPTY, LOW, Alarm, State
+from archo_tui.station import form_history
+from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST, LOW_BATTERY, Alarm, AlarmState
 from archo_tui.station.queue import GoalQueue, QueuedGoal
 from tests.support.archo import ARCHO, SHELF
 from tests.support.clock import seconds
@@ -166,7 +166,7 @@ async def test_the_arrows_recall_what_was_sent_also_after_a_restart() -> None:
 
 async def test_the_arrows_recall_no_more_than_is_kept(unlimited: Path) -> None:
     for number in range(1, 51):
-        recall.add("shelf", [str(number)])
+        form_history.add("shelf", [str(number)])
     async with console(*FAST, robot=unlimited) as op:
         panel = op.app.main.goal
         await op.until(lambda: len(panel.typed) == 50)
@@ -174,28 +174,28 @@ async def test_the_arrows_recall_no_more_than_is_kept(unlimited: Path) -> None:
         await op.until(lambda: panel.typed[-1] == ["60"])
         assert [panel.typed[0], len(panel.typed)] == [["2"], 50]
         for number in range(100, 120):  # by another console
-            recall.add("shelf", [str(number)])
+            form_history.add("shelf", [str(number)])
         await op.app._recall()
         assert [panel.typed[-1], len(panel.typed)] == [["60"], 50]
 
 
 def test_what_is_kept_is_bounded_and_a_broken_file_is_nothing(tmp_path: Path) -> None:
     for number in range(80):
-        recall.add("shelf", [str(number)])
-    assert recall.load("shelf")[0] == ["30"]
+        form_history.add("shelf", [str(number)])
+    assert form_history.load("shelf")[0] == ["30"]
     file = tmp_path / "state" / "archo-tui" / "typed.json"
     assert len(json.loads(file.read_text())["shelf"]) == 50
-    recall.add("shelf", ["40"])
-    assert recall.load("shelf")[-2:] == [["79"], ["40"]]
-    assert len(recall.load("shelf")) == 50
+    form_history.add("shelf", ["40"])
+    assert form_history.load("shelf")[-2:] == [["79"], ["40"]]
+    assert len(form_history.load("shelf")) == 50
     many = [[str(number)] for number in range(80)]
     file.write_text(json.dumps({"shelf": many}))
-    assert recall.load("shelf") == many[-50:]
-    assert recall.load("other") == []
+    assert form_history.load("shelf") == many[-50:]
+    assert form_history.load("other") == []
     file.write_text("{ broken")
-    assert recall.load("shelf") == []
-    recall.add("shelf", ["1"])
-    assert recall.load("shelf") == [["1"]]
+    assert form_history.load("shelf") == []
+    form_history.add("shelf", ["1"])
+    assert form_history.load("shelf") == [["1"]]
 
 
 # the rules, without a robot
@@ -227,11 +227,11 @@ ARRIVED = Snapshot(file=ARCHO, goal=ended(0))
         ({"goal": ended(0, Phase.DISPUTED)}, [], "ended"),
         ({"goal": ended(0, Phase.ABORTED), "motion": Motion(stopped=True)}, [], "STOP"),
         ({"goal": ended(0, Phase.ABORTED), "open_stop": OpenStop(1.0)}, [], "STOP"),
-        ({"goal": ended(0, Phase.CANCELLED)}, [Alarm(LOW, "", 0.0)], "cancelled"),
+        ({"goal": ended(0, Phase.CANCELLED)}, [Alarm(LOW_BATTERY, "", 0.0)], "cancelled"),
         ({"open_stop": OpenStop(1.0)}, [], "STOP"),
         ({"motion": Motion(stopped=True)}, [], "STOP"),
-        ({}, [Alarm(LOW, "", 0.0)], LOW),
-        ({}, [Alarm(EMPTY, "", 0.0)], EMPTY),
+        ({}, [Alarm(LOW_BATTERY, "", 0.0)], LOW_BATTERY),
+        ({}, [Alarm(BATTERY_EMPTY, "", 0.0)], BATTERY_EMPTY),
         ({}, [Alarm(CONTACT_LOST, "", 0.0)], CONTACT_LOST),
     ],
 )
@@ -248,10 +248,10 @@ def test_what_holds_the_queue_stays_until_the_operator_goes_on(
 
 def test_an_alarm_that_held_the_queue_is_said_to_be_over_when_it_is() -> None:
     waiting = queue(7)
-    low = Alarm(LOW, "", 0.0)
+    low = Alarm(LOW_BATTERY, "", 0.0)
     for alarms, said in (
         ([low], "low battery"),
-        ([low._replace(until=1.0, state=State.OVER)], "was: low battery"),
+        ([low._replace(until=1.0, state=AlarmState.RETURNED)], "was: low battery"),
         ([], "was: low battery"),
         ([low], "low battery"),
     ):
@@ -270,7 +270,7 @@ def test_one_stop_holds_the_queue_as_a_stop_whatever_is_heard_first() -> None:
 
 
 def test_an_alarm_that_was_acknowledged_holds_nothing() -> None:
-    seen = Alarm(LOW, "", 0.0, State.ACKNOWLEDGED)
+    seen = Alarm(LOW_BATTERY, "", 0.0, AlarmState.ACKNOWLEDGED)
     assert queue(7).take_due(ARRIVED, [seen]) == target(7)
 
 

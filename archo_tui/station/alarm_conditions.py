@@ -1,0 +1,282 @@
+"""The alarms' conditions: which of them hold in a snapshot. Pure functions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from archo_tui.clock import time_of_day
+from archo_tui.robot.state import (
+    Hosted,
+    Latch,
+    Life,
+    OpenStop,
+    Phase,
+    Snapshot,
+    StopAnswer,
+    not_offered,
+)
+from archo_tui.station.alarms import (
+    BATTERY_EMPTY,
+    BATTERY_HEALTH,
+    CONTACT_LOST,
+    DUPLICATE_NAME,
+    EARLIER_STOP,
+    GAUGE_WARNING,
+    GOAL_SILENT,
+    JOURNAL_NOT_WRITTEN,
+    LOW_BATTERY,
+    MOTOR_SILENT,
+    MOVES_AFTER_STOP,
+    NO_CLOCK,
+    NO_NODES,
+    NODE_CRASHED,
+    RECORDING_TROUBLE,
+    SEVERAL_PUBLISHERS,
+    SEVERAL_STOP_SERVERS,
+    STOP_UNCERTAIN,
+    STOP_UNCONFIRMED,
+    STOPPED,
+)
+
+_Conditions = Iterator[tuple[str, str]]  # The name of an alarm whose condition holds, and its text.
+
+
+def conditions(
+    snapshot: Snapshot,
+    now: float,
+    hosted: Iterable[Hosted] = (),
+    journal_failure: str = "",
+    recorder_trouble: str = "",
+    unseen: str = "",
+    earlier_stop: float | None = None,
+) -> dict[str, str]:
+    """Return the alarms whose conditions hold, each with its text.
+
+    While contact with the robot is lost, nothing is concluded from its last messages: only
+    CONTACT_LOST stands for them.
+
+    Args:
+        snapshot: What is known of the robot.
+        now: Monotonic time in seconds.
+        hosted: The nodes that this process runs.
+        journal_failure: Why the journal cannot be written; "" if it can.
+        recorder_trouble: What the operator has to know about recordings; "" if nothing.
+        unseen: Where no node was found and what to try, as the alarm's text goes on; "" if no
+            alarm is wanted then.
+        earlier_stop: Unix time of a STOP from before the start of this console that the journal
+            has no release of; None if there is none.
+
+    Returns:
+        The texts by alarm name, see `Alarm.name`.
+    """
+    hosted = tuple(hosted)
+    found = {
+        **dict(_stop_conditions(snapshot, now, earlier_stop)),
+        **dict(_console_conditions(journal_failure, recorder_trouble)),
+        **dict(_graph_conditions(snapshot, hosted, unseen)),
+    }
+    if _is_contact_lost(snapshot, now):
+        last = max(snapshot.battery.received or 0.0, snapshot.motion.received or 0.0)
+        found[CONTACT_LOST] = f"CONTACT LOST for {now - last:.0f} s: the robot may still be moving"
+        return found
+    return {
+        **found,
+        **dict(_battery_conditions(snapshot, now)),
+        **dict(_motion_conditions(snapshot, now)),
+        **dict(_gauge_conditions(snapshot, now)),
+    }
+
+
+def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None) -> _Conditions:
+    if snapshot.open_stop is not None:
+        text = open_stop_texts(snapshot, snapshot.open_stop, now)[0]
+        yield STOP_UNCONFIRMED, f"{text}: use the hardware stop"
+    if snapshot.latch is Latch.UNCERTAIN:
+        yield (
+            STOP_UNCERTAIN,
+            f"STOP OF {time_of_day(snapshot.latch_time)[:-3]} IS NO LONGER CERTAIN: "
+            f"{snapshot.latch_lost}: stop again, or release it",
+        )
+    stop = snapshot.file.stop
+    if stop is not None and stop.service in snapshot.several:
+        nodes = snapshot.several[stop.service]
+        yield (
+            SEVERAL_STOP_SERVERS,
+            f"{len(nodes)} NODES SERVE {stop.service}: {', '.join(nodes)}: STOP must be confirmed "
+            "by all of them; keep the hardware stop at hand",
+        )
+    motion = snapshot.motion
+    is_known = snapshot.released is not None or snapshot.is_stopped
+    if earlier_stop is not None and not (is_known or motion.stopped is not None or motion.moving):
+        yield (
+            EARLIER_STOP,
+            f"STOP OF {time_of_day(earlier_stop)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
+            "the robot may still be stopped",
+        )
+    if snapshot.outlived:
+        runs = "RUNS" if len(snapshot.outlived) == 1 else "RUN"
+        yield (
+            MOVES_AFTER_STOP,
+            f"STOP WAS ANSWERED, BUT {', '.join(snapshot.outlived)} STILL {runs}: "
+            "use the hardware stop",
+        )
+    elif _moves_after_stop(snapshot, now):
+        yield MOVES_AFTER_STOP, "THE ROBOT MOVES ALTHOUGH STOP WAS SENT: use the hardware stop"
+
+
+def _moves_after_stop(snapshot: Snapshot, now: float) -> bool:
+    """Return whether the robot has reported motion 1 s or more after a STOP was sent."""
+    stop, motion = snapshot.open_stop, snapshot.motion
+    if motion.received is None or motion.is_old(now):
+        return False
+    if stop is None or stop.answer == StopAnswer.NOT_SENT:
+        return snapshot.moves_on
+    return bool(motion.moving) and motion.received - stop.asked >= 1.0
+
+
+def _console_conditions(journal_failure: str, recorder_trouble: str) -> _Conditions:
+    if journal_failure:
+        yield JOURNAL_NOT_WRITTEN, f"JOURNAL NOT WRITTEN: {journal_failure}"
+    if recorder_trouble:
+        yield RECORDING_TROUBLE, recorder_trouble
+
+
+def _graph_conditions(snapshot: Snapshot, hosted: tuple[Hosted, ...], unseen: str) -> _Conditions:
+    has_nodes = bool(_has_reported(snapshot) or hosted or snapshot.nodes or snapshot.elsewhere)
+    if unseen and not has_nodes:
+        yield NO_NODES, f"NO NODES {unseen}"
+    waiting = [p.node for p in snapshot.parameters if p.name == "use_sim_time" and p.value is True]
+    if waiting and not snapshot.has_clock:
+        yield (
+            NO_CLOCK,
+            f"NO CLOCK for {', '.join(waiting)}: use_sim_time is true and nobody publishes /clock: "
+            "start the simulator, or set it to false",
+        )
+    for node in hosted:
+        if node.life == Life.CRASHED:
+            yield (
+                f"{NODE_CRASHED} {node.name}",
+                f"NODE CRASHED {node.name}: see why in Nodes, then start it again",
+            )
+    for topic, names in snapshot.publishers.items():
+        yield (
+            f"{SEVERAL_PUBLISHERS} /{topic}",
+            f"{len(names)} PUBLISHERS of {topic}: {', '.join(names)}: their readings come mixed",
+        )
+    for name in snapshot.twice:
+        yield f"{DUPLICATE_NAME} {name}", f"TWO NODES NAMED {name}: a call reaches both of them"
+
+
+def _has_reported(snapshot: Snapshot) -> bool:
+    """Return whether a message about battery or motion was received since the start."""
+    return snapshot.battery.received is not None or snapshot.motion.received is not None
+
+
+def _is_contact_lost(snapshot: Snapshot, now: float) -> bool:
+    """Return whether everything that the robot reported before is silent now."""
+    battery, motion = snapshot.battery, snapshot.motion
+    return (
+        _has_reported(snapshot)
+        and (battery.received is None or battery.is_old(now))
+        and (motion.received is None or motion.is_old(now))
+    )
+
+
+def _battery_conditions(snapshot: Snapshot, now: float) -> _Conditions:
+    battery = snapshot.battery
+    if battery.is_old(now):
+        return
+    if battery.percentage is not None:
+        if battery.percentage <= 0.0:
+            described = snapshot.file.battery
+            refuses = described is not None and described.empty_refuses_moves
+            more = "the robot refuses moves, charge it where it stands" if refuses else "charge it"
+            yield BATTERY_EMPTY, f"BATTERY EMPTY: {more}"
+        elif is_battery_low(snapshot) and not battery.charging:
+            is_moving = snapshot.running_goal is not None
+            dock = "dock the robot when this move is done" if is_moving else "dock the robot"
+            yield LOW_BATTERY, f"LOW BATTERY {battery.percentage:.1f} %: {dock}"
+    if battery.health:
+        meaning = battery_health(snapshot)
+        if not meaning:
+            yield (
+                BATTERY_HEALTH,
+                f"BATTERY HEALTH {battery.health}: the console does not know this word",
+            )
+        elif meaning == "replace":
+            yield BATTERY_HEALTH, f"BATTERY HEALTH {battery.health}: have the battery replaced"
+
+
+def _motion_conditions(snapshot: Snapshot, now: float) -> _Conditions:
+    motion, goal = snapshot.motion, snapshot.running_goal
+    is_moving = goal is not None or motion.moving
+    if motion.received is not None and motion.is_old(now) and is_moving:
+        topic = snapshot.file.motion.topic if snapshot.file.motion else "motion"
+        yield (
+            MOTOR_SILENT,
+            f"{topic} silent for {now - motion.received:.0f} s while moving: "
+            "the robot may still be driving",
+        )
+    elif goal is not None and goal.phase == Phase.LOST:
+        yield (
+            GOAL_SILENT,
+            f"NO WORD FROM {goal.kind.title.upper()} for {now - (goal.heard or goal.sent):.0f} s: "
+            "the robot may still be driving",
+        )
+    if snapshot.is_at_rest:
+        yield STOPPED, "STOPPED: look for the cause"
+
+
+def _gauge_conditions(snapshot: Snapshot, now: float) -> _Conditions:
+    for reading in snapshot.gauges:
+        if reading.warns and not reading.is_old(now):
+            title, unit = reading.gauge.title, reading.gauge.unit
+            value = f"{title.upper()} {reading.value:g} {unit}".rstrip()
+            yield f"{GAUGE_WARNING} {title}", f"{value}: {reading.warns}"
+
+
+def open_stop_texts(snapshot: Snapshot, stop: OpenStop, now: float) -> tuple[str, ...]:
+    """Return the state of a STOP that the robot has not confirmed, in words.
+
+    Args:
+        snapshot: What is known of the robot.
+        stop: The STOP.
+        now: Monotonic time in seconds.
+
+    Returns:
+        The full text, then shorter ones for narrower places, if there are any.
+    """
+    waited, answer, why = now - stop.asked, stop.answer, stop.why
+    if answer not in (StopAnswer.AWAITED, StopAnswer.NONE):
+        return (f"STOP {answer.value} {why}".rstrip(),)
+    service = "" if snapshot.file.stop is None else snapshot.file.stop.service
+    if service not in snapshot.offered and answer == StopAnswer.AWAITED:
+        # The STOP waits for a server, or the server that it was sent to has left.
+        return f"STOP NOT CONFIRMED ({not_offered(service)})", "STOP NOT CONFIRMED"
+    if waited < 1:
+        return ("STOP SENT",)
+    silent = f"STOP SENT, {StopAnswer.NONE.value} {why}".rstrip() + f" for {waited:.0f} s"
+    again = answer == StopAnswer.NONE
+    more = ", sent again while the robot is heard" if again else " (not confirmed by the robot)"
+    return silent + more, silent, f"STOP SENT, silent {waited:.0f} s"
+
+
+def is_battery_low(snapshot: Snapshot) -> bool:
+    """Return whether the battery is low by the health it reports, or by its percentage.
+
+    A percentage below the threshold counts even if the robot calls the battery good.
+    """
+    charge, threshold = snapshot.battery.percentage, snapshot.threshold
+    is_below = charge is not None and threshold is not None and charge < threshold
+    return is_below or battery_health(snapshot) == "low"
+
+
+def battery_health(snapshot: Snapshot) -> str:
+    """Return what the reported battery health means by the robot file.
+
+    Returns:
+        `good`, `low` or `replace`; "" if no health was reported, or one that the file does not
+        know.
+    """
+    described = snapshot.file.battery
+    return "" if described is None else described.health.get(snapshot.battery.health or "", "")

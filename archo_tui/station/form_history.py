@@ -1,0 +1,80 @@
+"""The texts that the operator typed into forms before, kept over restarts.
+
+A few dozen entries are kept per form, in the state folder. Beside them an empty file notes that
+this user has sent a goal before. All functions touch the disk and may be called on any thread but
+the loop's.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import threading
+from typing import Any
+
+from archo_tui.paths import make_folder, state_file
+from archo_tui.regular_files import read, replace
+
+MAX_ENTRIES = 50  # That are kept of one form.
+_FILE = "typed.json"
+_GOAL_SENT_FILE = "goal_sent"
+
+_writing = threading.Lock()  # Two goals may be sent at once.
+
+
+def load(form: str) -> list[list[str]]:
+    """Return the entries of a form, each as the texts of its fields.
+
+    Args:
+        form: The id of the goal, or of the dialog.
+
+    Returns:
+        The entries, the oldest first; an empty list if there are none or the file is broken.
+    """
+    return _entries(_read(), form)
+
+
+def add(form: str, typed: list[str]) -> None:
+    """Keep an entry as the newest of its form; an equal older one is removed.
+
+    A disk that is full or read-only keeps nothing, and nobody is told.
+
+    Args:
+        form: The id of the goal, or of the dialog.
+        typed: The texts of its fields, in their order.
+    """
+    path = state_file(_FILE)
+    with _writing, contextlib.suppress(OSError):
+        known = _read()
+        others = [texts for texts in _entries(known, form) if texts != typed]
+        make_folder(path)
+        replace(path, json.dumps({**known, form: [*others, typed][-MAX_ENTRIES:]}))
+
+
+def has_sent_goal() -> bool:
+    """Return whether this user has ever sent a goal; False also if the file cannot be read."""
+    return os.path.exists(state_file(_GOAL_SENT_FILE))
+
+
+def note_sent_goal() -> None:
+    """Note that this user has sent a goal; a disk that is full or read-only keeps nothing."""
+    path = state_file(_GOAL_SENT_FILE)
+    with contextlib.suppress(OSError):
+        make_folder(path)
+        path.touch(mode=0o600)
+
+
+def _read() -> dict[str, Any]:
+    """Return the content of the file; an empty dictionary if it is missing or broken."""
+    with contextlib.suppress(OSError, ValueError, RecursionError):
+        known = json.loads(read(state_file(_FILE)))
+        return known if isinstance(known, dict) else {}
+    return {}
+
+
+def _entries(known: dict[str, Any], form: str) -> list[list[str]]:
+    found = known.get(form)
+    if not isinstance(found, list):
+        return []
+    return [list(map(str, texts)) for texts in found if isinstance(texts, list)][-MAX_ENTRIES:]
