@@ -125,6 +125,7 @@ class Sequences:
             self._ground(char)
 
     def _csi(self, char: str) -> None:
+        """Take a character of a control sequence, which began with an escape and `[`."""
         text = self._text + char
         if not " " <= char <= "~":
             self._abort(char)
@@ -148,6 +149,7 @@ class Sequences:
             self._wait(self._x10, text)
 
     def _ss3(self, char: str) -> None:
+        """Take the character after an escape and `O`: a key of the keypad, or two keys."""
         if self._text + char in ANSI_SEQUENCES_KEYS:
             self._emit(self._text + char)
         else:
@@ -193,6 +195,7 @@ class Sequences:
     # The rest of a sequence whose escape was taken as a key may still arrive.
 
     def _late_csi(self, char: str) -> None:
+        """Take a character after a `[` that may belong to an escape which was taken as a key."""
         text = self._text + char
         if _is_sequence(ESCAPE + text):
             self._emit(ESCAPE + text)
@@ -202,6 +205,10 @@ class Sequences:
             self._replay_as_keys(char)
 
     def _late_string(self, char: str) -> None:
+        """Take a character of what may be a reply of the terminal, whose escape was taken as a key.
+
+        A reply is dropped; anything else is handed on as keys.
+        """
         text = self._text + char
         if WHOLE_STRING.fullmatch(text):
             self._state = self._ground
