@@ -18,9 +18,13 @@ def dump(robot: RobotFile) -> str:
 
 
 def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
-    """Return a robot without what has one of these names of topics, services and actions.
+    """Return a copy of a robot file without the parts that need something which is not there.
 
-    One that lacks any of it is another robot, and not called by the name either.
+    A copy that lacks a part describes another robot: it gets the name of a robot without a name.
+
+    Args:
+        robot: The robot file; it is not changed.
+        names: The topics, services and actions that are not there, as the file names them.
     """
     battery, motion, stop = robot.battery, robot.motion, robot.stop
     kept = replace(
