@@ -203,6 +203,12 @@ def _unit_suffix(goal: Goal) -> str:
 
 
 def _progress(goal: Goal, now: float) -> str:
+    """Return how far a moving goal is: `9.0 m left of 18.0 m   12 s so far`.
+
+    Args:
+        goal: The goal.
+        now: Monotonic time, in s.
+    """
     unit, so_far = _unit_suffix(goal), f"{seconds_text(goal.elapsed(now))} so far"
     if goal.unreadable:
         return f"? {goal.unreadable}{unit} left   {so_far}"
@@ -225,6 +231,7 @@ def _time_left(goal: Goal, now: float) -> str:
 
 
 def _cancelled_details(goal: Goal) -> str:
+    """Return the robot's message, and how much of the way was left: `9.0 m before shelf 12`."""
     if goal.remaining is None:
         return goal.message
     where = f"before {goal.name}" if goal.kind.noun and goal.mine else "left"
@@ -232,6 +239,7 @@ def _cancelled_details(goal: Goal) -> str:
 
 
 def _arrival_details(goal: Goal) -> str:
+    """Return the robot's message, the length of the way, and how long it took: `18.0 m in 24 s`."""
     took = seconds_text(goal.elapsed(0.0))
     if goal.length is None:
         return goal.message or f"in {took}"

@@ -223,7 +223,7 @@ def gauge_line(reading: Reading, now: float) -> Spans:
 
 
 def no_reading_reason(snapshot: Snapshot) -> str:
-    """Return why the battery has no reading yet."""
+    """Return why no reading of the battery was received; call it only while that is so."""
     described = snapshot.file.battery
     if described is None:
         return "the robot file names no battery"
