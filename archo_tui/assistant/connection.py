@@ -89,7 +89,7 @@ class ConsoleConnection:
             await self._reading
 
     async def _send_and_wait(self, asked: dict[str, Any], answer_timeout: float) -> dict[str, Any]:
-        writer = await self._connected()
+        writer = await self._connect()
         if writer.transport.get_write_buffer_size() > _MAX_UNREAD:
             raise Unreached(SILENT)
         number = next(self._numbers)
@@ -103,7 +103,12 @@ class ConsoleConnection:
         finally:
             self._waiting.pop(number, None)
 
-    async def _connected(self) -> asyncio.StreamWriter:
+    async def _connect(self) -> asyncio.StreamWriter:
+        """Return the writer of the connection, which is made if there is none.
+
+        Raises:
+            Unreached: No console is meant, or several could be.
+        """
         async with self._connect_lock:  # Concurrent calls share one connection.
             if self._writer is None:
                 console = await asyncio.to_thread(finder.choose, {"to": self._to})

@@ -11,7 +11,7 @@ from archo_tui.assistant.arguments import schema_of
 from archo_tui.assistant.connection import ANSWER_TIMEOUT, ConsoleConnection
 from archo_tui.assistant.sanitize import sanitize
 from archo_tui.assistant.tool import READS, Hints, Tool
-from archo_tui.assistant.tool_answer import ToolAnswer, console_reply, failure
+from archo_tui.assistant.tool_answer import ToolAnswer, failure, robot_part_of
 from archo_tui.remote.client import Unreached
 
 MAX_WAIT = 50.0  # Seconds; clients give up a call after a minute.
@@ -75,18 +75,18 @@ class GoTool(Tool):
                 f"Request {request} waits for a person at the console. Nothing moves yet. "
                 f"Call `wait` with request {request}."
             )
-            return ToolAnswer(code, summary, console_reply(result))
+            return ToolAnswer(code, summary, robot_part_of(result))
         if code == "misuse":
-            told = {**console_reply(result), "goals": await _goals(connection)}
+            told = {**robot_part_of(result), "goals": await _goals(connection)}
             summary = "Nothing was asked: this kind of goal or its values cannot be meant."
             return failure(code, f"{summary} `goals` are those that there are.", told)
         if code in _NO_REQUEST:
             summary = "This answer is not understood: look at `status` before anything else."
-            return failure("not_confirmed", summary, console_reply(result))
+            return failure("not_confirmed", summary, robot_part_of(result))
         return failure(
             code,
             "Nothing was asked, and nothing moves: `said` tells why.",
-            console_reply(result),
+            robot_part_of(result),
         )
 
 
@@ -130,7 +130,7 @@ class WaitTool(Tool):
         code = result["code"]
         summary = _ENDS.get(code, "It is not known to have arrived: `said` tells why.")
         return ToolAnswer(
-            code, summary, console_reply(result), failed=code not in ("arrived", "ran_out")
+            code, summary, robot_part_of(result), failed=code not in ("arrived", "ran_out")
         )
 
 
@@ -148,9 +148,9 @@ class CancelTool(Tool):
         result = await connection.request(words=["cancel"])
         if result["code"] in ("done", "accepted"):
             summary = "The robot accepts the cancel. `wait` tells when its goal has ended."
-            return ToolAnswer(result["code"], summary, console_reply(result))
+            return ToolAnswer(result["code"], summary, robot_part_of(result))
         summary = "Not cancelled, or not confirmed: `said` tells why. `stop` stops the robot."
-        return failure(result["code"], summary, console_reply(result))
+        return failure(result["code"], summary, robot_part_of(result))
 
 
 async def _goals(connection: ConsoleConnection) -> list[dict[str, Any]]:

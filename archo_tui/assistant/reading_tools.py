@@ -10,7 +10,7 @@ from archo_tui.assistant.arguments import schema_of
 from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.sanitize import MAX_ITEMS
 from archo_tui.assistant.tool import Tool
-from archo_tui.assistant.tool_answer import ToolAnswer, console_reply, failure
+from archo_tui.assistant.tool_answer import ToolAnswer, failure, robot_part_of
 
 LEVELS = ("DEBUG", "INFO", "WARN", "ERROR", "FATAL")
 MAX_EVENTS = 50  # The newest, in one answer.
@@ -26,7 +26,7 @@ class _VerbTool(Tool):
         result = await connection.request(words=self.words(given))
         if result["code"] != "done":
             return failure(
-                result["code"], f"{self.name}: this was not answered.", console_reply(result)
+                result["code"], f"{self.name}: this was not answered.", robot_part_of(result)
             )
         summary, told = self.summarize(result, given)
         return ToolAnswer("done", summary, told)

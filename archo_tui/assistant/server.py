@@ -47,7 +47,7 @@ async def _serve(goals: bool, to: str) -> None:
 
     async def list_tools(_context: Any, _asked: Any) -> types.ListToolsResult:
         return types.ListToolsResult(
-            tools=[await _described(tool, connection) for tool in known.values()]
+            tools=[await _to_mcp_tool(tool, connection) for tool in known.values()]
         )
 
     async def call_tool(_context: Any, asked: types.CallToolRequestParams) -> types.CallToolResult:
@@ -82,7 +82,7 @@ async def _take_any_stop(ctx: Any, call_next: Callable[[Any], Awaitable[Any]]) -
     return await call_next(ctx)
 
 
-async def _described(tool: Tool, connection: ConsoleConnection) -> types.Tool:
+async def _to_mcp_tool(tool: Tool, connection: ConsoleConnection) -> types.Tool:
     hints = tool.hints
     return types.Tool(
         name=tool.name,

@@ -7,7 +7,7 @@ from typing import Any
 from archo_tui.assistant.arguments import schema_of
 from archo_tui.assistant.connection import ConsoleConnection
 from archo_tui.assistant.tool import Hints, Tool
-from archo_tui.assistant.tool_answer import ToolAnswer, console_reply, failure
+from archo_tui.assistant.tool_answer import ToolAnswer, failure, robot_part_of
 from archo_tui.remote.client import Unreached
 from archo_tui.robot.text import harmless
 from archo_tui.robot_file.model import NO_STOP
@@ -36,7 +36,7 @@ class StopTool(Tool):
             robot = {"said": rest} if rest else None
             summary = f"STOP is not confirmed: {harmless(head)}. {_BY_HAND}{ignored}"
             return failure("lost", summary, robot)
-        robot = {"consoles": [console_reply(result) for result in results]}
+        robot = {"consoles": [robot_part_of(result) for result in results]}
         bad = [result["code"] for result in results if result["code"] != "done"]
         if bad and all(NO_STOP in str(result.get("text")) for result in results):
             summary = (

@@ -28,7 +28,7 @@ class ToolAnswer(NamedTuple):
     failed: bool = False
 
     def as_data(self, notice: str = "") -> dict[str, Any]:
-        """Return the answer as JSON has it.
+        """Return the answer as JSON has it; what the robot said is sanitized, and stands by itself.
 
         Args:
             notice: What else the assistant must know, such as a restart of the console; or "".
@@ -46,8 +46,14 @@ def failure(code: str, summary: str, robot: Any = None) -> ToolAnswer:
     return ToolAnswer(code, summary, robot, failed=True)
 
 
-def console_reply(result: dict[str, Any]) -> Any:
-    """Return a result of the console as lines and data, in which the robot's words may be."""
+def robot_part_of(result: dict[str, Any]) -> Any:
+    """Return the text (`said`, by lines) and the `data` of a console's result.
+
+    The robot's own words may be in them, so they belong in `ToolAnswer.robot`, not in a summary.
+
+    Args:
+        result: The result, as docs/protocol.md lists its names and values.
+    """
     told: dict[str, Any] = {"said": str(result.get("text", "")).splitlines()}
     if result.get("data") is not None:
         told["data"] = result["data"]

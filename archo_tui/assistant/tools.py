@@ -29,11 +29,11 @@ async def call_tool_by_name(
     known: Mapping[str, Tool], connection: ConsoleConnection, name: str, given: dict[str, Any]
 ) -> tuple[dict[str, Any], bool]:
     """Return a tool's answer as JSON has it, and True if it failed, also for bad input."""
-    answer = await _call(known, connection, name, given)
+    answer = await _run_tool(known, connection, name, given)
     return answer.as_data(connection.take_notice()), answer.failed
 
 
-async def _call(
+async def _run_tool(
     known: Mapping[str, Tool], connection: ConsoleConnection, name: str, given: dict[str, Any]
 ) -> ToolAnswer:
     tool = known.get("stop" if is_stop_text(name) else name)

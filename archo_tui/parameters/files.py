@@ -90,7 +90,13 @@ def unknown_lines(overrides: Iterable[Override], declared: dict[str, set[str]]) 
 def _unknown_node_lines(
     missing: dict[str, dict[str, str]], declared: Iterable[str]
 ) -> Iterable[str]:
-    """Yield the lines for the nodes of each file that do not exist."""
+    """Yield a line for each node that is not here, or one for a file with many of them.
+
+    Args:
+        missing: By file, the nodes that it names and that are not here, each with the `FILE:LINE`
+            where it is named first.
+        declared: The names of the nodes that are here.
+    """
     for file, nodes in missing.items():
         if len(nodes) > _MAX_NAMED:
             first = ", ".join([*nodes][:_MAX_NAMED])
