@@ -107,8 +107,8 @@ class _MoveProbe:
         """Send a goal.
 
         Returns:
-            The handle of the accepted goal or None; the distances of its feedback, which grow as it
-            moves; and why there is no handle.
+            The handle of the accepted goal, or None; a list to which the distance of each feedback
+            is added, in m; and why there is no handle, or "".
         """
         way: list[float] = []
 
@@ -172,7 +172,9 @@ class _MoveProbe:
         if not self._until(asked.done, _MAX_CANCEL):
             busy = self._runner.busy_line(self._nodes)
             self._until(lambda: asked.done() and future.done(), _MAX_MOVE)
-            return "\n".join(filter(None, [_blocked_hint(busy), self._missing_callback_hint()]))
+            return "\n".join(
+                filter(None, [_blocked_executor_hint(busy), self._missing_callback_hint()])
+            )
         if not asked.result().goals_canceling:
             if asked.result().return_code in _ALREADY_ENDED or future.done():
                 return _TOO_FAST
@@ -212,7 +214,12 @@ class _MoveProbe:
         return ""
 
 
-def _blocked_hint(busy: str) -> str:
+def _blocked_executor_hint(busy: str) -> str:
+    """Return the advice for a node that takes no cancel while it executes a goal.
+
+    Args:
+        busy: The line that a callback executes, as `CheckRunner.busy_line` returns it, or "".
+    """
     where = f"{busy}: " if busy else ""
     return (
         f"{where}while execute sleeps, a single-threaded executor takes no cancel: spin with a "

@@ -29,7 +29,7 @@ _EVERY_NODES = ("rcl_interfaces", "type_description_interfaces")
 def service_checks(runner: CheckRunner) -> Iterator[Result]:
     """Yield the outcome of the two checks of services."""
     yield _check_service(runner, _RESET, "reset_encoder", _check_reset)
-    yield _check_service(runner, _STOP, "emergency_stop", _check_stop)
+    yield _check_service(runner, _STOP, "emergency_stop", _check_stop_answer)
 
 
 def _services_of(node: Node) -> dict[str, Any]:
@@ -45,7 +45,16 @@ def _services_of(node: Node) -> dict[str, Any]:
 _ServiceCheck = Callable[[CheckRunner, list[HostedNode], Any, str], Result]
 
 
-def _check_service(runner: CheckRunner, title: str, name: str, ask: _ServiceCheck) -> Result:
+def _check_service(runner: CheckRunner, title: str, name: str, check: _ServiceCheck) -> Result:
+    """Return the outcome of a check of a service.
+
+    Args:
+        runner: The checker.
+        title: The title of the check if it cannot begin.
+        name: The service's name, without its leading slash.
+        check: Called with the runner, the nodes that serve it, a client, and the `FILE:LINE: `
+            of its callback, or "".
+    """
     found = runner.query(_services_of)
     nodes = [hosted for hosted, services in found.items() if name in services]
     if not nodes:
@@ -56,7 +65,7 @@ def _check_service(runner: CheckRunner, title: str, name: str, ask: _ServiceChec
     try:
         runner.spin_until(client.service_is_ready, ANSWER, nodes)
         where = runner.find_callback(found[nodes[0]][name].callback)
-        return ask(runner, nodes, client, where)
+        return check(runner, nodes, client, where)
     except CrashedError as error:
         return Result(title, str(error))
     finally:
@@ -74,6 +83,7 @@ def _call(runner: CheckRunner, nodes: Sequence[HostedNode], client: Any) -> tupl
 
 
 def _check_reset(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
+    """Call reset_encoder, and see whether its answer is right and a counter of the node is zero."""
     type_name = message_classes.name_of(client.srv_type)
     if type_name.rpartition("/")[2] != "ResetEncoder":
         called = runner.find_text("reset_encoder")
@@ -114,7 +124,10 @@ def _number_attributes(node: Any) -> dict[str, Any]:
     }
 
 
-def _check_stop(runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str) -> Result:
+def _check_stop_answer(
+    runner: CheckRunner, nodes: list[HostedNode], client: Any, where: str
+) -> Result:
+    """Call emergency_stop, and see whether it answers True; what it stops is not examined."""
     answer, why = _call(runner, nodes, client)
     if answer is None:
         return Result(_STOP, why)

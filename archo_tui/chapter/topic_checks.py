@@ -52,6 +52,7 @@ def _by_topic(ends: Iterable[Any]) -> dict[str, Any]:
 
 
 def _publisher_checks(runner: CheckRunner, levels: list[float]) -> Iterator[Result]:
+    """Yield the outcome of the checks of type, rate and values; `levels` gets what is received."""
     ends = runner.query(lambda node: _by_topic(node.publishers))
     nodes = [hosted for hosted, topics in ends.items() if LEVEL in topics]
     if not nodes:
@@ -87,8 +88,8 @@ def _publisher_checks(runner: CheckRunner, levels: list[float]) -> Iterator[Resu
     slow = f"{where}one every {period:.2f} s: the first argument of create_timer is in seconds"
     well = _PERIOD[0] <= period <= _PERIOD[1]
     yield Result(_RATE, hint if len(times) < _MIN_LEVELS else "" if well else slow)
-    wrong = _levels_hint(levels)
-    yield Result(_FALLS if wrong else _levels_title(levels), wrong)
+    wrong = _level_range_hint(levels)
+    yield Result(_FALLS if wrong else _level_range_title(levels), wrong)
 
 
 def _silence_hint(
@@ -106,7 +107,8 @@ def _silence_hint(
     return f"{where}{hint}: create_timer(1.0, ...), in seconds, and publish() in its callback"
 
 
-def _levels_hint(levels: Sequence[float]) -> str:
+def _level_range_hint(levels: Sequence[float]) -> str:
+    """Return why the levels are no battery's that drains, or ""."""
     hint = f"heard {', '.join(f'{level:g}' for level in levels)}"
     if all(level == 0.0 for level in levels):
         return f"{hint}: the message's data is never set: message.data = self.level"
@@ -118,7 +120,8 @@ def _levels_hint(levels: Sequence[float]) -> str:
     return "" if falls else f"{hint}: a battery that drains only falls"
 
 
-def _levels_title(levels: Sequence[float]) -> str:
+def _level_range_title(levels: Sequence[float]) -> str:
+    """Return the title of a passed check, with the first and the last level that was received."""
     first, last = levels[0], levels[-1]
     if first == last:
         return f"the battery level stays at {last:g}, within 0 .. 100"
@@ -138,6 +141,12 @@ def _type_hint(message_class: Any) -> str:
 
 
 def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
+    """Publish good and low levels, and return whether a node warns of the low ones alone.
+
+    Args:
+        runner: The checker.
+        levels: All levels that were received so far, to which further ones are added.
+    """
     ends = runner.query(lambda node: _by_topic(node.subscriptions))
     # The motor may subscribe as well, to stop when the battery is empty.
     ends = {h: topics for h, topics in ends.items() if h.name.rpartition("/")[2] != _MOTOR}
@@ -162,12 +171,12 @@ def _warning_check(runner: CheckRunner, levels: list[float]) -> Result:
     try:
         hint, title = "", _WARNS
         for level in _GOOD_LEVELS:
-            hint = hint or _needless_warning_hint(runner, nodes, publisher, level)
+            hint = hint or _try_good_level(runner, nodes, publisher, level)
         # The level may arrive here after the warning about it.
         if hint and runner.spin_until(is_low, _REPEAT):
             hint, title = "", _WARNS_BELOW  # Needless warnings cannot be told from these.
         for level in _LOW_LEVELS:
-            hint = hint or _missing_warning_hint(runner, nodes, publisher, level)
+            hint = hint or _try_low_level(runner, nodes, publisher, level)
             if not hint:  # A node may warn once until the battery is charged.
                 _first_warning(runner, nodes, publisher, _GOOD_LEVELS[0], _NO_WARNING_TIME)
         return Result(title, where + hint if hint else "")
@@ -203,18 +212,20 @@ def _first_warning(
     return next(iter(warnings()), "")
 
 
-def _needless_warning_hint(
+def _try_good_level(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float
 ) -> str:
+    """Publish a level of 20 % or more, and return the hint if a node warns of it, or ""."""
     hint = _first_warning(runner, nodes, publisher, level, _NO_WARNING_TIME)
     if not hint:
         return ""
     return f"{level} was published, and it warned: {hint!r}: only below 20.0"
 
 
-def _missing_warning_hint(
+def _try_low_level(
     runner: CheckRunner, nodes: Sequence[HostedNode], publisher: Any, level: float
 ) -> str:
+    """Publish a level below 20 %, and return the hint if no node warns of it, or ""."""
     logs, lines = len(runner.logs), len(runner.printed)
     if _first_warning(runner, nodes, publisher, level, ANSWER):
         return ""
