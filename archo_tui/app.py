@@ -181,7 +181,7 @@ class ArchoApp(KeyedApp):
                 return
         work = command.run(self)  # At once: the next key may be meant for what this one focuses.
         if work is not None:
-            self.run_worker(self._answered(name, work), group=COMMANDS)
+            self.run_worker(self._await_command(name, work), group=COMMANDS)
 
     def ask_no_more(self) -> None:
         """Close a question that was asked before a STOP."""
@@ -198,7 +198,8 @@ class ArchoApp(KeyedApp):
             self.notify("still waiting for the robot's answer", severity="warning", markup=False)
         return waits
 
-    async def _answered(self, name: str, work: Work) -> None:
+    async def _await_command(self, name: str, work: Work) -> None:
+        """Carry out the work of a command, which counts as waiting for its answer until then."""
         sent = self._sent[name] = _Sent(self.station.clock.monotonic(), self.stops.count_when_typed)
         try:
             await work
@@ -314,9 +315,10 @@ class ArchoApp(KeyedApp):
         """End, when every command that was given has its answer."""
         if not self._leaves:
             self._leaves = True
-            start_worker(self, self._leave, "leave")
+            start_worker(self, self._exit_when_answered, "leave")
 
-    async def _leave(self) -> None:
+    async def _exit_when_answered(self) -> None:
+        """End the app once every command has its answer, or LONGEST seconds have passed."""
         if self.unanswered:
             self.show_message("Ending, as soon as the robot has answered.")
         try:
@@ -333,11 +335,11 @@ class ArchoApp(KeyedApp):
     def _send_goals(self, goals: Sequence[Mapping[str, Any]], typed: list[str]) -> None:
         self._keep(typed)
         answer = self.verbs["go"].run(self.station, {GOALS: goals})
-        start_worker(self, partial(self._told, answer), COMMANDS)
+        start_worker(self, partial(self._show_refusal, answer), COMMANDS)
         self._show()
 
-    async def _told(self, answer: Awaitable[Outcome]) -> None:
-        """Show in the goal's form why the robot does not go there."""
+    async def _show_refusal(self, answer: Awaitable[Outcome]) -> None:
+        """Wait for the answer to a goal, and show a refusal in the goal's form."""
         outcome = await answer
         self.main.goal.show_refusal("" if outcome.ok else outcome.text)
 

@@ -627,11 +627,11 @@ def _version(engine: str) -> int:
     """Print what a bug report should say."""
     python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
     print(f"archo-tui {__version__}")
-    print(_safe(f"Python {python}, Textual {_textual()}, engine {engine}, TERM {term}"))
+    print(_safe(f"Python {python}, Textual {_textual_version()}, engine {engine}, TERM {term}"))
     return 0
 
 
-def _textual() -> str:
+def _textual_version() -> str:
     """Return Textual's version, by the name of the folder that its installation left.
 
     importlib.metadata reads the same there, and takes longer to load than all the rest.

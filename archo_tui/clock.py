@@ -29,7 +29,15 @@ class Clock:
         await asyncio.sleep(seconds)
 
     async def wait_for(self, awaitable: Awaitable[T], seconds: float | None) -> T:
-        """Return the value of `awaitable`; raise TimeoutError if it takes more than `seconds`."""
+        """Return the value of `awaitable`, which is cancelled if this ends before it.
+
+        Args:
+            awaitable: Is waited for.
+            seconds: The longest wait; None: for ever.
+
+        Raises:
+            TimeoutError: The wait is over.
+        """
         work = asyncio.ensure_future(awaitable)
         over = asyncio.ensure_future(self._never() if seconds is None else self.sleep(seconds))
         try:

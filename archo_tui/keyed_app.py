@@ -196,6 +196,7 @@ class KeyedApp(TerminalApp):
         return True
 
     def stop_now(self, event: events.Key) -> None:
+        """Run the command of STOP at once, also while another key is being handled."""
         before, self.repeated = self.repeated, self._repeats(event)
         with self.stops.typed_at(stops_before(event)):
             self.action_command("stop", counted=True)
@@ -245,13 +246,13 @@ class KeyedApp(TerminalApp):
             if repeated and not self._may_repeat(event):
                 return
             self._acted = self._place
-        self._acting = self._hears_later(event)
+        self._acting = self._widget_acting_later(event)
         with self.stops.typed_at(stops_before(event)), marks_of(event, self):
             await super().on_event(event)
-        heard = self._acting is not None and self._acting.call_later(self._heard)
-        self._acting = self._acting if heard else None
+        is_queued = self._acting is not None and self._acting.call_later(self._on_acted)
+        self._acting = self._acting if is_queued else None
 
-    def _hears_later(self, event: events.Event) -> Widget | None:
+    def _widget_acting_later(self, event: events.Event) -> Widget | None:
         """Return the widget that gets an event as a message: a clicked one, or a text area."""
         focused = self.focused
         if isinstance(event, events.MouseEvent):
@@ -263,7 +264,8 @@ class KeyedApp(TerminalApp):
                 return None
         return None if isinstance(focused, Field) else focused
 
-    def _heard(self) -> None:
+    def _on_acted(self) -> None:
+        """Hand on the keys that wait: the widget that was clicked has handled the click."""
         self._acting = None
         self.call_later(self._release)
 

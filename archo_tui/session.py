@@ -226,7 +226,7 @@ class Session:
                 self._context,
                 self.file,
                 self._clock,
-                self._happened,
+                self._record_event,
                 self.box.receive,
                 watching=self.options.watch,
                 secrets=self._secrets,
@@ -241,14 +241,14 @@ class Session:
             self._node_files = [NodeFile(str(given)) for given in self.options.node_files]
             self._host_nodes()
         except (InvalidParameterTypeException, InvalidParameterValueException) as error:
-            self._give_up()
+            self._undo_init()
             raise ArchoError(self._refused(str(error))) from None
         except NameValidationException as error:
-            self._give_up()
+            self._undo_init()
             said, name = str(error).splitlines()[:2]  # The third line points at the character.
             raise ArchoError(f"{said} {name.strip()}") from None
         except BaseException:
-            self._give_up()
+            self._undo_init()
             raise
 
     def _attachments(self, begin: float, end: float) -> dict[str, str]:
@@ -268,13 +268,14 @@ class Session:
             watched.append(OwnInterfaces(interfaces, note, self.station.restart))
         return watched
 
-    def _give_up(self) -> None:
+    def _undo_init(self) -> None:
+        """End what the constructor has begun, before it raises."""
         if hasattr(self, "host"):  # The nodes that were made have threads, which wait.
             self.host.stop()
         self.journal.close()
-        self._shutdown()
+        self._shutdown_rclpy()
 
-    def _shutdown(self) -> None:
+    def _shutdown_rclpy(self) -> None:
         import rclpy
 
         rclpy.shutdown, rclpy.try_shutdown = self._shutdowns
@@ -283,9 +284,13 @@ class Session:
         # rclpy makes a new default context unless this one is named.
         rclpy.try_shutdown(context=None if self._default else self._context)
 
-    def _happened(self, event: Event) -> None:
-        """Pass on an event that is new or repeated. Robot's thread."""
-        self._console_recorder.happened(event)
+    def _record_event(self, event: Event) -> None:
+        """Give an event to the recorder, and to the journal if it is a command, a warning or worse.
+
+        Of an event that repeats, the journal gets some of the counts; of a flood, few. Called on
+        the robot's thread.
+        """
+        self._console_recorder.record_event(event)
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
             kind = _KINDS.get(event.level, "event")
             by_node = kind == "event" and event.source != "console"
@@ -394,7 +399,7 @@ class Session:
                 self.robot.note("WARN", file.path.name, file.not_run)
         for line in self._mistakes:
             self.robot.note("WARN", "interfaces", f"not read: {line}")
-        users = [*self._users(), *files.parse_typed(self.options.ros_args)]
+        users = [*self._user_overrides(), *files.parse_typed(self.options.ros_args)]
         users = [o for o in users if not any(matches(o.pattern, name) for name in late)]
         for line in files.unknown_lines(users, declared):
             self.robot.note("WARN", "console", line)
@@ -402,7 +407,7 @@ class Session:
             text = "the clock is past January 2038: stamps in messages stay at its 19th"
             self.robot.note("WARN", "console", text)
 
-    def _users(self) -> list[Override]:
+    def _user_overrides(self) -> list[Override]:
         """Return the overrides of the user's own parameter files."""
         own = {str(path) for path in self._own_files}
         return [o for o in self._overrides if o.where.rpartition(":")[0] not in own]
@@ -418,7 +423,7 @@ class Session:
         stuck = self.host.stop()
         self.unrecorded = self.box.close(max(ends - time.monotonic(), _LEAST))
         self.journal.close()
-        self._shutdown()
+        self._shutdown_rclpy()
         if self.options.engine == engine.ROS2:
             gc.collect()  # rclpy's contexts hold file descriptors until then.
         return stuck

@@ -101,9 +101,14 @@ class Shutdown:
     def begin(self, code: int) -> None:
         """Handle the running goal, then end; a second call changes nothing."""
         if self._task is None:
-            self._task = asyncio.create_task(self._leave(code))
+            self._task = asyncio.create_task(self._end_in_order(code))
 
-    async def _leave(self, code: int) -> None:
+    async def _end_in_order(self, code: int) -> None:
+        """Cancel or leave the running goal, wait for the answers of commands, and end.
+
+        Args:
+            code: The exit code; above 128 it is 128 and the number of a signal.
+        """
         why = f"ended by {signal.Signals(code - 128).name}" if code > 128 else "ended"
         await let_go(self._robot, self._clock, self._on_disconnect, why)
         if self._answers is not None:

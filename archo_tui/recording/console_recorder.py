@@ -33,7 +33,7 @@ _MAX_STATE_AGE = 10.0  # Seconds after which an unchanged state is recorded agai
 class ConsoleRecorder:
     """The recorder of what the console did and showed.
 
-    `happened` is called on the robot's thread, everything else on the event loop.
+    `record_event` is called on the robot's thread, everything else on the event loop.
     """
 
     def __init__(self, box: BlackBox) -> None:
@@ -48,7 +48,7 @@ class ConsoleRecorder:
         """Return what the operator must know about recordings, or ""."""
         return self._box.trouble
 
-    def happened(self, event: Event) -> None:
+    def record_event(self, event: Event) -> None:
         """Record an event if it tells what this console or another one did."""
         if event.level in OWN_LEVELS or event.source == "console":
             self._box.receive(JOURNAL, LazyMessage(partial(_to_log, event), _EVENT_WEIGHT))
