@@ -31,13 +31,13 @@ class BatteryMonitor(Node):
         self.declare_parameter("drain_min", *double(0.05, "least % drained a tick", 0.0, 100.0))
         self.declare_parameter("drain_max", *double(0.2, "most % drained a tick", 0.0, 100.0))
         self.declare_parameter("charge_rate", *double(1.0, "%/s gained on the dock", 0.0, 100.0))
-        refused = self.check_drain([])
+        refused = self.check_drain_range([])
         if not refused.successful:
             raise InvalidParameterValueException(
                 "drain_min", self.value("drain_min"), refused.reason
             )
-        self.add_on_set_parameters_callback(self.check_drain)
-        self.add_post_set_parameters_callback(self.follow_parameters)
+        self.add_on_set_parameters_callback(self.check_drain_range)
+        self.add_post_set_parameters_callback(self.apply_publish_period)
 
         self.percentage = battery_model.START
         self.health = battery_model.GOOD
@@ -87,7 +87,7 @@ class BatteryMonitor(Node):
         self.get_logger().info(f"{response.message}, {self.percentage:.1f}%")
         return response
 
-    def check_drain(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
+    def check_drain_range(self, parameters: list[Parameter[Any]]) -> SetParametersResult:
         new = {parameter.name: parameter.value for parameter in parameters}
         low = new.get("drain_min", self.value("drain_min"))
         high = new.get("drain_max", self.value("drain_max"))
@@ -97,7 +97,7 @@ class BatteryMonitor(Node):
             )
         return SetParametersResult(successful=True)
 
-    def follow_parameters(self, parameters: list[Parameter[Any]]) -> None:
+    def apply_publish_period(self, parameters: list[Parameter[Any]]) -> None:
         for parameter in parameters:
             if parameter.name == "publish_period":
                 self.timer.timer_period_ns = int(parameter.value * 1e9)

@@ -45,7 +45,7 @@ class MotorController(Node):
         self.declare_parameter(
             "ticks_per_revolution", *fixed(1024, "encoder ticks of one turn of a wheel")
         )
-        self.add_post_set_parameters_callback(self.follow_parameters)
+        self.add_post_set_parameters_callback(self.apply_feedback_period)
 
         self.drive = motion.Drive()
         self.clock = Clock(clock_type=ClockType.STEADY_TIME)
@@ -197,7 +197,7 @@ class MotorController(Node):
             )
         )
 
-    def follow_parameters(self, parameters: list[Parameter[Any]]) -> None:
+    def apply_feedback_period(self, parameters: list[Parameter[Any]]) -> None:
         if any(p.name == "feedback_period" for p in parameters) and self.goal is not None:
             self.start_control_timer()
 
