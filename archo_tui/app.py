@@ -19,7 +19,7 @@ from archo_tui.keyed_app import KeyedApp
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import WATCHING, Snapshot
 from archo_tui.robot.stops import NOT_SENT
-from archo_tui.screens.leaving import Leaving
+from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station import form_history
 from archo_tui.station.queue import QueuedGoal
@@ -145,8 +145,8 @@ class ArchoApp(KeyedApp):
         self.main.show(self.view, footer)
         self.ring(self.view.alarms)
         for screen in self.screen_stack:
-            if isinstance(screen, Leaving) and screen.is_mounted:
-                screen.follow(self.view)
+            if isinstance(screen, Dismissable) and screen.is_mounted:
+                screen.show_view(self.view)
 
     def _view(self) -> ScreenState:
         first = not self.has_sent
@@ -186,7 +186,7 @@ class ArchoApp(KeyedApp):
     def ask_no_more(self) -> None:
         """Close a question that was asked before a STOP."""
         for screen in self.screen_stack:
-            if isinstance(screen, Leaving) and screen.closes_at_stop:
+            if isinstance(screen, Dismissable) and screen.closes_at_stop:
                 screen.dismiss()
                 self.closed_by_stop("STOP closed the dialog")
 
@@ -233,7 +233,7 @@ class ArchoApp(KeyedApp):
 
     def open(self, dialog: Screen[Any]) -> None:
         """Show a dialog; not one that a STOP would have closed."""
-        closes = isinstance(dialog, Leaving) and dialog.closes_at_stop
+        closes = isinstance(dialog, Dismissable) and dialog.closes_at_stop
         if not (closes and self._is_void(str(dialog.title or "a dialog"))):
             self.show_dialog(dialog)
 
@@ -330,7 +330,7 @@ class ArchoApp(KeyedApp):
     # What the panels call.
 
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
-        self.station.robot.note("ERROR", "console", message.said)
+        self.station.robot.note("ERROR", "console", message.text)
 
     def _send_goals(self, goals: Sequence[Mapping[str, Any]], typed: list[str]) -> None:
         self._keep(typed)

@@ -17,7 +17,7 @@ from archo_tui.commands import registry
 from archo_tui.commands.base import EVERYWHERE, Command
 from archo_tui.commands.keymap import readable_keys
 from archo_tui.robot.state import Snapshot
-from archo_tui.screens.leaving import Leaving
+from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.station import Station
 from archo_tui.terminal.app import TerminalApp
@@ -218,7 +218,7 @@ class KeyedApp(TerminalApp):
         if not isinstance(event, events.MouseDown) or not self.main.shows_stop_at(event.x, event.y):
             return False
         front = self.screen
-        stands = front is not self.main and not (isinstance(front, Leaving) and front.has_left)
+        stands = front is not self.main and not (isinstance(front, Dismissable) and front.has_left)
         if stands and front.get_widget_and_offset_at(event.x, event.y)[0] is not front:
             return False  # On the dialog.
         self._pressed_stop = True
@@ -309,7 +309,7 @@ class KeyedApp(TerminalApp):
         """Return True while the screen in front is being built, or is about to go."""
         if not self.screen_stack or not self.screen.is_mounted:
             return True
-        return isinstance(self.screen, Leaving) and self.screen.has_left
+        return isinstance(self.screen, Dismissable) and self.screen.has_left
 
     def _takes(self, event: events.Event) -> bool:
         """Return True if everything before an event is done, and its target is there.
@@ -320,7 +320,7 @@ class KeyedApp(TerminalApp):
             return False
         if isinstance(event, events.MouseDown) and not self._is_drawn:
             return False
-        if isinstance(self.screen, Leaving) and self.screen.is_asking:
+        if isinstance(self.screen, Dismissable) and self.screen.is_asking:
             return self._is_free(event) or getattr(event, "key", "") == "escape"
         return not self._opening or self._is_free(event)
 

@@ -48,4 +48,4 @@ class ReplayApp(ArchoApp):
     def on_main_screen_broken(self, message: MainScreen.Broken) -> None:
         """Show the error as a notification, since a replay has no events in which to report it."""
         message.prevent_default()
-        self.notify(message.said, severity="error", markup=False)
+        self.notify(message.text, severity="error", markup=False)

@@ -64,19 +64,19 @@ _SEARCH_WORDS = {
 class Commands(Choose):
     """The palette."""
 
-    nothing = "no command matches"
+    empty_text = "no command matches"
 
     def __init__(self, title: str, list_choices: Callable[[], Sequence[Choice]]) -> None:
         super().__init__(title, list_choices())
         self._list_choices = list_choices
         self._second = 0.0  # The second of the last update.
 
-    def follow(self, view: View) -> None:
+    def show_view(self, view: View) -> None:
         """Update keys, values and reasons once a second; the rows keep their places."""
-        super().follow(view)
+        super().show_view(view)
         if view.second != self._second:
             self._second = view.second
-            self.renew(self._list_choices())
+            self.update_choices(self._list_choices())
 
 
 def palette_choices(console: Console) -> list[Choice]:

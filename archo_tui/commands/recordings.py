@@ -53,7 +53,7 @@ class ShowRecordings(Command):
             console.station.robot.note("YOU", "console", f"recording {recording.name} deleted")
         found = await _list_recordings(console)
         if found is not None and not dialog.has_left:
-            dialog.refill(found)
+            dialog.show_recordings(found)
 
 
 async def _list_recordings(console: Console) -> list[Recording] | None:

@@ -9,7 +9,7 @@ from typing import Any
 from archo_tui.commands.base import EVERYWHERE, Command, Console, VerbCommand, Work
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Phase
-from archo_tui.screens.leaving import Leaving
+from archo_tui.screens.dismissable import Dismissable
 from archo_tui.verbs import goals, services
 from archo_tui.verbs.base import Verb
 
@@ -94,7 +94,7 @@ class CancelKey(VerbCommand):
             return None
         if running is None:
             dialog = console.screen
-            if isinstance(dialog, Leaving) and dialog.is_asking:
+            if isinstance(dialog, Dismissable) and dialog.is_asking:
                 dialog.stop_waiting()
                 return None
             if not console.copy_selection():

@@ -1,4 +1,4 @@
-"""The list of alarms: when each came and went, what to do, and whether somebody has seen it."""
+"""The dialog that lists the alarms: when each came and went, its state, and what to do."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _INDENT = " " * 8
 
 
 def alarm_lines(alarm: Alarm, width: int, _columns: Columns) -> list[Text]:
-    """`✗ HIGH  since 12:04:31, unacknowledged`, and what to do below."""
+    """Return a row such as `✗ HIGH  since 12:04:31, unacknowledged`, with the advice below."""
     style = {AlarmState.UNACKNOWLEDGED: "bold", AlarmState.SHELVED: QUIET}.get(alarm.state, "")
     head = f"{alarm.priority.value:<7} {timeline(alarm)}"
     text = textwrap.wrap(alarm.text, max(width - len(_INDENT), 20))
@@ -28,9 +28,10 @@ def alarm_lines(alarm: Alarm, width: int, _columns: Columns) -> list[Text]:
 
 
 class AlarmList(Dialog[None]):
-    """Acknowledge one or all, shelve one for a while; escape closes it."""
+    """A list in which alarms are acknowledged and shelved; escape closes it."""
 
-    BINDINGS = [  # with priority: what is typed behind `s` is the reason
+    # With priority, so that what is typed right after `s` goes into the field for the reason.
+    BINDINGS = [
         Binding("a", "acknowledge", "Acknowledge", priority=True),
         Binding("A", "acknowledge_all", "Acknowledge all", priority=True),
         Binding("s", "shelve", "Shelve", priority=True),
@@ -42,12 +43,19 @@ class AlarmList(Dialog[None]):
         view: View,
         acknowledge: Callable[[Iterable[Alarm]], None],
         shelve: Callable[[Alarm, str], None],
-        changed: Callable[[], None],
+        on_change: Callable[[], None],
     ) -> None:
-        """`changed()` is called after something was acknowledged or shelved."""
+        """Create the dialog.
+
+        Args:
+            view: What is shown at first.
+            acknowledge: Acknowledges alarms.
+            shelve: Shelves an alarm with a reason (may be ""), or unshelves it.
+            on_change: Called after something was acknowledged or shelved.
+        """
         super().__init__()
         self._view, self._acknowledge, self._shelve = view, acknowledge, shelve
-        self._changed = changed
+        self._on_change = on_change
         self._box = Vertical(classes="dialog reading")
         self._rows: Rows[Alarm] = Rows(
             alarm_lines,
@@ -67,35 +75,35 @@ class AlarmList(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self._rows)
-        self.follow(self._view)
+        self.show_view(self._view)
 
-    def follow(self, view: View) -> None:
-        """Show what there is now."""
+    def show_view(self, view: View) -> None:
+        """Show the present alarms."""
         self._view = view
         self._rows.empty = no_alarms_text(view.snapshot)
         self._rows.show(view.alarms)
-        self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # with its border
+        self._box.styles.height = max(self._rows.virtual_size.height, 1) + 2  # Two for the border.
 
     def action_acknowledge(self) -> None:
-        """The selected one has been seen."""
+        """Acknowledge the alarm under the cursor."""
         if self._rows.item is not None:
             self._acknowledge([self._rows.item])
-            self._changed()
+            self._on_change()
 
     def action_acknowledge_all(self) -> None:
-        """All that are shown have been seen."""
+        """Acknowledge all alarms that are shown."""
         self._acknowledge(self._view.alarms)
-        self._changed()
+        self._on_change()
 
     def action_shelve(self) -> None:
-        """Silence the selected one for a while, or no longer; of a grave one it asks why."""
+        """Shelve the alarm under the cursor, or unshelve it; ask why if its priority is high."""
         alarm = self._rows.item
         if alarm is None:
             return
 
         def shelve(reason: str) -> None:
             self._shelve(alarm, reason)
-            self._changed()
+            self._on_change()
 
         if alarm.priority == Priority.HIGH and alarm.state != AlarmState.SHELVED:
             self.app.push_screen(ShelveReason(alarm, shelve))

@@ -1,4 +1,4 @@
-"""Asks for a file and does something with it; stays open, with the reason, until that is done."""
+"""The dialog that asks for the path of a file, for work with that file."""
 
 from __future__ import annotations
 
@@ -17,25 +17,30 @@ from archo_tui.screens.dialog import Form
 from archo_tui.station import form_history
 from archo_tui.terminal.app import COMMANDS, start_worker
 
-_KIND = "a file"  # under which they are kept
-_SHOWN = 5  # recent files
+_KIND = "a file"  # The name of these paths in the form history.
+_SHOWN = 5  # Recent paths below the field; the arrows reach all.
 
 
 class AskPath(Form):
-    """`work(path)` returns what is in the way, or an empty string when it is done.
+    """A field for a path; the arrows go through the paths that were used before."""
 
-    The arrows lead through the files that were used before.
-    """
-
-    does = "OK"
+    submit_label = "OK"
 
     def __init__(
         self, title: str, text: str, default: str, work: Callable[[Path], Awaitable[str]]
     ) -> None:
+        """Create the dialog.
+
+        Args:
+            title: The title of the box.
+            text: What the file is for.
+            default: The path in the field at first.
+            work: Does the work, and returns why it failed; "" closes the dialog.
+        """
         super().__init__("path", default)
         self._title, self._text, self._default, self._work = title, text, default, work
-        self._recent: list[str] = []  # the newest first
-        self._place = -1  # of them in the field; -1: none
+        self._recent: list[str] = []  # The newest first.
+        self._index = -1  # Of the recent path in the field; -1 if it is the default.
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
@@ -47,38 +52,38 @@ class AskPath(Form):
             yield from self.below_field()
 
     def on_mount(self) -> None:
-        start_worker(self, self._recall, "recall")
+        start_worker(self, self._load_recent, "recall")
 
-    async def _recall(self) -> None:
-        used = await in_daemon(form_history.load, _KIND)
-        self._recent = [texts[0] for texts in reversed(used) if texts]
+    async def _load_recent(self) -> None:
+        entries = await in_daemon(form_history.load, _KIND)
+        self._recent = [texts[0] for texts in reversed(entries) if texts]
         shown = "\n".join(f"↑ {harmless(path)}" for path in self._recent[:_SHOWN])
-        self.write(".recent", Content.styled(shown, "$quiet"))
+        self.set_text(".recent", Content.styled(shown, "$quiet"))
 
     def step(self, step: int) -> None:
-        """Up to the file before, down to the one after it, at last what stood there at first."""
-        self._place = min(max(self._place - step, -1), len(self._recent) - 1)
-        self.field.fill(self._default if self._place < 0 else self._recent[self._place])
+        """Fill in an older path (-1) or a newer one (1), the newest of all being the default."""
+        self._index = min(max(self._index - step, -1), len(self._recent) - 1)
+        self.field.fill(self._default if self._index < 0 else self._recent[self._index])
 
     def submit(self, typed: str) -> None:
         typed = typed.strip()
         if not typed or "\0" in typed:
-            self.say("type the name of a file")
+            self.show_message("type the name of a file")
             return
         try:
             path = Path(typed).expanduser()
         except RuntimeError:
-            self.say(f"no home folder is known for {typed.partition('/')[0]}")
+            self.show_message(f"no home folder is known for {typed.partition('/')[0]}")
             return
         if not self.is_asking:
             self.is_asking = True
-            start_worker(self.app, partial(self._try, path), COMMANDS)
+            start_worker(self.app, partial(self._run_work, path), COMMANDS)
 
-    async def _try(self, path: Path) -> None:
-        said = await self._work(path)
-        if said:
+    async def _run_work(self, path: Path) -> None:
+        failure = await self._work(path)
+        if failure:
             self.is_asking = False
-            self.say(said)
+            self.show_message(failure)
             return
         await in_daemon(form_history.add, _KIND, [str(path.absolute())])
         self.dismiss()

@@ -1,4 +1,4 @@
-"""What all screens have: they hold where Textual's own fail at unlucky moments."""
+"""The base of all screens, which mends what fails in Textual's own at unlucky moments."""
 
 from __future__ import annotations
 
@@ -11,38 +11,43 @@ from archo_tui.widgets.field import Field
 
 
 class Base(Screen[ScreenResultType]):
-    """A screen that is laid out for the terminal as it is, and clicked where something is."""
+    """A screen that survives resizes in quick succession and clicks on what has just gone."""
 
     async def _on_resize(self, event: Resize) -> None:
-        """Lay out for the size that the terminal has now.
+        """Lay out for the size that the terminal has now, whatever size the event has.
 
-        Each change of size makes a screen send itself one more event. When the terminal is resized
-        again before that one is taken, the two chase each other for ever in Textual, and no key is
-        taken any more.
+        Each change of size makes a screen send itself one more event. If the terminal is resized
+        again before that event is handled, Textual goes back and forth between the two sizes for
+        ever, and no key is handled any more.
         """
-        event.prevent_default()  # Textual would call its own as well
+        event.prevent_default()  # Textual would also call its own handler.
         size = self.app.size
         await super()._on_resize(event if event.size == size else Resize(size, size))
 
     def set_focus(
         self, widget: Widget | None, scroll_visible: bool = True, from_app_focus: bool = False
     ) -> None:
-        """Focus a widget, and select the text of a field: what is typed replaces it.
+        """Focus a widget; if it is a field, select its text, so that typing replaces it.
 
-        Textual selects when the field hears of its focus, which is behind keys that came at once.
-        With `from_app_focus` what is typed goes on where it was.
+        Textual selects the text when the field handles its Focus event, after keys that were typed
+        in the meantime.
+
+        Args:
+            widget: The widget; None for no focus.
+            scroll_visible: True to scroll to the widget.
+            from_app_focus: True if the terminal got the focus back: typing goes on where it was.
         """
-        comes = widget is not self.focused and not from_app_focus
+        is_new = widget is not self.focused and not from_app_focus
         super().set_focus(widget, scroll_visible, from_app_focus)
-        if comes and isinstance(widget, Field):
+        if is_new and isinstance(widget, Field):
             widget.action_select_all()
 
     def get_widget_and_offset_at(self, x: int, y: int) -> tuple[Widget | None, Offset | None]:
-        """The widget there, and the place in its text; None and None where there is none.
+        """Return the widget at a cell and the place in its text; None and None if there is none.
 
-        A toast that was clicked away, or a dialog's part, is drawn a moment longer than it lives;
-        Textual would begin a selection within its parent, which is None then.
+        A widget that was removed stays on the screen for a moment. Textual would begin a selection
+        in its parent, which is None by then.
         """
         widget, offset = super().get_widget_and_offset_at(x, y)
-        gone = widget is not None and widget is not self and widget.parent is None
-        return (None, None) if gone else (widget, offset)
+        is_removed = widget is not None and widget is not self and widget.parent is None
+        return (None, None) if is_removed else (widget, offset)

@@ -1,4 +1,4 @@
-"""A list to choose from: type to narrow it, enter or a click takes a row."""
+"""The dialog with a list to choose from, which typing narrows."""
 
 from __future__ import annotations
 
@@ -13,39 +13,47 @@ from textual.content import Content
 
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Dialog
-from archo_tui.screens.find import found
+from archo_tui.screens.find import matching_rows
 from archo_tui.terminal.app import COMMANDS
 from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 from archo_tui.widgets.rows import QUIET, Columns, Rows, Text, column, crop, pad
 
-_REASON = 30  # cells at the right that are worth having
+_REASON = 30  # Cells at the right for the reasons, taken from long titles.
 
 
 class Choice(NamedTuple):
-    """A row, and what is done when it is taken; a coroutine may wait for the robot."""
+    """A row of the list.
+
+    Attributes:
+        title: What it does.
+        act: Called when the row is chosen; a coroutine that it returns is run as a command.
+        beside: What is shown right of the title: a key, a type.
+        reason: Why it cannot be done now; "" if it can.
+        words: Other words that people may type for it.
+    """
 
     title: str
     act: Callable[[], Coroutine[Any, Any, None] | None]
-    beside: str = ""  # a key, a type
-    reason: str = ""  # why it cannot be done now
-    words: str = ""  # others that people type for it
+    beside: str = ""
+    reason: str = ""
+    words: str = ""
 
 
 def _harmless(choices: Sequence[Choice]) -> list[Choice]:
-    return [one._replace(title=harmless(one.title)) for one in choices]
+    return [choice._replace(title=harmless(choice.title)) for choice in choices]
 
 
 def _columns(choices: Sequence[Choice], width: int) -> Columns:
-    """Of titles and what is beside them."""
-    beside = column((one.beside for one in choices), 0, width // 2)
+    """Return the cells of the titles, and of what is beside them."""
+    beside = column((choice.beside for choice in choices), 0, width // 2)
     room = width - beside - 2
-    with_reason = room - _REASON - 2 if any(one.reason for one in choices) else room
-    return column((one.title for one in choices), 1, max(with_reason, 1)), beside
+    with_reason = room - _REASON - 2 if any(choice.reason for choice in choices) else room
+    return column((choice.title for choice in choices), 1, max(with_reason, 1)), beside
 
 
 def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
-    """`Release the stop (asks first)   R   the robot is not stopped`."""
+    """Return a row such as `Release the stop (asks first)   R   the robot is not stopped`."""
     title, beside = columns
     text = f"{pad(crop(choice.title, title), title)}  {pad(choice.beside, beside)}"
     room = width - title - beside - 4
@@ -54,29 +62,37 @@ def _lines(choice: Choice, width: int, columns: Columns) -> list[Text]:
     return [(text.rstrip(), QUIET if choice.reason else "")]
 
 
-class Found(Rows[Choice]):
-    """The rows; keys stay in the field, where is typed what narrows them."""
+class ChoiceRows(Rows[Choice]):
+    """The rows of the list, without the focus, which stays in the field.
+
+    Attributes:
+        on_choose: Called when a row was clicked; the cursor is on it.
+    """
 
     can_focus = False
     without_focus = True
-    taken: Callable[[], object]  # called when a row was clicked
+    on_choose: Callable[[], object]
 
     async def on_click(self, event: events.Click) -> None:
         row = self.scroll_offset.y + event.y
         if 0 <= row < len(self.items):
-            self.to(row)
-            self.taken()
+            self.move_to(row)
+            self.on_choose()
 
-    def to(self, number: int) -> None:
-        """The cursor is there."""
+    def move_to(self, number: int) -> None:
+        """Move the cursor to a row by its number, from 0; outside, to the first or last row."""
         self._move(number - self.cursor)
 
 
 class Choose(Dialog[None]):
-    """Escape chooses nothing."""
+    """A list and a field that narrows it; enter or a click chooses a row, escape none.
+
+    Attributes:
+        empty_text: The text in place of rows if none matches.
+    """
 
     closes_at_stop = True
-    nothing = "nothing matches"
+    empty_text = "nothing matches"
 
     BINDINGS = [
         ("escape", "close", "Close"),
@@ -89,19 +105,19 @@ class Choose(Dialog[None]):
         self._narrow = Field(
             id="narrow",
             placeholder="type a part of its name",
-            changed=self._fill,
-            submitted=self._take,
+            changed=self._show_matches,
+            submitted=self._choose,
             stepped=self._step,
         )
-        self._rows = Found(
-            _lines, lambda one: one, id="choices", empty=self.nothing, columns=_columns
+        self._rows = ChoiceRows(
+            _lines, lambda choice: choice, id="choices", empty=self.empty_text, columns=_columns
         )
-        self._rows.taken = self._take
+        self._rows.on_choose = self._choose
         self._count = Line(classes="count")
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog choosing") as box:
-            box.styles.height = max(len(self._all), 1) + 5  # its border, field and count
+            box.styles.height = max(len(self._all), 1) + 5  # Border, field and count.
             box.border_title = self.title
             box.border_subtitle = "type to narrow   ↑ ↓, enter   esc cancel"
             yield self._narrow
@@ -110,28 +126,30 @@ class Choose(Dialog[None]):
 
     def on_mount(self) -> None:
         self.set_focus(self._narrow)
-        self._fill()
+        self._show_matches()
 
-    def _found(self) -> Sequence[Choice]:
-        return found(self._narrow.value, self._all, lambda one: (one.title, one.words))
+    def _matches(self) -> Sequence[Choice]:
+        return matching_rows(
+            self._narrow.value, self._all, lambda choice: (choice.title, choice.words)
+        )
 
-    def _fill(self) -> None:
-        shown = self._found()
+    def _show_matches(self) -> None:
+        shown = self._matches()
         self._rows.show(shown)
-        self._rows.to(0)
+        self._rows.move_to(0)
         self._count.show(Content.styled(f"{len(shown)} of {len(self._all)}", "$quiet"))
 
-    def renew(self, choices: Sequence[Choice]) -> None:
-        """Replace each row by the choice of that title; none moves, comes or goes."""
-        now = {one.title: one for one in _harmless(choices)}
-        self._all = [now.get(one.title, one) for one in self._all]
-        self._rows.show(self._found())
+    def update_choices(self, choices: Sequence[Choice]) -> None:
+        """Replace each row by the choice with its title; no row moves, and none is added."""
+        by_title = {choice.title: choice for choice in _harmless(choices)}
+        self._all = [by_title.get(choice.title, choice) for choice in self._all]
+        self._rows.show(self._matches())
 
     def on_click(self, event: events.Click) -> None:
-        if event.widget is self:  # beside the dialog
+        if event.widget is self:  # Beside the box.
             self.dismiss()
 
-    def _take(self) -> None:
+    def _choose(self) -> None:
         choice = self._rows.item
         if choice is None or not self.is_current:
             return
@@ -141,8 +159,8 @@ class Choose(Dialog[None]):
             self.app.run_worker(work, group=COMMANDS)
 
     def _step(self, step: int) -> None:
-        self._rows.to(self._rows.cursor + step)
+        self._rows.move_to(self._rows.cursor + step)
 
     def action_turn(self, key: str) -> None:
-        """By what is seen."""
+        """Move by a page, with `pageup` or `pagedown`."""
         self._rows.action_press(key)

@@ -1,4 +1,4 @@
-"""A question with a few answers; the safe one stands first and has the focus."""
+"""The dialog that asks a question with a few answers, before something is done."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from archo_tui.widgets.button import Button
 
 
 class Confirm(Dialog[None]):
-    """Tells the words of the answer; escape gives the safe one, a STOP none."""
+    """A question whose first answer is the safe one: it has the focus, and escape gives it.
+
+    A STOP closes the dialog without an answer.
+    """
 
     closes_at_stop = True
 
@@ -28,16 +31,26 @@ class Confirm(Dialog[None]):
     ]
 
     def __init__(
-        self, title: str, question: str, answers: Sequence[str], answered: Callable[[str], object]
+        self, title: str, question: str, answers: Sequence[str], on_answer: Callable[[str], object]
     ) -> None:
-        """Create a question; the first of the `answers` changes nothing."""
+        """Create the dialog.
+
+        Args:
+            title: The title of the box.
+            question: The text.
+            answers: The words of the buttons; the first changes nothing.
+            on_answer: Called with the words of the chosen button.
+        """
         super().__init__()
         self.title, self._question, self._answers = title, question, answers
-        self._answered = answered
-        # the first letter of an answer chooses it, when it is that answer's alone
+        self._on_answer = on_answer
+        # The first letter of an answer chooses it, unless another answer begins with it, too.
         letters = [answer[0].casefold() for answer in answers]
-        own = [letter for letter in letters if letters.count(letter) == 1 and letter not in "yn"]
-        keys = ((f"{one},{one.upper()}", f"answer({letters.index(one)})", "") for one in own)
+        unique = [letter for letter in letters if letters.count(letter) == 1 and letter not in "yn"]
+        keys = (
+            (f"{letter},{letter.upper()}", f"answer({letters.index(letter)})", "")
+            for letter in unique
+        )
         self._bindings = BindingsMap.merge((self._bindings, BindingsMap(keys)))
 
     def body(self) -> ComposeResult:
@@ -55,12 +68,16 @@ class Confirm(Dialog[None]):
         self.set_focus(self.query_one("#answer-0"))
 
     def action_yes(self) -> None:
-        """Give the answer that acts, when there is only one."""
+        """Give the answer that acts, if there is only one."""
         if len(self._answers) == 2:
             self.action_answer(1)
 
     def action_answer(self, number: int) -> None:
-        """Give an answer by its place."""
+        """Close the dialog and give an answer.
+
+        Args:
+            number: Its place among the answers; 0 is the safe one.
+        """
         if not self.has_left:
             self.dismiss()
-            self._answered(self._answers[number])
+            self._on_answer(self._answers[number])

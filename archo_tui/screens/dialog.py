@@ -1,4 +1,4 @@
-"""What all dialogs have."""
+"""The bases of all dialogs, and of those with one field."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from textual.widgets import Static
 
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Snapshot
-from archo_tui.screens.leaving import Leaving
+from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen
 from archo_tui.station.reason import Reason, obstacles
 from archo_tui.station.station import View
@@ -21,8 +21,8 @@ from archo_tui.widgets.field import Field
 from archo_tui.widgets.line import Line
 
 
-class Below(Line):
-    """The keys that work in dialogs too, STOP's first of all, where the footer is."""
+class DialogFooter(Line):
+    """The line, in place of the footer, with the keys that work in dialogs, too: STOP first."""
 
     def __init__(self) -> None:
         super().__init__(classes="below")
@@ -30,47 +30,57 @@ class Below(Line):
     def on_mount(self) -> None:
         main = self.app.screen_stack[0]
         if isinstance(main, MainScreen):
-            self.show(main.everywhere)
+            self.show(main.everywhere_keys)
 
 
-class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
-    """Base of the dialogs."""
+class Dialog(ModalScreen[ScreenResultType], Dismissable[ScreenResultType]):
+    """A dialog over the main screen, with the keys of STOP below.
 
-    _reason: Reason | None = None  # of a refusal that is shown
-    _snapshot: Snapshot | None = None  # of the last view; None: there was none since it opened
+    A subclass composes its widgets in `body`; its `.error` widget, if it has one, shows messages.
+    """
+
+    _reason: Reason | None = None  # Of the refusal that is shown.
+    _snapshot: Snapshot | None = None  # Of the last view since the dialog was opened.
 
     def compose(self) -> ComposeResult:
         yield from self.body()
-        yield Below()
+        yield DialogFooter()
 
     def body(self) -> ComposeResult:
-        """What the dialog holds."""
+        """Yield the widgets of the dialog."""
         raise NotImplementedError
 
     def action_close(self) -> None:
-        """Back to where the focus was, with nothing changed."""
+        """Close the dialog without changing anything."""
         self.dismiss()
 
-    def say(self, text: str = "") -> None:
-        """What is wrong, or going on."""
+    def show_message(self, text: str = "") -> None:
+        """Show what is wrong or what is going on, in place of the message before."""
         self._reason = None
-        self.write(".error", Content(text))
+        self.set_text(".error", Content(text))
 
     def refuse(self, text: str) -> None:
-        """Show why the robot or a node refuses, until what that may be about is over."""
-        self.say(text)
+        """Show why the robot or a node refused, until that reason may be over.
+
+        Args:
+            text: The reason, as it was told.
+        """
+        self.show_message(text)
         self._reason = Reason(obstacles)
         if self._snapshot is not None:
-            self._reason.is_over(self._snapshot)  # notes what holds now
+            self._reason.is_over(self._snapshot)  # The first call records the present obstacles.
 
-    def follow(self, view: View) -> None:
-        """Take a refusal away when what it may be about is over."""
+    def show_view(self, view: View) -> None:
+        """Remove a refusal once an obstacle that it may be about is gone."""
         self._snapshot = view.snapshot
         if self._reason is not None and self._reason.is_over(view.snapshot):
-            self.say()
+            self.show_message()
 
-    def end(self, outcome: Outcome) -> None:
-        """Done, or what is in the way; said beside it when the dialog was left meanwhile."""
+    def finish(self, outcome: Outcome) -> None:
+        """Close the dialog if its work succeeded; otherwise show why not, and stay open.
+
+        If the dialog was dismissed in the meantime, a notification shows the reason.
+        """
         if outcome.ok:
             self.dismiss()
         elif self.has_left:
@@ -78,48 +88,62 @@ class Dialog(ModalScreen[ScreenResultType], Leaving[ScreenResultType]):
         else:
             self.refuse(outcome.text)
 
-    def write(self, selector: str, text: Content) -> None:
-        """Fill a part of the dialog; nothing when it was left meanwhile, and has lost its parts."""
-        for part in self.query(selector).results(Static):
-            part.update(text)
+    def set_text(self, selector: str, text: Content) -> None:
+        """Set the text of the Static widgets that a CSS selector matches.
+
+        Nothing happens after the dialog was dismissed, when it may have lost its widgets.
+        """
+        for widget in self.query(selector).results(Static):
+            widget.update(text)
 
 
 class Form(Dialog[None]):
-    """A field and two buttons; stays open, with what is wrong in its `.error` line, until done."""
+    """A dialog with a field and two buttons, which stays open until its work succeeded.
+
+    Attributes:
+        submit_label: The word on the button that does the same as enter.
+        default_message: The message while nothing is wrong with the typed text.
+    """
 
     BINDINGS = [("escape", "close", "Close")]
 
-    does: ClassVar[str]  # the word of the button that does what enter does
-    standing = ""  # what the line says while nothing is wrong with what was typed
+    submit_label: ClassVar[str]
+    default_message = ""
 
     def __init__(self, id: str, value: str = "", *, disabled: bool = False) -> None:
-        """`id` is the field's, `value` stands in it; when it is `disabled`, it can only be read."""
+        """Create the dialog.
+
+        Args:
+            id: The id of the field.
+            value: The text in the field at first.
+            disabled: True for a field that can only be read.
+        """
         super().__init__()
         self.field = Field(
             value,
             id=id,
-            changed=lambda: self.say(self.standing),
+            changed=lambda: self.show_message(self.default_message),
             submitted=self._submit,
             stepped=self.step,
         )
         self.field.disabled = disabled
 
     def below_field(self) -> ComposeResult:
-        """Yield the line that says what is wrong, and the buttons."""
-        yield Static(Content(self.standing), classes="error")
+        """Yield the line for messages, and the buttons."""
+        yield Static(Content(self.default_message), classes="error")
         with Horizontal(classes="answers"):
             yield Button("Cancel", self.action_close, id="leave")
-            yield Button(self.does, self._submit, id="submit", disabled=self.field.disabled)
+            yield Button(self.submit_label, self._submit, id="submit", disabled=self.field.disabled)
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#leave") if self.field.disabled else self.field)
 
     def step(self, step: int) -> None:
-        """Do what the arrows up (-1) and down (1) do."""
+        """Handle the arrow up (-1) or down (1)."""
 
     def _submit(self) -> None:
         self.submit(self.field.value)
 
     def submit(self, typed: str) -> None:
-        """Check what was typed, and do it."""
+        """Check the typed text, and begin the work."""
         raise NotImplementedError

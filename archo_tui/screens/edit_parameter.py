@@ -1,4 +1,4 @@
-"""Edit one parameter: checked here before it is sent, and again by its node."""
+"""The dialog that edits a parameter; the value is checked here, then by its node."""
 
 from __future__ import annotations
 
@@ -23,21 +23,28 @@ from archo_tui.terminal.app import COMMANDS, start_worker
 
 
 class EditParameter(Form):
-    """Stays open, with the reason shown, until the node has taken the value or esc is pressed."""
+    """A field for the value, which stays open until the node has accepted it."""
 
-    does = "Set"
+    submit_label = "Set"
 
     def __init__(
         self, parameter: Parameter, send: Callable[[Any], Awaitable[Outcome]], offered: Any
     ) -> None:
-        """`offered` is the value that stands in the field."""
-        self._text = safe(typed_text(offered))  # in full: what is sent must not be a part of it
+        """Create the dialog.
+
+        Args:
+            parameter: The parameter.
+            send: Sends the new value to the node.
+            offered: The value in the field at first.
+        """
+        # In full, since all of the field is sent.
+        self._text = safe(typed_text(offered))
         super().__init__("value", self._text, disabled=parameter.read_only)
         self._offered = offered
         self._parameter, self._send = parameter, send
-        self._shown = parameter.value  # as it is now
+        self._shown = parameter.value  # The present value.
         if parameter.read_only:
-            self.standing = f"{parameter.name} is read-only: it can only be set at startup"
+            self.default_message = f"{parameter.name} is read-only: it can only be set at startup"
 
     def body(self) -> ComposeResult:
         parameter = self._parameter
@@ -49,35 +56,42 @@ class EditParameter(Form):
             yield Static(Content(parameter.description or "no description"))
             kind = f"{parameter.type}, {allowed}" if allowed else parameter.type
             yield Static(Content(f"type   {kind}"))
-            yield Static(_now(parameter.value), id="now")
+            yield Static(_value_line(parameter.value), id="now")
             yield Static(Content(f"start  {harmless(text_of(parameter.initial))}"))
             yield self.field
             yield from self.below_field()
 
-    def follow(self, view: View) -> None:
-        """Somebody else may change it meanwhile."""
-        super().follow(view)
-        wanted = self._parameter.node, self._parameter.name
-        known = (p.value for p in view.snapshot.parameters if (p.node, p.name) == wanted)
-        value = next(known, None)
+    def show_view(self, view: View) -> None:
+        """Show the present value, which others may change meanwhile."""
+        super().show_view(view)
+        key = self._parameter.node, self._parameter.name
+        values = (p.value for p in view.snapshot.parameters if (p.node, p.name) == key)
+        value = next(values, None)
         if not same(value, self._shown):
             self._shown = value
-            self.write("#now", _now(value))
+            self.set_text("#now", _value_line(value))
 
     def submit(self, typed: str) -> None:
         if self.is_asking:
             return
         try:
-            value = self._value(typed)
+            value = self._parse(typed)
         except ValueError as error:
-            self.say(str(error))
+            self.show_message(str(error))
             return
         self.is_asking = True
-        self.say("asking the node ...")
-        start_worker(self.app, partial(self._ask, value), COMMANDS)
+        self.show_message("asking the node ...")
+        start_worker(self.app, partial(self._set, value), COMMANDS)
 
-    def _value(self, typed: str) -> Any:
-        """What was typed; where the field could not show all there is, untouched it means that."""
+    def _parse(self, typed: str) -> Any:
+        """Return the value that a text means.
+
+        If the offered value has characters that a field cannot show, the untouched text means that
+        value, and an edited text must be free of their stand-ins.
+
+        Raises:
+            ValueError: The text is no value of the parameter's type, or not in its range.
+        """
         if self._text != typed_text(self._offered):
             if typed == self._text:
                 return self._offered
@@ -85,11 +99,11 @@ class EditParameter(Form):
                 raise ValueError(f"{HIDDEN} stands for what cannot be shown: type it anew")
         return parse(self._parameter, typed)
 
-    async def _ask(self, value: Any) -> None:
+    async def _set(self, value: Any) -> None:
         outcome = await self._send(value)
         self.is_asking = False
-        self.end(outcome)
+        self.finish(outcome)
 
 
-def _now(value: Any) -> Content:
+def _value_line(value: Any) -> Content:
     return Content(f"now    {harmless(text_of(value))}")

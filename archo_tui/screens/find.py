@@ -1,4 +1,4 @@
-"""Which names fit what was typed, the best first. Pure."""
+"""The search by typed words in lists: pure functions."""
 
 from __future__ import annotations
 
@@ -12,17 +12,23 @@ _WORDS = re.compile(r"[^\W_]+")
 
 
 class Fit(IntEnum):
-    """How well a typed word fits a name, the best first."""
+    """The fit of a typed word to a name; a smaller value is a better fit."""
 
     WORD = 0
     BEGINNING = 1
     INSIDE = 2
-    SCATTERED = 3  # its letters, in their order
+    SCATTERED = 3  # The name has its letters, in their order.
     NONE = 4
 
 
 def fit(typed: str, name: str, others: str = "") -> Fit:
-    """How one typed word, without case, fits a name, or other words for what that names."""
+    """Return how well a word fits a name, or other words for the same thing.
+
+    Args:
+        typed: One word, casefolded.
+        name: The name, in any case.
+        others: The other words, in any case; only their beginnings count.
+    """
     name = name.casefold()
     words = _WORDS.findall(f"{name} {others.casefold()}")
     if typed in words:
@@ -35,17 +41,22 @@ def fit(typed: str, name: str, others: str = "") -> Fit:
     return Fit.SCATTERED if all(letter in letters for letter in typed) else Fit.NONE
 
 
-def found(typed: str, rows: Iterable[T], named: Callable[[T], tuple[str, str]]) -> Sequence[T]:
-    """The rows that every typed word fits, the best first; all as they stand for nothing typed.
+def matching_rows(
+    typed: str, rows: Iterable[T], names_of: Callable[[T], tuple[str, str]]
+) -> Sequence[T]:
+    """Return the rows that every typed word fits, the best first.
 
-    `named(row)` gives its name, and other words for it.
+    Args:
+        typed: What was typed; if it is blank, all rows are returned in their order.
+        rows: The rows.
+        names_of: Returns the name of a row, and other words for it.
     """
     words = typed.casefold().split()
 
-    def fits(row: T) -> tuple[Fit, int]:
-        each = [fit(word, *named(row)) for word in words]
-        return max(each, default=Fit.WORD), sum(each)
+    def rank(row: T) -> tuple[Fit, int]:
+        fits = [fit(word, *names_of(row)) for word in words]
+        return max(fits, default=Fit.WORD), sum(fits)
 
-    ranked = [(fits(row), row) for row in rows]
-    kept = [one for one in ranked if one[0][0] != Fit.NONE]
-    return [row for _, row in sorted(kept, key=lambda one: one[0])]
+    ranked = [(rank(row), row) for row in rows]
+    matches = [(rank, row) for rank, row in ranked if rank[0] != Fit.NONE]
+    return [row for _, row in sorted(matches, key=lambda match: match[0])]

@@ -1,4 +1,4 @@
-"""The one screen: header, banner, eight numbered panels, footer."""
+"""The main screen: header, banner, eight numbered panels and footer."""
 
 from __future__ import annotations
 
@@ -38,48 +38,62 @@ from archo_tui.widgets.rows import Rows
 from archo_tui.widgets.screen_state import ScreenState
 from archo_tui.widgets.search import Search
 
-_WIDE, _TALL = 150, 30  # cells from which there are three columns
-_AROUND = 3  # rows of header, banner and footer
-_BORDER = 2
-_PLOTS = 17  # rows of the history: fewer are too small for its plots
-_EVENTS = 10  # rows of the events, at least
-_AWAITED = 0.3  # s that the first picture waits for the robot's nodes, or all is drawn twice
-_LATEST = 0.5  # s after which the screen is drawn, laid out for its size or not
+_WIDE, _TALL = 150, 30  # Cells from which on there are three columns.
+_AROUND = 3  # Rows of header, banner and footer.
+_BORDER = 2  # Rows of a panel's border.
+_MIN_HISTORY = 17  # Rows of the history; its plots would be too small in fewer.
+_MIN_EVENTS = 10  # Rows of the events.
+# Seconds that the first drawing waits for the robot's nodes, so that it is not done twice.
+_NODES_TIMEOUT = 0.3
+# Seconds until the screen is drawn even if no layout for its size was reported.
+_LAYOUT_TIMEOUT = 0.5
 
 
 def _class_of(cells: int, breakpoints: Sequence[tuple[int, str]]) -> str:
-    """The one that Textual will give it, known before all is laid out and styled again for it."""
-    return max((least, name) for least, name in breakpoints if cells >= least)[1]
+    """Return the class that Textual sets for a width or height.
+
+    If it is set from the start, Textual need not style and lay out everything a second time.
+    """
+    return max((minimum, name) for minimum, name in breakpoints if cells >= minimum)[1]
 
 
 class MainScreen(Base[None]):
-    """Lays the panels out for the terminal's size and hands them every new view."""
+    """The panels, laid out for the terminal's size, to which every new view is given.
+
+    Attributes:
+        everywhere_keys: What the footer shows of the keys that work in dialogs, too.
+    """
 
     HORIZONTAL_BREAKPOINTS = [(0, "-tiny"), (80, "-narrow"), (110, "-normal"), (_WIDE, "-wide")]
     VERTICAL_BREAKPOINTS = [(0, "-short"), (_TALL, "-tall")]
 
     class Broken(Message):
-        """A panel could not be drawn."""
+        """The message that a panel could not be drawn."""
 
-        def __init__(self, said: str) -> None:
+        def __init__(self, text: str) -> None:
             super().__init__()
-            self.said = said
+            self.text = text
 
-    # Textual's own would draw the whole screen anew; what gains or loses the focus draws itself
+    # Textual's own reactive would redraw the whole screen. The widgets that gain and lose the
+    # focus redraw themselves.
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)
 
-    _before: Widget | None = None  # had the focus before a panel was asked for
+    _focused_before: Widget | None = None  # Before a panel was focused by its number.
     _focused_last: Widget | None = None
-    _fitted: tuple[int | None, int | None] = None, None  # rows of the nodes, and of what is above
-    _asked = False  # a panel was; until then a small terminal shows the first ones
+    _heights: tuple[int | None, int | None] = None, None  # Rows of the nodes; of the upper panels.
+    _is_panel_chosen = False  # Until one is, a small terminal shows the first panels.
 
     def __init__(self, snapshot: Snapshot, size: Size, time_line: Panel | None = None) -> None:
-        """`snapshot` knows the robot's file; `size` is the terminal's.
+        """Create the screen.
 
-        Over a `time_line` it only shows: what was recorded.
+        Args:
+            snapshot: Has the robot file.
+            size: The size of the terminal.
+            time_line: The panel of a replay, in which nothing can be sent to a robot; None else.
         """
-        of_size = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
-        super().__init__(classes=f"{of_size} {_class_of(size.height, self.VERTICAL_BREAKPOINTS)}")
+        width_class = _class_of(size.width, self.HORIZONTAL_BREAKPOINTS)
+        height_class = _class_of(size.height, self.VERTICAL_BREAKPOINTS)
+        super().__init__(classes=f"{width_class} {height_class}")
         self._compositor = DirtyCompositor()
         robot = snapshot.file
         self._body = LayoutOnly(id="body")
@@ -99,12 +113,12 @@ class MainScreen(Base[None]):
             self.add_class("-replay")
         self._header, self._clock = Line(id="header"), Line(id="clock")
         self._banner, self._footer = Line(id="banner"), Line(id="footer")
-        self._below: object = None  # what the footer shows
-        self.everywhere = Content("")  # of the footer what works in dialogs, too
+        self._footer_content: object = None  # From what the footer was drawn.
+        self.everywhere_keys = Content("")
         self._is_laid_out = self._is_filled = False
-        self._view: ScreenState | None = None  # the last one
-        self._commands: list[FooterKey] = []  # those of its footer
-        self._broken: dict[int, str] = {}  # what was said of panels that could not be drawn
+        self._view: ScreenState | None = None  # The last one.
+        self._commands: list[FooterKey] = []  # The keys of its footer.
+        self._broken: dict[int, str] = {}  # Why panels cannot be drawn, by number.
 
     def compose(self) -> ComposeResult:
         with Horizontal(id="head"):
@@ -124,49 +138,58 @@ class MainScreen(Base[None]):
 
     def on_mount(self) -> None:
         self.app.theme_changed_signal.subscribe(self, lambda _: self._mark_focused())
-        self.set_timer(_AWAITED, self._fill)
-        self.set_timer(_LATEST, self._draw_from_now_on)  # behind a dialog no size may come
+        self.set_timer(_NODES_TIMEOUT, self._fill)
+        # Behind a dialog, the screen may get no Resize event.
+        self.set_timer(_LAYOUT_TIMEOUT, self._draw_from_now_on)
         self._focused_last = self._time_line or self.parameters.focus_target
-        self.set_focus(self._focused_last, scroll_visible=False)  # nobody asked: without a cursor
+        # No person has moved the focus there, so the panel shows no cursor yet.
+        self.set_focus(self._focused_last, scroll_visible=False)
 
     def watch_focused(self) -> None:
         self._mark_focused()
         focused = self.focused
         if focused is not None and focused is not self._focused_last:
-            self._focused_last = focused  # the terminal may lose the focus and give it back
-            if isinstance(focused, Rows):  # by tab or a click
+            # When the terminal gets the focus back, the same widget is focused again.
+            self._focused_last = focused
+            if isinstance(focused, Rows):  # A tab or a click has moved the focus there.
                 focused.show_cursor()
         if self._view is not None and self._is_filled:
             self._show_footer(self._view, self._commands)
 
     def _mark_focused(self) -> None:
-        """By hand: a style for `:focus-within` has Textual look at all that the panels contain."""
+        """Set the look of the panel with the focus.
+
+        A style with `:focus-within` would have Textual visit every widget in the panels.
+        """
         focused = self.focused_panel
         for panel in self._panels.values():
             panel.mark_focused(panel.number == focused)
 
     @property
     def focus_chain(self) -> list[Widget]:
-        """In the order of the panels' numbers, at every size; buttons and searches come last."""
-        for panel in self._panels.values():  # what a class shows or hides, Textual notices later
+        """The widgets that tab visits, in the order of the panels' numbers at every size.
+
+        In each panel, buttons and searches come last.
+        """
+        for panel in self._panels.values():  # Textual may not have noticed yet what a class hides.
             panel._nodes.updated()
-        return sorted(super().focus_chain, key=_place_in_chain)
+        return sorted(super().focus_chain, key=_tab_order)
 
     @property
     def focused_panel(self) -> int:
-        """The number of the panel that has the focus, 0 for none."""
+        """The number of the panel with the focus; 0 if there is none."""
         return 0 if self.focused is None else _panel_number(self.focused)
 
     @property
     def search(self) -> Search | None:
-        """What narrows the rows of the panel with the focus; None: nothing does."""
+        """The search that narrows the panel with the focus; None if none does."""
         for panel in (self.parameters, self.events):
             if panel.number == self.focused_panel and panel.search.search_text:
                 return panel.search
         return None
 
     def shows_stop_at(self, x: int, y: int) -> bool:
-        """True where the button of STOP is, whatever stands in front of this screen."""
+        """Return True if the STOP button is at that cell, whatever lies over this screen."""
         if not self.is_mounted:
             return False
         widget, _ = self.get_widget_and_offset_at(x, y)
@@ -174,22 +197,22 @@ class MainScreen(Base[None]):
 
     @property
     def is_full(self) -> bool:
-        """True while one panel has the full screen."""
+        """True while one panel fills the screen."""
         return self.has_class("-full")
 
     def toggle_full(self, panel: Panel) -> None:
-        """A panel on the full screen, or among the others."""
+        """Let a panel fill the screen, or show all panels again if it does."""
         if self.has_class(f"-full-{panel.number}"):
             self.leave_full()
             return
-        self._before = self.focused
+        self._focused_before = self.focused
         self._show_all()
         self.add_class("-full", f"-full-{panel.number}")
         self._fit()
         panel.take_focus()
 
     def leave_full(self) -> None:
-        """All panels again; where the one that had the screen has no room, the focus goes back."""
+        """Show all panels again; move the focus if its panel has no room among them."""
         self._show_all()
         focused = self._panels.get(self.focused_panel)
         if focused is not None and not self._has_room(focused):
@@ -200,25 +223,25 @@ class MainScreen(Base[None]):
         self._fit()
 
     def _has_room(self, panel: Panel) -> bool:
-        """True when it stands among the others in a terminal of this size."""
+        """Return True if a panel is shown among the others in a terminal of this size."""
         return panel not in (self.history, self.graph) or self._is_wide
 
     @property
     def _is_wide(self) -> bool:
-        """True where there are three columns."""
+        """True if there are three columns."""
         return self.size.width >= _WIDE and self.size.height >= _TALL
 
     def _fit(self) -> None:
-        """In three columns, lists get the height of what they list, as far as there is room."""
-        nodes, upper = None, None
+        """Set the heights of the panels in three columns, by the length of their lists."""
+        nodes, upper = None, None  # In fewer columns, the style sheet sets the heights.
         if self._is_wide and not self.is_full:
-            most = self.size.height - _AROUND
+            height = self.size.height - _AROUND
             nodes = min(max(self.nodes.lines, 5), 12) + _BORDER
             goal = self.goal.styles.height
             wanted = int(goal.value if goal else 0) + self.parameters.lines + _BORDER
-            upper = min(max(wanted, _PLOTS), most - max(_EVENTS, most // 3))
-        if (nodes, upper) != self._fitted:
-            self._fitted = nodes, upper
+            upper = min(max(wanted, _MIN_HISTORY), height - max(_MIN_EVENTS, height // 3))
+        if (nodes, upper) != self._heights:
+            self._heights = nodes, upper
             self.nodes.styles.height = nodes
             if upper is None:
                 self._grid.styles.clear_rule("grid_rows")
@@ -226,35 +249,39 @@ class MainScreen(Base[None]):
                 self._grid.styles.grid_rows = f"{upper} 1fr"
 
     def focus_panel(self, number: int) -> None:
-        """Focus a panel by its number; one that the full screen hides brings the others back."""
+        """Focus a panel by its number, and make it visible.
+
+        If it is hidden by another that fills the screen, all are shown again; if it has no room
+        among them, it fills the screen itself.
+        """
         if not self.has_class(f"-full-{number}"):
             self._show_all()
             if not self._has_room(self._panels[number]):
                 self.toggle_full(self._panels[number])
                 return
-        if not isinstance(self.focused, Board):  # which escape leaves for the field
-            self._before = self.focused
-        self._asked = True
+        if not isinstance(self.focused, Board):  # Escape leads from the board to the field.
+            self._focused_before = self.focused
+        self._is_panel_chosen = True
         self._panels[number].take_focus()
         self.call_after_refresh(self._show_focused)
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         if not self._is_laid_out:
-            event.refresh_styles = False  # all of them were just set
+            event.refresh_styles = False  # All of them were just set.
 
     def _screen_resized(self, size: Size) -> None:
-        if (
-            self._is_laid_out or size != self.outer_size
-        ):  # else it has just been, and was not drawn yet
+        # Otherwise the layout for this size is done, and was not drawn yet.
+        if self._is_laid_out or size != self.outer_size:
             super()._screen_resized(size)
 
     def on_resize(self) -> None:
         self._fit()
-        self.call_after_refresh(self._laid_out)
+        self.call_after_refresh(self._after_layout)
 
-    def _laid_out(self) -> None:
+    def _after_layout(self) -> None:
         self._draw_from_now_on()
-        if self.focused is None and self.app.app_focus:  # it was where there is no room any more
+        # The widget that had the focus has no room any more.
+        if self.focused is None and self.app.app_focus:
             self.focus_panel(4)
         self._show_focused()
 
@@ -264,40 +291,45 @@ class MainScreen(Base[None]):
             self.refresh()
 
     def _compositor_refresh(self) -> None:
-        """Draw, but not before the panels are filled and laid out for the terminal's size."""
+        """Draw, once the panels are filled and laid out for the terminal's size."""
         if self._is_laid_out and self._is_filled:
             super()._compositor_refresh()
 
     def _show_focused(self) -> None:
-        """Where not all panels have room, the one with the focus is seen whole."""
+        """Scroll to the panel with the focus, where not all panels have room."""
         panel = self._panels.get(self.focused_panel)
-        if panel is not None and self._asked and self._body.max_scroll_y:
+        if panel is not None and self._is_panel_chosen and self._body.max_scroll_y:
             panel.scroll_visible(animate=False)
 
     def focus_back(self) -> None:
-        """Out of a field: focus what had it before, or the parameters."""
-        before = self._before
+        """Focus what had the focus before a field, or the parameters if that is not possible."""
+        before = self._focused_before
         panel = None if before is None else self._panels.get(_panel_number(before))
         if isinstance(self.focused, Search):
             self.focused.close()
         elif panel is None or before is self.focused or not self._has_room(panel):
             self.focus_panel(4)
-        elif isinstance(before, Search):  # out of a field is not into another one
+        elif isinstance(before, Search):  # That is a field, too: its panel gets the focus.
             panel.take_focus()
         else:
             self.set_focus(before)
 
     def _fill(self) -> None:
-        """Show what there is, with a robot or without."""
+        """Show the last view, if there is one, and let the screen be drawn."""
         if not self._is_filled:
             self._is_filled = True
-            if self._view is not None:  # what has no room is filled by the next view
-                seen = [panel for panel in self._panels.values() if self._has_room(panel)]
-                self._show(self._view, self._commands, seen)
+            if self._view is not None:  # The next view fills the hidden panels.
+                visible = [panel for panel in self._panels.values() if self._has_room(panel)]
+                self._show(self._view, self._commands, visible)
             self.refresh()
 
     def show(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show a new view everywhere; the first one with nodes is the first that is drawn."""
+        """Show a new view everywhere; the first view with nodes begins the drawing.
+
+        Args:
+            view: The state of the screen.
+            commands: The keys of the footer.
+        """
         self._view, self._commands = view, commands
         if not self._is_filled:
             if view.snapshot.nodes:
@@ -316,14 +348,14 @@ class MainScreen(Base[None]):
         self._fit()
 
     def _show_footer(self, view: ScreenState, commands: list[FooterKey]) -> None:
-        """Show the keys that work now: of a field that has the focus, its own."""
+        """Show the keys that work now; if a field has the focus, its own keys, too."""
         focused = self.focused
         field_keys = focused.keys if isinstance(focused, Field) else ()
-        below = commands, self.size.width, view.key("palette"), field_keys
-        if below != self._below:  # some ten texts: not at each view
-            self._below = below
-            self._footer.show(bars.footer(*below))
-            self.everywhere = bars.footer_keys(key for key in commands if key.everywhere)
+        content = commands, self.size.width, view.key("palette"), field_keys
+        if content != self._footer_content:  # Drawing it at each view would take too long.
+            self._footer_content = content
+            self._footer.show(bars.footer(*content))
+            self.everywhere_keys = bars.footer_keys(key for key in commands if key.everywhere)
 
     def on_panel_resized(self, message: Panel.Resized) -> None:
         if self._view is not None and self._is_filled:
@@ -335,23 +367,25 @@ class MainScreen(Base[None]):
             if self._broken.pop(panel.number, ""):
                 panel.remove_class("-broken")
                 panel.show_title("")
-        except Exception as error:  # the others, STOP and the clock go on
-            self._cannot_draw(panel, error)
+        except Exception as error:  # The other panels, STOP and the clock must go on.
+            self._show_error(panel, error)
 
-    def _cannot_draw(self, panel: Panel, error: Exception) -> None:
-        said = harmless(f"cannot be drawn: {in_one_line(error)}")
-        panel.show_title(escape(f"   ✗ {said}"))
-        panel.add_class("-broken")  # what stood there is not so any more; its buttons stay
-        if self._broken.get(panel.number) != said:
-            self._broken[panel.number] = said
-            self.post_message(self.Broken(f"panel {panel.number} {said}"))
+    def _show_error(self, panel: Panel, error: Exception) -> None:
+        """Show in a panel's title why it cannot be drawn, and post that once."""
+        reason = harmless(f"cannot be drawn: {in_one_line(error)}")
+        panel.show_title(escape(f"   ✗ {reason}"))
+        panel.add_class("-broken")  # It hides the old content, but not the buttons.
+        if self._broken.get(panel.number) != reason:
+            self._broken[panel.number] = reason
+            self.post_message(self.Broken(f"panel {panel.number} {reason}"))
 
 
-def _place_in_chain(widget: Widget) -> tuple[int, bool]:
-    return _panel_number(widget), isinstance(widget, (Button, Search))  # the rest by their places
+def _tab_order(widget: Widget) -> tuple[int, bool]:
+    return _panel_number(widget), isinstance(widget, (Button, Search))
 
 
 def _panel_number(widget: Widget) -> int:
+    """Return the number of the panel that contains a widget; 0 if none does."""
     for node in widget.ancestors_with_self:
         if isinstance(node, Panel):
             return node.number

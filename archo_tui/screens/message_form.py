@@ -1,4 +1,4 @@
-"""A form for any goal or request: a field a leaf, or one YAML text where they are many."""
+"""The dialog with a form for any goal or request."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
-from textual import widgets  # of these TextArea is loaded with its first use: it is large
+from textual import widgets  # `widgets.TextArea`, which is large, is imported with its first use.
 from textual.app import ComposeResult
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
@@ -25,12 +25,15 @@ from archo_tui.yaml_text.bounded_yaml import load
 from archo_tui.yaml_text.core_schema import YamlFault
 from archo_tui.yaml_text.dump import block
 
-MOST_FIELDS = 12  # beyond that it is one YAML text
+MAX_FIELDS = 12  # A message with more fields is edited as one YAML text.
 Send = Callable[[Mapping[str, Any]], Awaitable[Outcome]]
 
 
 class MessageForm(Dialog[None]):
-    """Stays open, with what is wrong, until it was sent and accepted, or esc is pressed."""
+    """A field for each primitive field of a message, or one YAML text if there are many.
+
+    The dialog stays open until the message was sent and accepted.
+    """
 
     closes_at_stop = True
 
@@ -39,27 +42,37 @@ class MessageForm(Dialog[None]):
     def __init__(
         self,
         title: str,
-        leaves: Sequence[Leaf],
+        message_fields: Sequence[Leaf],
         send: Send,
         typed: dict[str, str],
         form: Mapping[str, FormField] | None = None,
     ) -> None:
-        """`typed` is what was typed the last time, by path; what is sent is kept there."""
+        """Create the dialog.
+
+        Args:
+            title: The title of the box.
+            message_fields: The primitive fields of the message.
+            send: Sends the values by path; of a YAML text, nested as they were typed.
+            typed: The texts of the last time by path, that of the YAML text under "". The dialog
+                writes what it sends into it.
+            form: Labels, units and limits of the robot file, by path.
+        """
         super().__init__()
-        self.title, self._leaves, self._send = title, leaves, send
+        self.title, self._message_fields, self._send = title, message_fields, send
         self._typed, self._form = typed, form or {}
         self._fields: list[Field] = []
 
     @property
     def _is_yaml(self) -> bool:
-        return len(self._leaves) > MOST_FIELDS
+        return len(self._message_fields) > MAX_FIELDS
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog form") as box:
             box.border_title = escape(str(self.title))
             box.border_subtitle = self._keys
             if self._is_yaml:
-                yield widgets.TextArea(self._typed.get("", _yaml(self._leaves)), id="yaml")
+                text = self._typed.get("", default_yaml(self._message_fields))
+                yield widgets.TextArea(text, id="yaml")
             else:
                 with VerticalScroll(classes="fields", can_focus=False):
                     yield from self._rows()
@@ -72,17 +85,18 @@ class MessageForm(Dialog[None]):
     def _keys(self) -> str:
         if self._is_yaml:
             return "^s send   esc cancel"
-        if len(self._leaves) > 1:
+        if len(self._message_fields) > 1:
             return "enter next, then send   ↑ ↓ field   ^s send   esc cancel"
         return "enter send   esc cancel"
 
     def _rows(self) -> ComposeResult:
-        width = max((len(self._label(leaf)) for leaf in self._leaves), default=0) + 1
-        for number, leaf in enumerate(self._leaves):
+        labels = [self._label(message_field) for message_field in self._message_fields]
+        width = max(map(len, labels), default=0) + 1
+        for number, message_field in enumerate(self._message_fields):
             field = Field(
-                self._typed.get(leaf.path, default_text(leaf)),
+                self._typed.get(message_field.path, default_text(message_field)),
                 id=f"field-{number}",
-                changed=self.say,
+                changed=self.show_message,
                 submitted=self.action_send,
                 stepped=self._step,
             )
@@ -90,42 +104,43 @@ class MessageForm(Dialog[None]):
                 self._fields[-1].next_field = field
             self._fields.append(field)
             with Horizontal(classes="leaf"):
-                yield Label(f"{self._label(leaf):<{width}}", markup=False)
+                yield Label(f"{self._label(message_field):<{width}}", markup=False)
                 yield field
-                yield Label(f" {leaf.type}", classes="type", markup=False)
-        if not self._leaves:
+                yield Label(f" {message_field.type}", classes="type", markup=False)
+        if not self._message_fields:
             yield Static(Content("It takes no values."))
 
-    def _label(self, leaf: Leaf) -> str:
-        given = self._form.get(leaf.path, FormField())
-        label = given.label or leaf.path
-        return f"{label} ({given.unit})" if given.unit else label
+    def _label(self, message_field: Leaf) -> str:
+        form_field = self._form.get(message_field.path, FormField())
+        label = form_field.label or message_field.path
+        return f"{label} ({form_field.unit})" if form_field.unit else label
 
     def on_mount(self) -> None:
-        first = "#yaml" if self._is_yaml else "#field-0" if self._leaves else "#send"
+        first = "#yaml" if self._is_yaml else "#field-0" if self._message_fields else "#send"
         self.set_focus(self.query_one(first))
 
     def _step(self, step: int) -> None:
-        """Lead from field to field by the arrows."""
+        """Focus the field before (-1) or the next one (1), in a circle."""
         number = next((n for n, field in enumerate(self._fields) if field is self.focused), 0)
         self.set_focus(self._fields[(number + step) % len(self._fields)])
 
     def on_text_area_changed(self, event: widgets.TextArea.Changed) -> None:
-        if event.text_area.text != self._typed.get(""):  # else it was sent before this message came
-            self.say()
+        if event.text_area.text != self._typed.get(""):
+            # Otherwise the text was sent before this event was handled, and a message is shown.
+            self.show_message()
 
     def action_send(self) -> None:
-        """Send it from any field."""
+        """Check the values and send them."""
         if self.is_asking:
             return
         values = self._values_of_yaml() if self._is_yaml else self._values()
         if values is not None:
             self.is_asking = True
-            self.say("asking the robot ...   esc stops waiting")
-            start_worker(self.app, partial(self._ask, values), COMMANDS)
+            self.show_message("asking the robot ...   esc stops waiting")
+            start_worker(self.app, partial(self._send_values, values), COMMANDS)
 
     def action_close(self) -> None:
-        """Close; what was sent is not taken back by that, which is said."""
+        """Close the dialog; while an answer is due, notify that this takes nothing back."""
         if self.is_asking and not self.has_left:
             self.notify(f"{self.title}: {NOT_TAKEN_BACK}.", severity="warning", markup=False)
         super().action_close()
@@ -134,43 +149,46 @@ class MessageForm(Dialog[None]):
         self.action_close()
 
     def _values(self) -> dict[str, Any] | None:
+        """Return the value of each field by path; None, and a message, if one is not valid."""
         values = {}
-        for number, leaf in enumerate(self._leaves):
-            text = self._typed[leaf.path] = self._fields[number].value
+        for number, message_field in enumerate(self._message_fields):
+            text = self._typed[message_field.path] = self._fields[number].value
             try:
-                values[leaf.path] = parse(leaf, self._form.get(leaf.path, FormField()), text)
+                form_field = self._form.get(message_field.path, FormField())
+                values[message_field.path] = parse(message_field, form_field, text)
             except ValueError as error:
-                self.say(str(error))
+                self.show_message(str(error))
                 self.set_focus(self._fields[number])
                 return None
         return values
 
     def _values_of_yaml(self) -> dict[str, Any] | None:
+        """Return what the YAML text means; None, and a message, if it is not valid."""
         text = self.query_one(widgets.TextArea).text
         self._typed[""] = text
         try:
             values = load(text)
         except YamlFault as fault:
-            self.say(str(fault))
+            self.show_message(str(fault))
             return None
         if not isinstance(values, dict):
-            self.say("expected lines like 'field: value'")
+            self.show_message("expected lines like 'field: value'")
             return None
         return values
 
-    async def _ask(self, values: Mapping[str, Any]) -> None:
+    async def _send_values(self, values: Mapping[str, Any]) -> None:
         outcome = await self._send(values)
         self.is_asking = False
-        self.end(outcome)
+        self.finish(outcome)
 
 
-def _yaml(leaves: Sequence[Leaf]) -> str:
-    """The defaults as a YAML text, nested as the message is."""
+def default_yaml(message_fields: Sequence[Leaf]) -> str:
+    """Return the default values as a YAML text, nested as the message is."""
     nested: dict[str, Any] = {}
-    for leaf in leaves:
-        *before, last = leaf.path.split(".")
-        place = nested
-        for name in before:
-            place = place.setdefault(name, {})
-        place[last] = leaf.default
+    for field in message_fields:
+        *parents, name = field.path.split(".")
+        mapping = nested
+        for parent in parents:
+            mapping = mapping.setdefault(parent, {})
+        mapping[name] = field.default
     return block(nested)

@@ -1,4 +1,4 @@
-"""One node: how it is doing, what it has on the graph, and the level of its log."""
+"""The dialog about one node: its state, what it has on the graph, and its log level."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from archo_tui.widgets.button import Button
 from archo_tui.widgets.styled import content
 from archo_tui.words.nodes import graph_lines
 
-_GROUP = "node"  # of workers: the end does not wait for what is only looked at
+_GROUP = "node"  # Of workers for whose answers the console's end does not wait.
 
 
 class NodeDialog(Dialog[None]):
-    """The arrows scroll; tab leads to the levels, enter sets one. Escape, enter or q closes it."""
+    """A text that the arrows scroll, and a button for each log level, which tab reaches."""
 
     BINDINGS = [
         ("escape,enter,q", "close", "Close"),
@@ -35,15 +35,25 @@ class NodeDialog(Dialog[None]):
     def __init__(
         self,
         name: str,
-        tell: Callable[[View], str],
+        state_text: Callable[[View], str],
         view: View,
         describe: Callable[[], Awaitable[NodeInfo | Outcome]],
         set_level: Callable[[str], Awaitable[Outcome]],
-        refused: str,
+        disabled_reason: str,
     ) -> None:
-        """`tell` says what is known already; `refused` why no level can be set."""
+        """Create the dialog.
+
+        Args:
+            name: The full name of the node.
+            state_text: Returns what the console knows of the node without asking it.
+            view: The present view.
+            describe: Asks the graph and the node for what else is shown.
+            set_level: Sets the log level, one of `LEVELS`.
+            disabled_reason: Why no level can be set; "" if it can.
+        """
         super().__init__()
-        self._node, self._tell, self._view, self._refused = name, tell, view, refused
+        self._node, self._state_text, self._view = name, state_text, view
+        self._disabled_reason = disabled_reason
         self._describe, self._set_level = describe, set_level
 
     def body(self) -> ComposeResult:
@@ -51,58 +61,61 @@ class NodeDialog(Dialog[None]):
             box.border_title = escape(self._node)
             box.border_subtitle = "esc close"
             with VerticalScroll(classes="question", id="node-text"):
-                yield Static(Content(self._tell(self._view)), id="node-known")
+                yield Static(Content(self._state_text(self._view)), id="node-known")
                 yield Static(Content("asking the graph ..."), id="node-graph")
             yield Static(classes="level")
             with Horizontal(classes="answers", id="levels") as levels:
                 levels.display = False
                 for level in LEVELS:
-                    yield Button(level.capitalize(), partial(self._choose, level), id=level.lower())
+                    yield Button(level.capitalize(), partial(self._set, level), id=level.lower())
             yield Static("", classes="error")
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#node-text"))
         start_worker(self, self._ask, _GROUP)
 
-    def follow(self, view: View) -> None:
-        """Bring what is known up to date, once a second."""
-        super().follow(view)
+    def show_view(self, view: View) -> None:
+        """Show the present state once a second, and when a node here starts or ends."""
+        super().show_view(view)
         if view.second != self._view.second or view.hosted != self._view.hosted:
             self._view = view
-            self.write("#node-known", Content(self._tell(view)))
+            self.set_text("#node-known", Content(self._state_text(view)))
 
     async def _ask(self) -> None:
         self._show(await self._describe())
 
-    def _show(self, found: NodeInfo | Outcome) -> None:
-        info = found if isinstance(found, NodeInfo) else None
-        what = Content(found.text) if isinstance(found, Outcome) else content(graph_lines(found))
-        self.write("#node-graph", Content.assemble("\n", what.rstrip()))
+    def _show(self, answer: NodeInfo | Outcome) -> None:
+        """Show what the node has on the graph and its log level, or why that is not known."""
+        if isinstance(answer, Outcome):
+            info, text = None, Content(answer.text)
+        else:
+            info, text = answer, content(graph_lines(answer))
+        self.set_text("#node-graph", Content.assemble("\n", text.rstrip()))
         level = None if info is None else info.level
-        said = "" if info is None else info.no_level if level is None else level.text
-        self.write(".level", Content(f"log level   {said}" if said else ""))
+        level_text = "" if info is None else info.no_level if level is None else level.text
+        self.set_text(".level", Content(f"log level   {level_text}" if level_text else ""))
         for line in self.query(".level"):
-            line.display = said != ""
+            line.display = level_text != ""
         for box in self.query(".node"):
-            keys = ("tab log level",) if level is not None and not self._refused else ()
+            keys = ("tab log level",) if level is not None and not self._disabled_reason else ()
             box.border_subtitle = "   ".join((*keys, "esc close"))
         for levels in self.query("#levels"):
             levels.display = level is not None
         for button in self.query(Button):
             button.set_class(level is not None and button.id == level.own.lower(), "-chosen")
-            button.set_class(bool(self._refused), "-blocked")
+            button.set_class(bool(self._disabled_reason), "-blocked")
 
-    def _choose(self, level: str) -> None:
+    def _set(self, level: str) -> None:
         if not self.is_asking:
             self.is_asking = True
-            self.say("asking the node ...")
-            start_worker(self.app, partial(self._set, level), COMMANDS)
+            self.show_message("asking the node ...")
+            start_worker(self.app, partial(self._send_level, level), COMMANDS)
 
-    async def _set(self, level: str) -> None:
+    async def _send_level(self, level: str) -> None:
         outcome = await self._set_level(level)
         self.is_asking = False
         if not outcome.ok:
             self.refuse(outcome.text)
             return
-        self.say("")
+        self.show_message("")
         self._show(await self._describe())

@@ -1,4 +1,4 @@
-"""The recordings: when, why, how long, how large; one can be deleted."""
+"""The dialog that lists the recordings of the black box."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from archo_tui.widgets.rows import Columns, Rows, Text
 
 
 def recording_lines(recording: Recording, _width: int, _columns: Columns) -> list[Text]:
-    """`2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`."""
+    """Return a row such as `2026-11-22_03-12-07_STOP   65 s    212 kB   STOP`."""
     return [(format_line(recording, len(recording.name)), "")]
 
 
 class RecordingList(Dialog[None]):
-    """`enter` copies the command that plays one back, `d` deletes it; escape closes it."""
+    """A list in which enter copies the command that plays a recording, and d deletes one."""
 
     BINDINGS = [
         Binding("enter,y", "copy", "Copy the command", priority=True),
@@ -34,35 +34,44 @@ class RecordingList(Dialog[None]):
         copy: Callable[[Recording], None],
         delete: Callable[[Recording], None],
     ) -> None:
-        """The newest first."""
+        """Create the dialog.
+
+        Args:
+            recordings: The newest first.
+            copy: Copies the command that plays a recording.
+            delete: Deletes a recording.
+        """
         super().__init__()
         self._recordings, self._copy, self._delete = recordings, copy, delete
         self._rows: Rows[Recording] = Rows(
-            recording_lines, lambda one: one.name, id="recordings", empty="No recordings."
+            recording_lines,
+            lambda recording: recording.name,
+            id="recordings",
+            empty="No recordings.",
         )
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog reading") as box:
             box.border_title = "Recordings"
             box.border_subtitle = "enter copy the command that plays it   d delete   esc close"
-            box.styles.height = max(len(self._recordings), 1) + 2  # with its border
+            box.styles.height = max(len(self._recordings), 1) + 2  # Two for the border.
             yield self._rows
 
     def on_mount(self) -> None:
         self.set_focus(self._rows)
         self._rows.show_cursor()
-        self.refill(self._recordings)
+        self.show_recordings(self._recordings)
 
-    def refill(self, recordings: Sequence[Recording]) -> None:
-        """Show these."""
+    def show_recordings(self, recordings: Sequence[Recording]) -> None:
+        """Replace the list, the newest first."""
         self._rows.show(recordings)
 
     def action_copy(self) -> None:
-        """How to play back the one under the cursor."""
+        """Copy the command that plays the recording under the cursor."""
         if self._rows.item is not None:
             self._copy(self._rows.item)
 
     def action_delete(self) -> None:
-        """Delete the one under the cursor."""
+        """Delete the recording under the cursor."""
         if self._rows.item is not None:
             self._delete(self._rows.item)

@@ -1,4 +1,4 @@
-"""What an assistant asks for, with how the robot is: a person allows it once, or denies it."""
+"""The dialog in which a person allows or denies what an assistant requests."""
 
 from __future__ import annotations
 
@@ -21,12 +21,16 @@ from archo_tui.terminal.stop_marks import InputTime, now
 from archo_tui.widgets.button import Button
 from archo_tui.words import line_by_line
 
-_AROUND = 5  # lines that are not the question: answers, borders, the keys below
-APART = 0.3  # s that an answer comes behind the key before it, which a paste's does not
+_AROUND = 5  # Rows other than the question: answers, borders, the keys below.
+# Seconds between an answer and the key before it; keys in a paste come faster.
+MIN_PAUSE = 0.3
 
 
 class AnswerRequest(Dialog[None]):
-    """`Deny` has the focus; escape leaves the request as it is."""
+    """A request and the state of the robot; `Deny` has the focus, escape answers nothing.
+
+    An answer counts only if a person can have read all of the request.
+    """
 
     closes_at_stop = True
 
@@ -42,22 +46,28 @@ class AnswerRequest(Dialog[None]):
         self,
         request: Request,
         view: View,
-        unseen: Callable[[], bool],
-        read: Callable[[], InputTime | None],
+        is_unseen: Callable[[], bool],
+        input_time: Callable[[], InputTime | None],
         answer: Callable[[int, bool], None],
-        gone: Callable[[str], None],
+        on_over: Callable[[str], None],
     ) -> None:
-        """`unseen()` is true while the terminal does not show what was drawn.
+        """Create the dialog.
 
-        `read()` tells when the key or click that is being done was read.
-        `gone(why)` is called when the request is over before anybody has answered.
+        Args:
+            request: The request.
+            view: The present view.
+            is_unseen: Returns True while the terminal does not show what was drawn.
+            input_time: Returns when the key or click that is being handled was read.
+            answer: Called with the number of the request, and True if it is allowed.
+            on_over: Called with a text if the request ends before it is answered.
         """
         super().__init__()
         self._request, self._view = request, view
-        self._unseen, self._read, self._answer, self._gone = unseen, read, answer, gone
-        self._drawn = math.inf  # when it was, in s as messages have their time
+        self._is_unseen, self._input_time = is_unseen, input_time
+        self._answer, self._on_over = answer, on_over
+        self._drawn_at = math.inf  # Seconds on the clock of Textual's messages.
         self._text = Static(classes="asked")
-        self._allow = Button("Allow once", partial(self._give, True), id="allow")
+        self._allow = Button("Allow once", partial(self._give_answer, True), id="allow")
 
     def body(self) -> ComposeResult:
         with Vertical(classes="dialog") as box:
@@ -66,77 +76,79 @@ class AnswerRequest(Dialog[None]):
             with VerticalScroll(classes="question", can_focus=False):
                 yield self._text
             with Horizontal(classes="answers"):
-                yield Button("Deny", partial(self._give, False), id="deny")
+                yield Button("Deny", partial(self._give_answer, False), id="deny")
                 yield self._allow
 
     def on_mount(self) -> None:
         self.set_focus(self.query_one("#deny"))
-        self._write()
-        self.app.app_resume_signal.subscribe(self, lambda _: self._draw_anew())
+        self._show_request()
+        self.app.app_resume_signal.subscribe(self, lambda _: self._restart_reading())
 
     def on_screen_resume(self) -> None:
-        """In front, at first or again."""
-        self._draw_anew()
+        """Restart the time for reading: the dialog is in front, at first or again."""
+        self._restart_reading()
 
     def on_resize(self, event: Resize) -> None:
-        """The answers stay in view, and what is asked can be scrolled."""
+        """Keep the answers in view: a request that has no room is scrolled."""
         box = self.query_one(VerticalScroll)
         box.styles.max_height = max(event.size.height - _AROUND, 1)
-        self._draw_anew()
+        self._restart_reading()
 
-    def _draw_anew(self) -> None:
-        """It was away, or looks different now: it is read from here on."""
-        self._drawn = math.inf
-        self.call_after_refresh(self._now_drawn)
+    def _restart_reading(self) -> None:
+        """Count the time for reading from the next drawing on: it was hidden, or is different."""
+        self._drawn_at = math.inf
+        self.call_after_refresh(self._set_drawn)
 
-    def _now_drawn(self) -> None:
-        self._drawn = now()
+    def _set_drawn(self) -> None:
+        self._drawn_at = now()
 
-    def _is_in_view(self, part: Widget) -> bool:
-        """True when its end is, where it is scrolled to."""
-        place = self.find_widget(part)
-        seen = place.visible_region
-        return bool(seen) and seen.bottom_right == place.region.bottom_right
+    def _is_end_visible(self, widget: Widget) -> bool:
+        """Return True if the bottom right corner of a widget is not scrolled away."""
+        geometry = self.find_widget(widget)
+        visible = geometry.visible_region
+        return bool(visible) and visible.bottom_right == geometry.region.bottom_right
 
-    def follow(self, view: View) -> None:
-        """So it is now; what waits no more is not answered."""
+    def show_view(self, view: View) -> None:
+        """Show the present state of the robot; close the dialog if the request is over."""
         self._view = view
-        waits = any(one.number == self._request.number for one in view.requests)
-        if not waits and not self.has_left:
-            self._gone("The request is over")
+        is_waiting = any(waiting.number == self._request.number for waiting in view.requests)
+        if not is_waiting and not self.has_left:
+            self._on_over("The request is over")
             self.dismiss()
-        elif waits:
-            self._write()
-            if self._unseen():
-                self._draw_anew()
+        elif is_waiting:
+            self._show_request()
+            if self._is_unseen():
+                self._restart_reading()
 
-    def _write(self) -> None:
-        one, view = self._request, self._view
-        values = [f"  {name}: {written(value)}" for name, value in one.goal.values.items()]
+    def _show_request(self) -> None:
+        request, view = self._request, self._view
+        values = [f"  {name}: {written(value)}" for name, value in request.goal.values.items()]
         lines = [
-            f"{one.asker.source} wants: {one.text}",
+            f"{request.asker.source} wants: {request.text}",
             *values,
             "",
             f"battery: {line_by_line.battery_text(view.snapshot, view.now)}",
             f"robot: {line_by_line.motion_text(view.snapshot, view.now)}",
-            f"expires in {one.left(view.now):.0f} s",
+            f"expires in {request.left(view.now):.0f} s",
         ]
         self._text.update(Content("\n".join(map(harmless, lines))))
 
-    def _give(self, is_allowed: bool) -> None:
-        read = self._read()
-        soon = read is None or read.at - self._drawn < READ or read.pause < APART
-        if soon or self._unseen():
+    def _give_answer(self, is_allowed: bool) -> None:
+        """Answer the request and close the dialog, or tell why the answer does not count."""
+        typed = self._input_time()
+        is_early = typed is None or typed.at - self._drawn_at < READ or typed.pause < MIN_PAUSE
+        if is_early or self._is_unseen():
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return
-        if is_allowed and not (self._is_in_view(self._text) and self._is_in_view(self._allow)):
-            said = "Not all of it is seen: scroll by ↓, or make the terminal larger."
-            self.notify(said, severity="warning", markup=False)
+        is_whole = self._is_end_visible(self._text) and self._is_end_visible(self._allow)
+        if is_allowed and not is_whole:
+            text = "Not all of it is seen: scroll by ↓, or make the terminal larger."
+            self.notify(text, severity="warning", markup=False)
             return
-        self.dismiss()  # first: it is over by the answer then
+        self.dismiss()  # First, since the answer ends the request, which `show_view` would report.
         self._answer(self._request.number, is_allowed)
 
     def action_scroll(self, step: int) -> None:
-        """Where not all of it has room; no line is left out."""
+        """Scroll by some lines, by fewer than are visible at once so that none is skipped."""
         box = self.query_one(VerticalScroll)
         box.scroll_relative(y=step * min(3, max(box.size.height, 1)), animate=False)

@@ -1,4 +1,4 @@
-"""Asks why a grave alarm is silenced: the reason goes into the journal."""
+"""The dialog that asks why a high alarm is shelved, for the journal."""
 
 from __future__ import annotations
 
@@ -14,11 +14,17 @@ from archo_tui.station.alarms import SHELF_TIME, Alarm
 
 
 class ShelveReason(Form):
-    """`shelve(reason)` is called with what was typed; escape leaves the alarm as it is."""
+    """A field for the reason; escape leaves the alarm as it is."""
 
-    does = "Shelve"
+    submit_label = "Shelve"
 
     def __init__(self, alarm: Alarm, shelve: Callable[[str], None]) -> None:
+        """Create the dialog.
+
+        Args:
+            alarm: The alarm.
+            shelve: Called with the reason, which is not empty.
+        """
         super().__init__("reason")
         self._alarm, self._shelve = alarm, shelve
 
@@ -36,4 +42,4 @@ class ShelveReason(Form):
             self._shelve(typed.strip())
             self.dismiss()
         else:
-            self.say("type a reason: it goes into the journal")
+            self.show_message("type a reason: it goes into the journal")

@@ -1,4 +1,4 @@
-"""Something to read at length: a traceback, a whole event."""
+"""A dialog that shows a long text, such as a traceback or a whole event."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from archo_tui.screens.dialog import Dialog
 
 
 class ShowText(Dialog[None]):
-    """Scrolls; escape, enter or q closes it."""
+    """A text that scrolls; escape, enter and q close it."""
 
     BINDINGS = [("escape,enter,q", "close", "Close")]
 

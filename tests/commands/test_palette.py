@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from archo_tui.commands.palette_choices import palette_choices
 from archo_tui.keyed_app import HELD
-from archo_tui.screens.choose import Found
+from archo_tui.screens.choose import ChoiceRows
 from archo_tui.screens.find import Fit, fit
 from archo_tui.terminal.stop_marks import dispatch
 from tests.support.clock import seconds
@@ -80,7 +80,7 @@ TYPED = {
 
 def first(op: Console, count: int = 3) -> list[str]:
     """The titles of the first rows."""
-    return [one.title for one in op.app.screen.query_one(Found).items[:count]]
+    return [one.title for one in op.app.screen.query_one(ChoiceRows).items[:count]]
 
 
 async def test_each_entry_is_found_by_three_words_that_people_type() -> None:
@@ -140,7 +140,7 @@ async def test_what_cannot_be_done_stands_below_with_its_reason_at_the_right() -
         line = op.line("Release the stop")
         assert line.rstrip(" ┃").endswith("the robot is not stopped"), line
         await op.press(*["backspace"] * 7)
-        rows = op.app.screen.query_one(Found).items
+        rows = op.app.screen.query_one(ChoiceRows).items
         commands = [bool(one.reason) for one in rows if one.title[:4] not in ("Set ", "Node")][3:40]
         assert commands == sorted(commands)
 
@@ -182,7 +182,7 @@ async def test_a_click_takes_a_row() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p")
         await op.type("nord")
-        row = op.app.screen.query_one(Found).region
+        row = op.app.screen.query_one(ChoiceRows).region
         click(op.app, row.x + 3, row.y)
         await op.until(lambda: op.app.theme == "nord")
         assert op.app.screen is op.app.main
@@ -191,7 +191,7 @@ async def test_a_click_takes_a_row() -> None:
 async def test_the_arrows_and_pages_move_the_cursor() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p", "down", "down", "up")
-        rows = op.app.screen.query_one(Found)
+        rows = op.app.screen.query_one(ChoiceRows)
         assert rows.cursor == 1
         await op.press("pagedown")
         assert rows.cursor > 10
@@ -204,7 +204,7 @@ async def test_a_watching_console_says_why_nothing_acts() -> None:
         await op.press("ctrl+p")
         for typed in ("stop", "speed", "release"):
             await op.type(typed)
-            assert "watching" in op.app.screen.query_one(Found).items[0].reason
+            assert "watching" in op.app.screen.query_one(ChoiceRows).items[0].reason
             await op.press(*["backspace"] * len(typed))
 
 
@@ -253,7 +253,7 @@ async def test_the_palette_keeps_its_rows_where_they_are_while_values_change() -
     async with console(*FAST) as op:
         await op.press("ctrl+p")
         await op.type("set motor_controller m")
-        rows = op.app.screen.query_one(Found)
+        rows = op.app.screen.query_one(ChoiceRows)
         await op.press("down")
         before, here = [one.title for one in rows.items], rows.cursor
         await op.app.station.robot.set_parameters("/motor_controller", {"max_speed": 1.25})

@@ -13,7 +13,7 @@ from textual.widgets._toast import Toast
 
 from archo_tui.commands.palette_choices import Commands
 from archo_tui.screens.alarms import AlarmList
-from archo_tui.screens.choose import Found
+from archo_tui.screens.choose import ChoiceRows
 from archo_tui.screens.help import Help
 from archo_tui.screens.main import MainScreen
 from tests.support.console import FAST, Console, click, console
@@ -98,7 +98,7 @@ async def test_pages_of_a_palette_with_nothing_in_it_are_turned_in_vain() -> Non
 async def test_a_click_on_what_the_palettes_list_no_longer_has_does_nothing() -> None:
     async with console(*FAST) as op:
         await op.press("ctrl+p")
-        rows = op.app.screen.query_one(Found)
+        rows = op.app.screen.query_one(ChoiceRows)
         x, y = rows.region.offset
         await op.type("zzz")
         for at in (y, y + 2, 999):  # 999: beyond the terminal

@@ -24,7 +24,7 @@ from archo_tui.keyed_app import HELD
 from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Leaf, Snapshot
-from archo_tui.screens.leaving import Leaving
+from archo_tui.screens.dismissable import Dismissable
 from archo_tui.station import form_history
 from archo_tui.terminal.stop_marks import dispatch
 from archo_tui.widgets.field import Field
@@ -139,7 +139,7 @@ class Desk:
         main.goal.board._index = 0
         main.focus_panel(4)
         main.parameters._rows.shows_cursor = False
-        main._before = None
+        main._focused_before = None
         app._leaves = False
         app.typed.clear()
         app.theme = "textual-dark"
@@ -155,7 +155,7 @@ class Desk:
     def state(self) -> list[object]:
         """What a person sees and can go on with, and what the robot was asked for."""
         app = self.app
-        standing = [s for s in app.screen_stack if not (isinstance(s, Leaving) and s.has_left)]
+        standing = [s for s in app.screen_stack if not (isinstance(s, Dismissable) and s.has_left)]
         found: list[object] = [self.robot.asked[:], app.theme, app.main.goal.board._index]
         found += [sorted(name for name in app.main.classes if name.startswith("-full"))]
         for screen in standing:

@@ -143,6 +143,6 @@ async def test_a_node_that_has_left_meanwhile_is_not_on_the_graph() -> None:
         nodes = tuple(node for node in snapshot.nodes if node.name != "/dashboard")
         view = replace(op.app.view, snapshot=snapshot._replace(nodes=nodes), hosted=())
         assert isinstance(op.app.screen, NodeDialog)
-        op.app.screen.follow(view)
+        op.app.screen.show_view(view)
         await op.settle()
         assert "? not on the graph any more" in op.text

@@ -367,7 +367,7 @@ async def test_a_dialog_that_is_left_while_it_works_says_nothing_any_more(
         assert op.app.screen is op.app.main
         go_on.set()
         await op.settle()
-        dialog.say("too late")
+        dialog.show_message("too late")
         assert op.app.is_running
 
 

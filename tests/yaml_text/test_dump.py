@@ -16,7 +16,7 @@ from archo_tui.robot.fields import checked, filled
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.parameter_values import as_python
 from archo_tui.robot_file.model import FormField
-from archo_tui.screens.message_form import _yaml
+from archo_tui.screens.message_form import default_yaml
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.dump import flow
 from tests.support.values import installed, told, value_of, values_of
@@ -41,7 +41,7 @@ def sends_untouched(name: str, made: Any) -> None:
     leaves = list(messages.leaves(made))
     typed = {leaf.path: parse(leaf, FormField(), default_text(leaf)) for leaf in leaves}
     assert told(filled(TYPES[name](), typed)) == told(made), name
-    assert told(filled(TYPES[name](), bounded_yaml.load(_yaml(leaves)))) == told(made), name
+    assert told(filled(TYPES[name](), bounded_yaml.load(default_yaml(leaves)))) == told(made), name
 
 
 @pytest.mark.parametrize("package", PACKAGES)
