@@ -254,7 +254,8 @@ async def test_events_end_with_their_time_and_lack_none_that_came_behind_the_cal
 
 
 REPL = """
-import json, sys, threading, archo_tui
+import json, signal, sys, threading, archo_tui
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background ignores it
 robot = archo_tui.connect()
 for line in sys.stdin:
     try:

@@ -36,7 +36,7 @@ async def test_the_first_picture_waits_for_the_robots_nodes(
 ) -> None:
     on_mount: Any = main.MainScreen.on_mount
     monkeypatch.setattr(main.MainScreen, "on_mount", on_mount.__wrapped__)  # as it is for users
-    monkeypatch.setattr(main, "_AWAITED", 3600.0)
+    monkeypatch.setattr(main, "_NODES_TIMEOUT", 3600.0)
     drawn: list[int] = []
     whole = DirtyCompositor.render_full_update
 
