@@ -226,7 +226,7 @@ class _Request:
         while "code" not in said:
             left = LONGEST_WAIT if self._end is None else self._end - time.monotonic()
             try:
-                said = next(self._console.rest(min(max(left, 0.0), _SILENCE)))
+                said = next(self._console.remaining_replies(min(max(left, 0.0), _SILENCE)))
             except client.Silent as error:
                 if left <= _SILENCE:
                     raise Unreached("unreached", str(error)) from None
@@ -661,7 +661,7 @@ def _events(
 
 
 def _data_of(result: Mapping[str, Any]) -> Any:
-    """Return the data of a result that is good. Raises the error that it is otherwise."""
+    """Return the data of a result; raise the error of its code if that is none of success."""
     code = result["code"]
     if code not in _GOOD:
         raise _ERRORS.get(code, Refused)(code, result["text"])

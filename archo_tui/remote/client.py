@@ -144,17 +144,17 @@ class Connection:
         self._number += 1
         number = self._number
         self.send({"id": number, **asked})
-        for said in self.rest(within):
+        for said in self.remaining_replies(within):
             if said.get("id") in (number, None):
                 yield said
                 if "code" in said:
                     return
 
-    def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield the messages that follow.
+    def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+        """Yield every further message of the console, whichever request it is for.
 
         Args:
-            within: Seconds that all of them may take; None: any time.
+            within: Seconds after which `Silent` is raised; None: it waits for any time.
 
         Raises:
             Silent: The time is over.

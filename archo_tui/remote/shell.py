@@ -38,7 +38,7 @@ if TYPE_CHECKING:
         def request(self, within: float | None = None, **asked: Any) -> Iterator[dict[str, Any]]:
             """Send a request, and yield all replies to it, the result last."""
 
-        def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+        def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
             """Yield the replies that follow; `Unreached` is raised after `within` seconds."""
 
         def send(self, said: dict[str, Any]) -> None:
@@ -284,7 +284,7 @@ def _stop(
         ended = [one for one in ended if one.code != WATCHING]
     for one in ended:
         text = one.text if len(ended) == 1 and one.code == "done" else f"{one.console}: {one.text}"
-        codes.append(_end({"code": one.code, "text": text}, given))
+        codes.append(_print_result({"code": one.code, "text": text}, given))
     is_confirmed = any(one.code == "done" for one in ended)
     if attach is not None and not is_confirmed and "--to" not in given.values:
         try:
@@ -335,7 +335,7 @@ def _send(
         if result["code"] == WATCHING and attach is not None:
             with attach() as robot:
                 return _send(robot, given, timeout, others)
-        return _end(result, given, others)
+        return _print_result(result, given, others)
     except _Interrupted:
         for number in (signal.SIGINT, signal.SIGTERM):  # The next one ends the program.
             signal.signal(number, signal.SIG_DFL)
@@ -365,8 +365,14 @@ def _result(
     raise Unreached(GONE)
 
 
-def _end(result: dict[str, Any], given: _CommandLine, others: Iterable[str] = ()) -> int:
-    """Print a result and return its exit code."""
+def _print_result(result: dict[str, Any], given: _CommandLine, others: Iterable[str] = ()) -> int:
+    """Print a result, or why the command failed, and return its exit code.
+
+    Args:
+        result: The console's result.
+        given: The words and the options that were typed.
+        others: The commands of this program besides verbs, for the nearest one to a misspelled.
+    """
     code = EXITS.get(result["code"], FAILED)
     data = result.get("data")
     if "--json" in given.flags:
@@ -410,7 +416,7 @@ def _give_up(console: Speaks, given: _CommandLine) -> int:
     """Call off the request, wait until that is confirmed, and return the exit code."""
     try:
         console.send({"give_up": True})
-        for said in console.rest(_CALL_OFF_TIMEOUT):
+        for said in console.remaining_replies(_CALL_OFF_TIMEOUT):
             if "code" in said and "--json" in given.flags:
                 _print_json(said)
                 break

@@ -32,7 +32,7 @@ def folder() -> str:
         return os.path.abspath(only)
     if os.path.isabs(runtime) and os.path.isdir(runtime) and _owner(runtime) in (None, _user()):
         return os.path.join(runtime, "archo-tui")
-    return next(iter(_in_states()), "")
+    return next(iter(_folders_in_homes()), "")
 
 
 def folders() -> list[str]:
@@ -49,7 +49,7 @@ def folders() -> list[str]:
         found.append(os.path.join(runtime, "archo-tui"))
     if _user() is not None:
         found.append(os.path.join(_RUNTIME, str(_user()), "archo-tui"))
-    return [path for path in dict.fromkeys((*found, *_in_states())) if path]
+    return [path for path in dict.fromkeys((*found, *_folders_in_homes())) if path]
 
 
 def link_folder() -> str:
@@ -57,12 +57,12 @@ def link_folder() -> str:
 
     So a console is found by clients that have another XDG_RUNTIME_DIR. Empty: nowhere.
     """
-    own, last = folder(), (_in_states() or [""])[-1]
+    own, last = folder(), (_folders_in_homes() or [""])[-1]
     return "" if os.environ.get(FOLDER_VARIABLE, "") or last == own else last
 
 
-def _in_states() -> list[str]:
-    """Return the folders in XDG_STATE_HOME, in HOME, and in the home that the system has.
+def _folders_in_homes() -> list[str]:
+    """Return the socket folders of this user below XDG_STATE_HOME, HOME and the system's home.
 
     `sudo` and `su` may leave another user's HOME behind.
     """

@@ -76,6 +76,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
     robot = station.robot
 
     def idle() -> Outcome | None:
+        """Succeed when no goal runs or is about to, and the robot does not move."""
         busy = robot.snapshot.running_goal is not None or station.queue.is_going
         # of one that does not say how it moves a goal may not be found yet
         is_new = robot.file.motion is None and station.age < THERE
@@ -84,18 +85,21 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
         return None if busy or _may_move(station) else Outcome(Code.DONE, "idle")
 
     def ready() -> Outcome | None:
+        """Succeed when a goal could be sent and would not be in vain; fail where none ever can."""
         why = verbs["go"].refusal(station) if "go" in verbs else "the robot file names no goal"
         if not why:
             return None if _goes_nowhere(station) else Outcome(Code.DONE, "ready")
         return Outcome(Code.REFUSED, why) if robot.watching or "go" not in verbs else None
 
     def stopped() -> Outcome | None:
+        """Succeed when a stop is in force and the robot does not move."""
         done = _is_held(station) and not _may_move(station)
         return Outcome(Code.DONE, "stopped") if done else None
 
     running = robot.snapshot.running_goal
 
     def arrived() -> Outcome | None:
+        """Succeed or fail as the goal ends that ran when the wait began."""
         if running is None:
             return Outcome(Code.REFUSED, "no goal is running")
         goal = _same(station, running)
@@ -115,6 +119,7 @@ def _check_of(station: Station, verbs: Mapping[str, Verb], words: Sequence[str])
             raise ValueError("the robot file names no battery")
 
         def charged() -> Outcome | None:
+            """Succeed when the battery reports so many percent or more."""
             battery = robot.snapshot.battery
             charge, old = battery.percentage, battery.is_old(station.clock.monotonic())
             if charge is None or charge < wanted or old:  # An old charge says nothing about now.

@@ -100,10 +100,10 @@ class InProcessConnection:
             asked["words"] = ["stop"]
         request = {"id": self._number, **asked}
         self._handler.serve(self, request, stops.register() if is_stop(asked) else stops.count)
-        yield from self.rest(within)
+        yield from self.remaining_replies(within)
 
-    def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
-        """Yield the replies that are still to come, as `request` does."""
+    def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+        """Yield the replies that are still to come, the result last, as `request` does."""
         said: dict[str, Any] = {}
         while "code" not in said:
             try:

@@ -188,7 +188,7 @@ class Graph:
         self.asked.append(asked)
         yield {"code": "done", "text": "confirmed"}
 
-    def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+    def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
         raise NotImplementedError
 
     def send(self, said: dict[str, Any]) -> None:

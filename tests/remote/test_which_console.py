@@ -317,7 +317,7 @@ class Graph:
         self.words.append(asked["words"])
         yield {"code": "done", "text": "by itself"}
 
-    def rest(self, within: float | None = None) -> Iterator[dict[str, Any]]:
+    def remaining_replies(self, within: float | None = None) -> Iterator[dict[str, Any]]:
         yield from ()
 
     def send(self, said: dict[str, Any]) -> None:
