@@ -1,1 +1,1 @@
-"""How other programs of the same user reach a console: its socket, the shell, Python."""
+"""The ways by which other programs of the same user reach a console: socket, shell, Python."""

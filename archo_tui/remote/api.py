@@ -147,7 +147,7 @@ class Queue:
 
 @dataclass(frozen=True)
 class Alarm:
-    """One alarm; `since` is a Unix time in seconds."""
+    """An alarm; `since` is a Unix time in seconds."""
 
     name: str
     text: str

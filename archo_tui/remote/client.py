@@ -90,7 +90,7 @@ class Connection:
 
     @property
     def fault(self) -> str:
-        """Why no verb can be sent to this console; empty if one can."""
+        """The reason why no verb can be sent to this console; "" if one can."""
         if not self.hello:
             return f"{self.called} does not answer: is it suspended?"
         spoken = self.hello.get("protocol")

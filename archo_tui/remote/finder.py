@@ -36,7 +36,7 @@ class Nobody(Unreached):
 
 
 class Stopped:
-    """How a STOP ended at one console.
+    """The end of a STOP at one console.
 
     Attributes:
         console: The console in a line.

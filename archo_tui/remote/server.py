@@ -44,7 +44,7 @@ _MAX_ID = 100  # Characters.
 
 
 class ClientSession(Protocol):
-    """One connected client, as the request handler sees it.
+    """A connected client, as the request handler sees it.
 
     Attributes:
         pid: Its process; 0: not known.

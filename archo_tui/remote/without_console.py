@@ -145,7 +145,7 @@ class InProcessConnection:
 
     @property
     def has_person(self) -> bool:
-        """False: a person who could allow something sits at a console."""
+        """Return False: a person who could allow a request sits at a console."""
         return False
 
     def ask_no_more(self) -> None:

@@ -56,7 +56,18 @@ def verbs_by_service(verbs: Mapping[str, Verb], snapshot: Snapshot) -> dict[str,
 
 
 def _pick(found: Sequence[Called], service: str, fields: Sequence[str]) -> Called:
-    """Return the verb whose request is the one that was typed."""
+    """Return the verb whose request has the fields that were typed.
+
+    The STOP comes first: if it takes no fields, it is returned whatever was typed.
+
+    Args:
+        found: The verbs that call the service.
+        service: The full name of the service, for errors.
+        fields: The words behind the service: `field=value`, or one YAML mapping.
+
+    Raises:
+        ValueError: The fields fit no verb, or several.
+    """
     stop = next((verb for verb in found if isinstance(verb, StopNow)), None)
     if stop is not None and not stop.request:  # Whatever fields were typed.
         return stop
