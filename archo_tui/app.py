@@ -79,7 +79,7 @@ class ArchoApp(KeyedApp):
     def on_mount(self) -> None:
         # Inside of Textual's redirection, which captures all that is printed.
         sys.stdout = NodeOutput(sys.stdout, self.station.robot.note)
-        self.station.run_on(self)
+        self.station.attach(self)
         self.station.robot.subscribe(self._take)
         start_worker(self, self._recall, "recall")
         start_worker(self, self._tick_for_ever, "tick")
@@ -91,13 +91,13 @@ class ArchoApp(KeyedApp):
             self.push_screen(ShowText("An error of the console", text))
 
     def on_unmount(self) -> None:
-        self.station.run_off()
+        self.station.detach()
 
     def on_resize(self) -> None:
         self.call_after_refresh(self.tick)
 
     def _take(self, snapshot: Snapshot) -> None:
-        self.station.take(snapshot)
+        self.station.on_snapshot(snapshot)
         try:
             self._show()
         except Exception as error:  # Called by the event loop, outside of Textual's error handling.
@@ -117,7 +117,7 @@ class ArchoApp(KeyedApp):
 
     def update_screen(self) -> None:
         """Show a change of this process at once, instead of with the next message of the robot."""
-        self.station.look()
+        self.station.refresh()
         self._show()
 
     def _show(self) -> None:
@@ -163,7 +163,7 @@ class ArchoApp(KeyedApp):
         if name == "stop":
             if not counted:
                 self.stops.register()
-            self.ask_no_more()
+            self.close_questions()
         if command.waits_for_answer and (self.repeated or self._waits(name)):
             return
         given = self._sent.get(name)
@@ -183,7 +183,7 @@ class ArchoApp(KeyedApp):
         if work is not None:
             self.run_worker(self._await_command(name, work), group=COMMANDS)
 
-    def ask_no_more(self) -> None:
+    def close_questions(self) -> None:
         """Close a question that was asked before a STOP."""
         for screen in self.screen_stack:
             if isinstance(screen, Dismissable) and screen.closes_at_stop:
@@ -372,10 +372,10 @@ class ArchoApp(KeyedApp):
         """Run work as a command, whose answer the end waits for."""
         start_worker(self, work, COMMANDS)
 
-    def beside(self, work: Callable[[], Work]) -> None:
+    def run_in_background(self, work: Callable[[], Work]) -> None:
         """Run work of another program, for whose answer the end does not wait."""
         start_worker(self, work, "beside")
 
-    def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
+    def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Say why the robot does not go there, where goals are typed."""
         self.main.goal.show_refusal("" if outcome.ok else outcome.text)

@@ -27,7 +27,7 @@ from archo_tui.remote.protocol import PROTOCOL
 from archo_tui.robot import secret_names
 from archo_tui.robot_file import load as robot_files
 from archo_tui.shutdown import CANCEL, LEAVE
-from archo_tui.station.journal import Flood, Journal, unreleased_stop
+from archo_tui.station.journal import Journal, RepeatFilter, unreleased_stop
 from archo_tui.station.station import Station
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ class Session:
         self._overrides = files.load_files([*self._own_files, *options.params_files])
         interfaces = self._activate()
         self._init_rclpy()
-        self.journal, self._flood = Journal(journal_file()), Flood()
+        self.journal, self._repeat_filter = Journal(journal_file()), RepeatFilter()
         self._place = self._journal_place()
         self._make_nodes()
         self.station = Station(
@@ -260,7 +260,7 @@ class Session:
         """Return the user's own files, with what happens when they are saved."""
         from archo_tui.hosting.host import HostedFile
 
-        kept, note = self.station.edits.kept, self.robot.note
+        kept, note = self.station.edits.values_set, self.robot.note
         watched: list[Watched] = [HostedFile(self.host, file, kept) for file in self._node_files]
         if interfaces:
             from archo_tui.hosting.own_interfaces import OwnInterfaces
@@ -294,7 +294,8 @@ class Session:
         if event.level not in ("DEBUG", "INFO") and event.count in _COUNTS:
             kind = _KINDS.get(event.level, "event")
             by_node = kind == "event" and event.source != "console"
-            if by_node and event.count == 1 and not self._flood.spares(event.source, event.text):
+            is_new = by_node and event.count == 1
+            if is_new and not self._repeat_filter.passes(event.source, event.text):
                 return
             what: dict[str, Any] = {
                 "level": event.level,

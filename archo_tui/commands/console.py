@@ -53,7 +53,7 @@ class ShowAlarms(Command):
 
 
 def _answer(console: Console, number: int, allowed: bool) -> None:
-    console.report_failure(console.station.answer(number, allowed=allowed))
+    console.report_failure(console.station.answer_request(number, allowed=allowed))
     console.update_screen()
 
 

@@ -30,8 +30,8 @@ from archo_tui.robot.stops import NOT_SENT, Void
 from archo_tui.robot.text import safe
 from archo_tui.shutdown import Shutdown
 from archo_tui.station.alarms import Alarm, AlarmState
+from archo_tui.station.approvals import LIFETIME, READING_TIME
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.station.requests import EXPIRES, READ
 from archo_tui.terminal.ascii import ascii_only, in_ascii
 from archo_tui.verbs import verbs
 from archo_tui.verbs.base import Question, Values, Verb
@@ -112,7 +112,7 @@ class Plain:
         Returns:
             The exit code: 0 if all succeeded, 1 if something failed, 128 + a signal's number.
         """
-        self._station.run_on(self)
+        self._station.attach(self)
         self._output.start()
         self._robot.subscribe(self._on_snapshot)
         self._shutdown.on_signals()
@@ -126,7 +126,7 @@ class Plain:
             )
             return code
         finally:
-            self._station.run_off()
+            self._station.detach()
             self._input.close()
             self._output.close()
             for task in self._tasks:
@@ -427,10 +427,10 @@ class Plain:
             return Outcome(Code.REFUSED, f"there is no request {number}")
         # An answer that was typed ahead, or pasted with other lines, is by nobody who has read.
         is_alone = pause >= _PAUSE_BEFORE_ANSWER and not self._input.has_news
-        is_read = shown_at is not None and read_at - shown_at >= READ
+        is_read = shown_at is not None and read_at - shown_at >= READING_TIME
         if not is_read or not is_alone or not self._output.is_done:
             return Outcome(Code.REFUSED, "read it first, then answer, by a line alone")
-        outcome = self._station.answer(number, allowed=word == "allow")
+        outcome = self._station.answer_request(number, allowed=word == "allow")
         self._conditions.check_again()
         return outcome
 
@@ -440,15 +440,15 @@ class Plain:
         """Run work as a task beside the others."""
         self._start(work())
 
-    def beside(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
+    def run_in_background(self, work: Callable[[], Coroutine[None, None, None]]) -> None:
         """Run work as `carry_out` does: the end waits for neither."""
         self._start(work())
 
-    def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
+    def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Print why a goal of the queue was refused: no line waits for its answer."""
         if not outcome.ok:
             self._print_failure(f"{wanted.text}: {outcome.text}")
-        self._station.look()
+        self._station.refresh()
         self._conditions.check_again()
 
     @property
@@ -456,7 +456,7 @@ class Plain:
         """True at a terminal; a script cannot answer an assistant's request."""
         return self._input.is_terminal
 
-    def ask_no_more(self) -> None:
+    def close_questions(self) -> None:
         """Do nothing: `_ask` compares the STOPs itself, after the answer was read."""
 
     def restart(self, why: str) -> None:
@@ -474,7 +474,7 @@ class Plain:
                 self._print_timed(event_text(event), event.time)
         self._printed_events = {event.number for event in snapshot.events}
         self._print_goal(snapshot)
-        self._print_alarms(self._station.take(snapshot))
+        self._print_alarms(self._station.on_snapshot(snapshot))
         self._print_requests()
         self._conditions.check_again()
 
@@ -504,7 +504,7 @@ class Plain:
         for request in self._station.view.requests:
             if request.number not in self._requests_shown_at:
                 self._requests_shown_at[request.number] = self._clock.monotonic()
-                ways = f"allow {request.number} or deny {request.number}, within {EXPIRES:g} s"
+                ways = f"allow {request.number} or deny {request.number}, within {LIFETIME:g} s"
                 self._print_timed(f"{request.asker.source} wants: {request.text} ({ways})")
 
     def _print_failure(self, text: str) -> None:

@@ -53,7 +53,7 @@ class ConsoleRecorder:
         if event.level in OWN_LEVELS or event.source == "console":
             self._box.receive(JOURNAL, LazyMessage(partial(_to_log, event), _EVENT_WEIGHT))
 
-    def look(self, view: View, changed: Sequence[Alarm]) -> None:
+    def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
         """Record the view if it changed, and begin or end recordings.
 
         Args:

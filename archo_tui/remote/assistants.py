@@ -13,8 +13,8 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.state import WATCHING, values_text
 from archo_tui.robot.text import harmless, hides
+from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.queue import QueuedGoal
-from archo_tui.station.requests import EXPIRES, Request, Stand, written
 from archo_tui.station.station import Station
 from archo_tui.verbs import as_data
 from archo_tui.verbs.base import PATIENCE, Verb
@@ -108,21 +108,21 @@ class Assistants:
         if self._station.robot.snapshot.is_stopped:
             said = "the robot is stopped: a person has to release it first"
             return {"code": Code.REFUSED.value, "text": said}
-        shown = {path: written(value) for path, value in values.items()}
+        shown = {path: quoted(value) for path, value in values.items()}
         text = " ".join(filter(None, (title, values_text(verb.kind, shown))))
         typed = [value for value in values.values() if isinstance(value, str)]
         # Otherwise the person would see another goal than the one that is sent.
         if len(text) > _LONGEST_TEXT or harmless(text) != text or any(map(hides, typed)):
             raise ValueError(f"values: more than {_LONGEST_TEXT} characters, or some that hide")
         try:
-            one = self._station.request(QueuedGoal(verb.kind, values), text)
+            one = self._station.request_approval(QueuedGoal(verb.kind, values), text)
         except ValueError as error:
             return {"code": Code.REFUSED.value, "text": str(error)}
         said = f"request {one.number} waits for a person: {text}"
         return {
             "code": ASKED,
             "text": said,
-            "data": {"request": one.number, "expires_in": EXPIRES},
+            "data": {"request": one.number, "expires_in": LIFETIME},
         }
 
     def _values(self, verb: Go, given: Any) -> dict[str, Any]:
@@ -160,27 +160,31 @@ class Assistants:
 
         def over() -> Outcome | None:
             now = self._own(asker, words)
-            if now.stand == Stand.WAITS:
+            if now.status == ApprovalStatus.WAITING:
                 return None
-            if now.stand == Stand.ALLOWED:
-                return now.end.result() if now.end is not None and now.end.done() else None
-            return Outcome(Code.CANCELLED, now.why)
+            if now.status == ApprovalStatus.ALLOWED:
+                return (
+                    now.goal_end.result()
+                    if now.goal_end is not None and now.goal_end.done()
+                    else None
+                )
+            return Outcome(Code.CANCELLED, now.reason)
 
         try:
             outcome = await wait_for(self._station, self._verbs, [], {"timeout": seconds}, over)
         except RanOut:
             raise RanOut(self._progress_text(self._own(asker, words))) from None
         one = self._own(asker, words)
-        if one.stand != Stand.ALLOWED:
-            text = f"request {one.number} is {one.stand.value}: {one.why}".removesuffix(": ")
-            return {"code": one.stand.name.lower(), "text": text}
-        goal = one.ended
+        if one.status != ApprovalStatus.ALLOWED:
+            text = f"request {one.number} is {one.status.value}: {one.reason}".removesuffix(": ")
+            return {"code": one.status.name.lower(), "text": text}
+        goal = one.ended_goal
         said = {"code": outcome.code.value, "text": outcome.text}
         return said if goal is None else {**said, "data": as_data.goal(goal, self._now)}
 
-    def _progress_text(self, one: Request) -> str:
-        if one.stand == Stand.WAITS:
-            left = f"{one.left(self._now):.0f} s left"
+    def _progress_text(self, one: ApprovalRequest) -> str:
+        if one.status == ApprovalStatus.WAITING:
+            left = f"{one.seconds_left(self._now):.0f} s left"
             return f"request {one.number} still waits for a person, {left}"
         goal = self._station.robot.snapshot.running_goal
         left = "" if goal is None or goal.remaining is None else f", {goal.remaining:.1f} left"
@@ -190,7 +194,7 @@ class Assistants:
     def _now(self) -> float:
         return self._station.clock.monotonic()
 
-    def _own(self, asker: Asker, words: list[str]) -> Request:
+    def _own(self, asker: Asker, words: list[str]) -> ApprovalRequest:
         """Return the assistant's approval request whose number is typed.
 
         Raises:
@@ -204,7 +208,7 @@ class Assistants:
         return one
 
     async def _cancel(self, asker: Asker) -> Outcome:
-        withdrawn = self._station.withdraw(asker)
+        withdrawn = self._station.withdraw_requests(asker)
         if withdrawn:
             return Outcome(Code.DONE, f"withdrawn: {withdrawn}")
         if all(end.done() for end in asker.ends):

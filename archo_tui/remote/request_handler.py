@@ -93,7 +93,7 @@ class RequestHandler:
             if not now:  # Another task has sent one for them.
                 return
             self._rate_limit.record(clock.monotonic())
-            self._station.ask_no_more()
+            self._station.close_questions()
             with asked_by(self._asker(*now[0][::2])):
                 outcome = await self._send_stop()
         except asyncio.CancelledError:  # The screen ends: the next one sends it and answers.
@@ -122,7 +122,7 @@ class RequestHandler:
 
     def _list_clients(self) -> None:
         self._station.clients = tuple(session.asker.source for session in self._clients.values())
-        self._station.look()
+        self._station.refresh()
 
     async def _on_client_gone(self, client: ClientSession) -> None:
         session = self._clients.pop(client, None)
@@ -280,7 +280,7 @@ class RequestHandler:
         ask = None if yes else partial(self._ask, session, number, person)
         asker = session.asker
         outcome = await speak(self._station, verb, values, partial(self._until, asker), ask)
-        self._station.look()
+        self._station.refresh()
         if asker.ends:
             session.sent = asker.ends
         if session.is_waiting and outcome.ok and asker.ends:

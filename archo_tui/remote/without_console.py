@@ -136,11 +136,11 @@ class InProcessConnection:
         """Begin work that the operator wants."""
         self._begin(work())
 
-    def beside(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+    def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
         """Begin work that nobody waits for."""
         self._begin(work())
 
-    def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
+    def on_goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
         """Do nothing: whoever waits for the goal is told."""
 
     @property
@@ -148,7 +148,7 @@ class InProcessConnection:
         """Return False: a person who could allow a request sits at a console."""
         return False
 
-    def ask_no_more(self) -> None:
+    def close_questions(self) -> None:
         """Do nothing: the only one who could be asked is the one who sent the STOP."""
 
     def restart(self, why: str) -> None:
@@ -168,12 +168,12 @@ class InProcessConnection:
         self._loop.close()
 
     def _take(self, snapshot: Snapshot) -> None:
-        self._station.take(snapshot)
+        self._station.on_snapshot(snapshot)
 
     async def _keep_station_going(self, found: threading.Event) -> None:
         """Let the station tick until the loop ends; set `found` once a node is on the graph."""
         station = self._station
-        station.run_on(self)
+        station.attach(self)
         station.robot.subscribe(self._take)
         while not station.robot.snapshot.nodes:
             await asyncio.sleep(_FIND_PERIOD)

@@ -87,7 +87,7 @@ class NullRecorder:
     def write(self, *_: Any, **__: Any) -> None:
         """Ignore a line of the journal."""
 
-    def look(self, *_: Any) -> None:
+    def on_view(self, *_: Any) -> None:
         """Ignore a view."""
 
     def keep(self, *_: Any) -> Outcome:
@@ -120,15 +120,15 @@ class RecordedStation(Station):
             quiet=True,
         )
 
-    def take(self, snapshot: Snapshot) -> list[Alarm]:
+    def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
         """Show the player's position; the snapshot is not needed."""
-        return self.look()
+        return self.refresh()
 
     def tick(self) -> list[Alarm]:
         """Show the player's position, once a second."""
-        return self.look()
+        return self.refresh()
 
-    def look(self) -> list[Alarm]:
+    def refresh(self) -> list[Alarm]:
         """Show the player's position; no alarm changes by that."""
         self.player.refresh()
         self.view = self._view()

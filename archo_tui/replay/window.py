@@ -58,12 +58,12 @@ class Window:
                 yield
             while second <= message.time:  # As the console did, each second.
                 snapshot = state.snapshot
-                self.history.add(snapshot, second)
+                self.history.add_sample(snapshot, second)
                 alarms = self._mark_alarms(state.alarms(snapshot, second), alarms, second)
                 second += 1.0
             try:
                 state.apply(*message)
-                self.history.take(state.curve_snapshot, message.time)
+                self.history.observe(state.curve_snapshot, message.time)
             except Exception:  # A hostile message may raise anything; the others are applied.
                 self.unreadable += 1
             if message.topic == JOURNAL:
@@ -71,7 +71,7 @@ class Window:
             self._messages.append(message)
             self._times.append(message.time)
         # A goal may have ended in the last part of a second.
-        self.history.take(state.snapshot, self.end)
+        self.history.observe(state.snapshot, self.end)
         if len(self._messages) >= MAX_MESSAGES:  # The next window reads the rest.
             self.end = self._times[-1]
         self._checkpoints = self._checkpoints or [state.checkpoint()]

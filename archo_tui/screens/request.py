@@ -15,7 +15,7 @@ from textual.widgets import Static
 
 from archo_tui.robot.text import harmless
 from archo_tui.screens.dialog import Dialog
-from archo_tui.station.requests import READ, Request, written
+from archo_tui.station.approvals import READING_TIME, ApprovalRequest, quoted
 from archo_tui.station.station import View
 from archo_tui.terminal.stop_marks import InputTime, now
 from archo_tui.widgets.button import Button
@@ -44,7 +44,7 @@ class AnswerRequest(Dialog[None]):
 
     def __init__(
         self,
-        request: Request,
+        request: ApprovalRequest,
         view: View,
         is_unseen: Callable[[], bool],
         input_time: Callable[[], InputTime | None],
@@ -122,21 +122,23 @@ class AnswerRequest(Dialog[None]):
 
     def _show_request(self) -> None:
         request, view = self._request, self._view
-        values = [f"  {name}: {written(value)}" for name, value in request.goal.values.items()]
+        values = [f"  {name}: {quoted(value)}" for name, value in request.goal.values.items()]
         lines = [
             f"{request.asker.source} wants: {request.text}",
             *values,
             "",
             f"battery: {line_by_line.battery_text(view.snapshot, view.now)}",
             f"robot: {line_by_line.motion_text(view.snapshot, view.now)}",
-            f"expires in {request.left(view.now):.0f} s",
+            f"expires in {request.seconds_left(view.now):.0f} s",
         ]
         self._text.update(Content("\n".join(map(harmless, lines))))
 
     def _give_answer(self, is_allowed: bool) -> None:
         """Answer the request and close the dialog, or tell why the answer does not count."""
         typed = self._input_time()
-        is_early = typed is None or typed.at - self._drawn_at < READ or typed.pause < MIN_PAUSE
+        is_early = (
+            typed is None or typed.at - self._drawn_at < READING_TIME or typed.pause < MIN_PAUSE
+        )
         if is_early or self._is_unseen():
             self.notify("Read it first, then answer.", severity="warning", markup=False)
             return

@@ -15,7 +15,7 @@ from archo_tui.robot.state import Snapshot
 
 
 class Priority(Enum):
-    """How soon the operator has to act; the value is glyph and word."""
+    """The urgency of an alarm, by which the operator acts; the value is glyph and word."""
 
     HIGH = "✗ HIGH"
     MED = "▲ MED"
@@ -153,7 +153,7 @@ SHELF_TIME = 600.0  # Seconds that an alarm stays shelved.
 
 
 class Alarm(NamedTuple):
-    """One alarm that is not normal.
+    """An alarm that is not normal.
 
     Attributes:
         name: Its kind, followed by the node, topic or gauge where there may be several.
@@ -178,7 +178,7 @@ class Alarm(NamedTuple):
 
     @property
     def priority(self) -> Priority:
-        """How soon the operator has to act."""
+        """The urgency, which its kind decides."""
         return _PRIORITIES[_kind(self.name)]
 
     @property

@@ -1,4 +1,7 @@
-"""What the last hour was like: a sample a second. Pure: snapshots and the time in, columns out."""
+"""The curves of the last hour, kept as a sample a second, and the goals that ended.
+
+Pure: snapshots and the time come in, columns of a plot come out.
+"""
 
 from __future__ import annotations
 
@@ -10,16 +13,23 @@ from typing import Literal
 
 from archo_tui.robot.state import Goal, Snapshot
 
-# charge: %; speed: in the unit of the robot's own messages, m/s in ROS; left: of the goal's way, in
-# the unit of its remainder
+# charge: in %. speed: in the unit of the robot's own messages, m/s in ROS. left: what remains of
+# the running goal, in the unit of its feedback.
 Quantity = Literal["charge", "speed", "left"]
-SPANS = (60.0, 600.0, 3600.0)  # s that can be looked back
-_KEPT = 3600  # samples
-_HOLDS = 1.5  # s that a sample stands for: where the parts are shorter than a second
+SPANS = (60.0, 600.0, 3600.0)  # Seconds that a plot may show.
+_KEPT = 3600  # Samples, and ended goals.
+# Seconds that a sample fills where a column is shorter than a second, so that a tick that comes
+# late leaves no gap.
+_HOLDS = 1.5
 
 
-def readings(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
-    """What there is of each quantity; None: not heard, or not reported by this robot."""
+def current_values(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
+    """Return the value of each quantity; None for one that is silent or that no robot reports.
+
+    Args:
+        snapshot: What is known of the robot.
+        now: Monotonic time in seconds.
+    """
     battery, motion, goal = snapshot.battery, snapshot.motion, snapshot.running_goal
     return {
         "charge": None if battery.is_old(now) else battery.percentage,
@@ -29,19 +39,25 @@ def readings(snapshot: Snapshot, now: float) -> dict[Quantity, float | None]:
 
 
 class History:
-    """Bounded; what was before a screen crashed is still there."""
+    """The samples of the last hour and the last goals that ended.
+
+    It belongs to the station, so that it is complete also after a crash of the screen. Times are
+    monotonic seconds in a console, and Unix time in a replay.
+    """
 
     def __init__(self) -> None:
-        self._times = array("d")  # monotonic s
-        # of each sample: the last value, and the least and greatest since the sample before; NaN:
-        # there was none
+        """Create a history without samples."""
+        self._times = array("d")
+        # For each sample the last value, and the least and the greatest since the sample before;
+        # NaN if there was none.
         self._last, self._least, self._greatest = _columns(), _columns(), _columns()
-        self._since: dict[Quantity, tuple[float, float]] = {}  # the last sample: least, greatest
-        self._ends: dict[tuple[int, float], Goal] = {}  # by number and time
+        # The least and the greatest value since the last sample.
+        self._since: dict[Quantity, tuple[float, float]] = {}
+        self._ends: dict[tuple[int, float], Goal] = {}  # By number and time.
 
-    def take(self, snapshot: Snapshot, now: float) -> None:
-        """Note a snapshot, so that nothing between two samples is lost."""
-        for name, value in readings(snapshot, now).items():
+    def observe(self, snapshot: Snapshot, now: float) -> None:
+        """Note the values of a snapshot, so that a peak between two samples is not lost."""
+        for name, value in current_values(snapshot, now).items():
             if value is not None and not math.isnan(value):
                 least, greatest = self._since.get(name, (value, value))
                 self._since[name] = min(least, value), max(greatest, value)
@@ -50,11 +66,11 @@ class History:
         while len(self._ends) > _KEPT:
             del self._ends[next(iter(self._ends))]
 
-    def add(self, snapshot: Snapshot, now: float) -> None:
-        """Keep a sample: how it is now, and what was noted since the last sample."""
-        self.take(snapshot, now)
+    def add_sample(self, snapshot: Snapshot, now: float) -> None:
+        """Keep a sample: the values now, and their range since the last sample."""
+        self.observe(snapshot, now)
         self._times.append(now)
-        for name, value in readings(snapshot, now).items():
+        for name, value in current_values(snapshot, now).items():
             least, greatest = self._since.get(name, (math.nan, math.nan))
             self._last[name].append(math.nan if value is None else value)
             self._least[name].append(least)
@@ -66,15 +82,19 @@ class History:
         del self._times[:-_KEPT]
 
     def until(self, now: float) -> History:
-        """Return the history of a replay as it was at that Unix time."""
+        """Return the history of a replay as it was at a time.
+
+        Args:
+            now: Unix time in seconds.
+        """
         earlier, count = History(), bisect_right(self._times, now)
         earlier._times = self._times[:count]
-        for ours, its in (
+        for columns, earlier_columns in (
             (self._last, earlier._last),
             (self._least, earlier._least),
             (self._greatest, earlier._greatest),
         ):
-            its.update({name: column[:count] for name, column in ours.items()})
+            earlier_columns.update({name: column[:count] for name, column in columns.items()})
         earlier._ends = {key: goal for key, goal in self._ends.items() if goal.time <= now}
         return earlier
 
@@ -83,45 +103,60 @@ class History:
         """The goals that have ended, the newest first."""
         return list(reversed(self._ends.values()))
 
-    def columns(
+    def last_values(
         self, quantity: Quantity, span: float, count: int, now: float
     ) -> list[float | None]:
-        """The last value in each of `count` equal parts of the last `span` s, the newest last.
+        """Return the last value in each column of a plot.
 
-        The parts begin at multiples of their length: a column never changes once it is past.
+        The columns begin at multiples of their length, so that a column that is past never changes.
+
+        Args:
+            quantity: What is plotted.
+            span: Seconds that all columns together stand for.
+            count: Number of columns.
+            now: The time of the newest column.
+
+        Returns:
+            A value for each column, the newest last; None where there is none.
         """
         found: list[float | None] = [None] * count
-        for number, places in self._places(span, count, now):
+        for number, filled in self._columns_filled(span, count, now):
             value = self._last[quantity][number]
-            for place in places:
-                found[place] = None if math.isnan(value) else value
+            for column in filled:
+                found[column] = None if math.isnan(value) else value
         return found
 
     def ranges(
         self, quantity: Quantity, span: float, count: int, now: float
     ) -> list[tuple[float, float] | None]:
-        """Return the least and the greatest value in each of the parts of `columns`."""
+        """Return the least and the greatest value in each column of a plot.
+
+        The arguments are those of `last_values`.
+
+        Returns:
+            Least and greatest for each column, the newest last; None where there is no value.
+        """
         found: list[tuple[float, float] | None] = [None] * count
-        for number, places in self._places(span, count, now):
+        for number, filled in self._columns_filled(span, count, now):
             least, greatest = self._least[quantity][number], self._greatest[quantity][number]
             if math.isnan(least):
                 continue
-            for place in places:
-                low, high = found[place] or (least, greatest)
-                found[place] = min(low, least), max(high, greatest)
+            for column in filled:
+                low, high = found[column] or (least, greatest)
+                found[column] = min(low, least), max(high, greatest)
         return found
 
-    def _places(self, span: float, count: int, now: float) -> Iterator[tuple[int, range]]:
-        """Yield the number of each sample of the last `span` s, and the parts that it is in."""
-        part = span / count
-        newest = int(now // part)
-        first = newest - count + 1
-        for number in range(bisect_left(self._times, first * part), len(self._times)):
+    def _columns_filled(self, span: float, count: int, now: float) -> Iterator[tuple[int, range]]:
+        """Yield the index of each sample of the last `span` seconds, and the columns it fills."""
+        width = span / count
+        newest = int(now // width)
+        oldest = newest - count + 1
+        for number in range(bisect_left(self._times, oldest * width), len(self._times)):
             at = self._times[number]
-            until = min(int((at + _HOLDS) // part), newest) if part < 1.0 else 0
-            place = max(int(at // part), first)  # the product above may have been rounded
-            yield number, range(place - first, max(place, until) - first + 1)
+            until = min(int((at + _HOLDS) // width), newest) if width < 1.0 else 0
+            column = max(int(at // width), oldest)  # The product above may have been rounded.
+            yield number, range(column - oldest, max(column, until) - oldest + 1)
 
 
 def _columns() -> dict[Quantity, array[float]]:
-    return {name: array("d") for name in readings(Snapshot(), 0.0)}
+    return {name: array("d") for name in current_values(Snapshot(), 0.0)}

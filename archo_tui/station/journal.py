@@ -1,8 +1,8 @@
-"""The operator's log: JSON lines in the state folder, appended and flushed one by one.
+"""The operator's log: JSON lines in the state folder, each appended and flushed by itself.
 
-Commands, how goals ended, what other consoles did: each with its text, and as data (`verb`,
-`arguments`, `code`, see robot/acts.py). Alarms, warnings and worse. A disk that is full or
-read-only is an alarm while it lasts, and tried again with every line.
+It holds commands, the ends of goals and what other consoles did, each with its text and as data
+(`verb`, `arguments`, `code`, see robot/acts.py), and alarms, warnings and errors. While the disk is
+full or read-only there is an alarm, and each further line tries again.
 """
 
 from __future__ import annotations
@@ -25,15 +25,17 @@ from archo_tui.regular_files import open_regular
 from archo_tui.robot.outcome import Code
 from archo_tui.system import lock, user_name
 
-MAX_BYTES = 1_000_000  # then it is renamed to journal.jsonl.1, which replaces the older one
-VERSION = 1  # of a line's form: it grows when what a name means changes
-_ALIKE = 100  # lines of one node that differ in numbers only: as many are written one by one
-_KINDS = 1000  # of them that are told apart
-_WAITING = 1000  # lines that may wait for the disk
-_STOP_TIMEOUT = 2.0  # s
-_LOCK_TIMEOUT = 1.0  # s that another console may take to write a line, and more than it takes
+# Once the file is larger, it is renamed to journal.jsonl.1, which replaces the older one.
+MAX_BYTES = 1_000_000
+VERSION = 1  # Of the lines' format: grows if the meaning of a key changes.
+_ALL_WRITTEN = 100  # Similar lines of a node that are all written; more are thinned out.
+_THINNED_TO = 1000  # One in as many is written then.
+_KINDS = 1000  # Kinds of similar lines that are counted at a time.
+_WAITING = 1000  # Lines that may wait for the disk.
+_STOP_TIMEOUT = 2.0  # Seconds.
+_LOCK_TIMEOUT = 1.0  # Seconds to wait for another console that writes; far more than a line takes.
 _NUMBER = re.compile(r"\d+")
-_LOOK = 0.005  # s between two looks whether it has
+_LOCK_POLL = 0.005  # Seconds between two attempts to lock.
 
 
 def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> float | None:
@@ -42,7 +44,7 @@ def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> fl
     Args:
         file: The journal; the older one beside it is read, too.
         place: What a line's `place` must be, see `Session`.
-        since: Unix time; lines of before do not count.
+        since: Unix time; older lines do not count.
 
     Returns:
         The Unix time; None if there is no such STOP, or the journal cannot be read.
@@ -58,17 +60,17 @@ def unreleased_stop(file: Path, place: Mapping[str, object], since: float) -> fl
             entry = _command(line)
             if entry.get("place") != place or entry.get("code") != Code.DONE.value:
                 continue
-            time_of_it = _unix_time(entry.get("time"))
-            if time_of_it >= since:
-                found = time_of_it if entry.get("verb") == "stop" else None
+            unix_time = _unix_time(entry.get("time"))
+            if unix_time >= since:
+                found = unix_time if entry.get("verb") == "stop" else None
     return found
 
 
 def _command(line: bytes) -> dict[str, Any]:
-    """Return the entry of a STOP or a release; an empty one for every other line."""
+    """Return the entry of a STOP or a release; an empty dictionary for every other line."""
     try:
         entry = json.loads(line) if b'"place"' in line else None
-    except ValueError:  # it was cut off, or is no text
+    except ValueError:  # The line was cut off, or is not UTF-8.
         return {}
     if isinstance(entry, dict) and entry.get("verb") in ("stop", "release"):
         return entry
@@ -76,34 +78,54 @@ def _command(line: bytes) -> dict[str, Any]:
 
 
 def _unix_time(text: object) -> float:
-    """Return the Unix time of a line; 0.0 for what is no time."""
+    """Return the Unix time of an ISO 8601 text; 0.0 for anything else."""
     try:
         return datetime.fromisoformat(str(text)).timestamp()
     except (ValueError, OverflowError, OSError):
         return 0.0
 
 
-class Flood:
-    """Of a node's lines that differ in numbers; all of them would push everything else out."""
+class RepeatFilter:
+    """The filter of log lines that a node writes again and again, differing in numbers only.
+
+    The journal's size is limited, so that all of them would push everything else out.
+    """
 
     def __init__(self) -> None:
-        self._counts: dict[tuple[str, str], int] = {}  # the last one is the newest
+        """Create a filter that has counted nothing."""
+        self._counts: dict[tuple[str, str], int] = {}  # The kind that was counted last comes last.
 
-    def spares(self, source: str, text: str) -> bool:
-        """True for what is written: the first hundred, and then each thousandth."""
-        alike = source, _NUMBER.sub("#", text)
-        count = self._counts[alike] = self._counts.pop(alike, 0) + 1
+    def passes(self, source: str, text: str) -> bool:
+        """Count a line, and return whether it is to be written.
+
+        Of lines that differ in numbers only, the first 100 are written, then one in 1000.
+
+        Args:
+            source: The node that wrote it.
+            text: The line.
+        """
+        kind = source, _NUMBER.sub("#", text)
+        count = self._counts[kind] = self._counts.pop(kind, 0) + 1
         if len(self._counts) > _KINDS:
             del self._counts[next(iter(self._counts))]
-        return count <= _ALIKE or count % 1000 == 0
+        return count <= _ALL_WRITTEN or count % _THINNED_TO == 0
 
 
 class Journal:
-    """Takes entries from any thread without waiting; a thread of its own writes them."""
+    """The journal: takes entries from any thread without waiting, and writes them on its own.
+
+    Attributes:
+        failure: Why the last entry could not be written; "" if it was.
+    """
 
     def __init__(self, file: Path) -> None:
+        """Start the thread that writes.
+
+        Args:
+            file: The path of the journal, which may not exist yet.
+        """
         self._file = file
-        self.failure = ""  # why the last entry could not be written
+        self.failure = ""
         self._who = {
             "user": user_name(),
             "from": os.environ.get("SSH_CLIENT", "").partition(" ")[0],
@@ -114,7 +136,15 @@ class Journal:
         self._thread.start()
 
     def write(self, unix_time: float, kind: str, **what: object) -> None:
-        """Add an entry; it is counted as lost when too many wait for the disk."""
+        """Add an entry; if too many wait for the disk, it is only counted as lost.
+
+        The next entry that is written has the number of lost ones as `lost_before`.
+
+        Args:
+            unix_time: When it happened, in seconds.
+            kind: What kind of thing happened, as `alarm` or `event`.
+            **what: Its further keys, with values that JSON has.
+        """
         at = datetime.fromtimestamp(unix_time, timezone.utc).isoformat(timespec="milliseconds")
         try:
             self._entries.put_nowait({"v": VERSION, "time": at, "kind": kind, **self._who, **what})
@@ -122,7 +152,10 @@ class Journal:
             self._lost += 1
 
     def close(self) -> None:
-        """Write what is queued, but do not wait long for a disk that hangs."""
+        """Write what is queued, and end the thread.
+
+        A disk that hangs is waited for 4 s at most; what is queued is lost then.
+        """
         try:
             self._entries.put(None, timeout=_STOP_TIMEOUT)
         except queue.Full:
@@ -144,7 +177,7 @@ class Journal:
 
     def _append(self, line: str) -> None:
         make_folder(self._file)
-        with _locked(self._file.parent):  # other consoles write here too, and rotate
+        with _locked(self._file.parent):  # Other consoles write and rename this file, too.
             if self._file.exists() and self._file.stat().st_size > MAX_BYTES:
                 self._file.replace(self._file.with_name(f"{self._file.name}.1"))
             descriptor = open_regular(self._file, os.O_RDWR | os.O_APPEND | os.O_CREAT)
@@ -155,7 +188,11 @@ class Journal:
 
 
 def _write_line(descriptor: int, line: bytes) -> None:
-    """Append a line whole or not at all; one that something else left broken is ended first."""
+    """Append a line whole or not at all; a broken last line is ended first.
+
+    Raises:
+        OSError: The disk refuses it; the file is as it was then.
+    """
     size = os.fstat(descriptor).st_size
     if size:
         os.lseek(descriptor, size - 1, os.SEEK_SET)
@@ -165,13 +202,18 @@ def _write_line(descriptor: int, line: bytes) -> None:
         while line:
             line = line[os.write(descriptor, line) :]
     except OSError:
-        with contextlib.suppress(OSError):  # a device has no end to go back to
+        with contextlib.suppress(OSError):  # A device has no end to go back to.
             os.ftruncate(descriptor, size)
         raise
 
 
 @contextlib.contextmanager
 def _locked(folder: Path) -> Iterator[None]:
+    """Hold the lock that all consoles write the journal under.
+
+    Raises:
+        OSError: Another process holds it for longer than a second.
+    """
     path = folder / "journal.lock"
     descriptor = open_regular(path, os.O_RDWR | os.O_CREAT)
     try:
@@ -179,7 +221,7 @@ def _locked(folder: Path) -> Iterator[None]:
         while not lock(descriptor):
             if time.monotonic() > end:
                 raise OSError(errno.EAGAIN, "held by another process", str(path))
-            time.sleep(_LOOK)
+            time.sleep(_LOCK_POLL)
         yield
     finally:
         os.close(descriptor)

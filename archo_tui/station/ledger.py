@@ -1,4 +1,4 @@
-"""What was asked of the robot and has no answer yet, whoever asked for it."""
+"""The requests to the robot that have no answer yet, whoever made them."""
 
 from __future__ import annotations
 
@@ -14,50 +14,69 @@ RELEASE = "release"
 
 
 class Ledger:
-    """The requests without an answer: they count before the last snapshot does.
+    """The requests without an answer, which the last snapshot does not show yet.
 
-    Used on the loop only.
+    Whoever decides what may be sent next looks here first. Used on the event loop only.
+
+    Attributes:
+        goal: Our goal on its way to the robot; None once it is refused or a snapshot shows it.
+        newest_before: The number of the newest goal that was known when ours was entered; 0 if
+            there was none.
+        is_handed_over: True if the goal was handed to the robot's thread, so that only a cancel
+            request can stop it.
+        is_cancelled: True if the operator cancelled the goal before that.
     """
 
     def __init__(self) -> None:
-        self.goal: Goal | None = None  # ours, until it is refused or a snapshot shows it
-        self.before = 0  # the newest goal that was known when it was asked for
-        self.has_left = False  # its request was handed to the robot's thread
-        self.is_cancelled = False  # before that
-        self._requests: Counter[str] = Counter()
+        """Create a ledger without requests."""
+        self.goal: Goal | None = None
+        self.newest_before = 0
+        self.is_handed_over = False
+        self.is_cancelled = False
+        self._pending: Counter[str] = Counter()
 
-    def send(self, kind: GoalKind, values: Mapping[str, Any], snapshot: Snapshot) -> None:
-        """Enter a goal that is to be sent now."""
+    def enter_goal(self, kind: GoalKind, values: Mapping[str, Any], snapshot: Snapshot) -> None:
+        """Enter a goal that is to be sent now.
+
+        Args:
+            kind: The robot file's entry for it.
+            values: Its values, by dotted path in the goal message.
+            snapshot: What is known of the robot before it is sent.
+        """
         self.goal = Goal(kind, values, Phase.SENT, 0.0, 0.0)
-        self.before = max((goal.number for goal in _known(snapshot)), default=0)
-        self.has_left = self.is_cancelled = False
+        self.newest_before = max((goal.number for goal in _goals(snapshot)), default=0)
+        self.is_handed_over = self.is_cancelled = False
 
-    def drop(self) -> None:
-        """Strike out the goal: it was refused, or is not sent."""
+    def remove_goal(self) -> None:
+        """Remove the goal: it was refused, or is not sent."""
         self.goal = None
 
-    def take(self, snapshot: Snapshot) -> None:
-        """Strike out the goal when the snapshot shows it."""
-        if any(goal.mine and goal.number > self.before for goal in _known(snapshot)):
+    def remove_goal_if_shown(self, snapshot: Snapshot) -> None:
+        """Remove the goal if the snapshot shows it, from where on the snapshot counts."""
+        if any(goal.mine and goal.number > self.newest_before for goal in _goals(snapshot)):
             self.goal = None
 
     def running_goal(self, snapshot: Snapshot) -> Goal | None:
-        """Return our goal on its way, else the goal that runs as the snapshot has it."""
+        """Return our goal on its way, else the running goal of the snapshot, else None."""
         return snapshot.running_goal if self.goal is None else self.goal
 
     @contextmanager
-    def asking(self, request: str) -> Iterator[None]:
-        """Enter a request while it is waited for."""
-        self._requests[request] += 1
+    def pending(self, request: str) -> Iterator[None]:
+        """Count a request as unanswered while the context lasts.
+
+        Args:
+            request: Its name, as RELEASE.
+        """
+        self._pending[request] += 1
         try:
             yield
         finally:
-            self._requests[request] -= 1
+            self._pending[request] -= 1
 
-    def waits_for(self, request: str) -> bool:
-        """Return whether such a request has no answer yet."""
-        return self._requests[request] > 0
+    def is_pending(self, request: str) -> bool:
+        """Return whether a request of that name has no answer yet."""
+        return self._pending[request] > 0
 
 
-def _known(snapshot: Snapshot) -> list[Goal]:
+def _goals(snapshot: Snapshot) -> list[Goal]:
     return [goal for goal in (snapshot.goal, *snapshot.history) if goal is not None]

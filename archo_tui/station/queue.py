@@ -92,7 +92,7 @@ class GoalQueue:
 
     def put_back(self, goal: QueuedGoal) -> None:
         """Put a goal back in front that a STOP kept from being sent, and hold the queue."""
-        self._ledger.drop()
+        self._ledger.remove_goal()
         self.waiting.insert(0, goal)
         self.hold("STOP")
 
@@ -119,7 +119,7 @@ class GoalQueue:
             reason: Why the rest is held then.
         """
         if not ok:
-            self._ledger.drop()
+            self._ledger.remove_goal()
             self.hold(reason)
 
     def take_due(
@@ -139,7 +139,7 @@ class GoalQueue:
             The goal; None if the queue is empty or held, or a goal is running.
         """
         goal = snapshot.goal
-        self._ledger.take(snapshot)
+        self._ledger.remove_goal_if_shown(snapshot)
         failure = ""
         if goal is not None and not goal.is_running and goal.number != self._last_ended:
             self._last_ended = goal.number
@@ -168,7 +168,7 @@ class GoalQueue:
             self.hold_reason = name if is_active else f"{_WAS}{name}"
 
     def _send(self, goal: QueuedGoal, snapshot: Snapshot) -> QueuedGoal:
-        self._ledger.send(goal.kind, goal.values, snapshot)
+        self._ledger.enter_goal(goal.kind, goal.values, snapshot)
         return goal
 
 

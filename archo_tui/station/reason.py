@@ -1,4 +1,8 @@
-"""How long a reason that was given holds: until something that it may be about is over. Pure."""
+"""The time for which a shown reason holds: until something that it may be about has ended. Pure.
+
+The robot refuses in its own words, which the console does not understand. The text is shown until
+one of the facts has ended that may have been its cause.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +11,18 @@ from collections.abc import Callable
 from archo_tui.robot.state import Phase, Snapshot
 from archo_tui.station.alarm_conditions import battery_health, is_battery_low
 
-Facts = frozenset[tuple[object, ...]]
+Facts = frozenset[tuple[object, ...]]  # Each a name, and what else tells it from others.
 
 
 class Reason:
-    """A reason that is shown, in words that the console need not understand."""
+    """The facts behind a reason that is shown, of which one may be its cause."""
 
     def __init__(self, facts: Callable[[Snapshot], Facts]) -> None:
         """Create a reason that holds until one of its facts is over.
 
         Args:
-            facts: Return everything that the reason may be about, as it is in a snapshot.
+            facts: A function that returns everything that the reason may be about, as it is in a
+                snapshot: `obstacles` or `limits`.
         """
         self._facts = facts
         self._before: Facts = frozenset()
@@ -25,15 +30,15 @@ class Reason:
     def is_over(self, snapshot: Snapshot) -> bool:
         """Return whether a fact that held at the last call has ended.
 
-        The first call only notes the facts. One that is added is no end: a topic may report it
-        after the refusal that it caused.
+        The first call only remembers the facts and returns False. A fact that is new ends
+        nothing: a topic may report the cause after the refusal.
         """
         before, self._before = self._before, self._facts(snapshot)
         return not before <= self._before
 
 
 def obstacles(snapshot: Snapshot) -> Facts:
-    """Return what may have the robot refuse something now."""
+    """Return the facts for which the robot may refuse a request now."""
     battery, motion = snapshot.battery, snapshot.motion
     goal, robot = snapshot.goal, snapshot.file
     names = {kind.action for kind in robot.goals} | {given.service for given in robot.commands}
@@ -41,8 +46,8 @@ def obstacles(snapshot: Snapshot) -> Facts:
         ("goal", None if goal is None else goal.sent),
         ("running", snapshot.running),
         *(("is offered", name, name in snapshot.offered) for name in names),
-        *(("parameter", one.node, one.name, repr(one.value)) for one in snapshot.parameters),
-        *(("gauge", one.gauge.title) for one in snapshot.gauges if one.warns),
+        *(("parameter", p.node, p.name, repr(p.value)) for p in snapshot.parameters),
+        *(("gauge", reading.gauge.title) for reading in snapshot.gauges if reading.warns),
     ]
     flags = {
         "goal runs": goal is not None and goal.is_running,
@@ -58,7 +63,7 @@ def obstacles(snapshot: Snapshot) -> Facts:
 
 
 def limits(snapshot: Snapshot) -> Facts:
-    """Return what the goals of the robot file may be, as the robot has it now."""
+    """Return the least and greatest values that the robot allows in goals now."""
     return frozenset(
         (kind.id, path, given.low, given.high)
         for kind in snapshot.file.goals

@@ -1,6 +1,7 @@
-"""The operator's station without a screen: snapshots and the time in, alarms and views out.
+"""The operator's station without a screen: snapshots and the time come in, alarms and views go out.
 
-The console's app and `--plain` both sit on it; each only shows what it says.
+The app with its screen, `--plain`, and a verb that a shell runs without a console sit on it. Each
+of them only shows what the station knows, and runs what it sends.
 """
 
 from __future__ import annotations
@@ -22,10 +23,10 @@ from archo_tui.robot.state import Goal, Hosted, Snapshot
 from archo_tui.robot.stops import NEVER_LEFT, NOT_SENT
 from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import STOPPED, Alarm, AlarmBell, AlarmBoard
+from archo_tui.station.approvals import ApprovalRequest, ApprovalRequests, ApprovalStatus
 from archo_tui.station.history import History
 from archo_tui.station.ledger import RELEASE, Ledger
 from archo_tui.station.queue import GoalQueue, QueuedGoal
-from archo_tui.station.requests import Request, Requests, Stand
 from archo_tui.station.undo import Edit, UndoList
 
 if TYPE_CHECKING:
@@ -34,74 +35,108 @@ if TYPE_CHECKING:
     from archo_tui.station.journal import Journal
 
 
-MOST_GOALS = 1000  # that wait in the queue
+MAX_QUEUED_GOALS = 1000
 CALLED_OFF = "called off"
-_CANCELS = 3  # times that a goal is asked to end whose sender has left, each waits for its answer
+# Attempts to cancel the goal of a requester that has left. Each waits for its answer.
+_CANCEL_ATTEMPTS = 3
 
 
 @dataclass(frozen=True)
 class View:
-    """One moment, as it is shown."""
+    """Everything that a frontend shows at one moment.
+
+    Attributes:
+        snapshot: What is known of the robot.
+        now: Monotonic time in seconds.
+        second: The same at the last tick of the clock, for ages that need not be livelier.
+        time: Unix time in seconds.
+        engine: `embedded` or `ros2`.
+        namespace: Of the robot.
+        history: The curves of the last hour.
+        alarms: All alarms that are not normal, in the order in which they are shown.
+        hosted: The nodes of this process.
+        watching: True if nothing can be commanded from here.
+        queue: The goals that wait, the next one first.
+        held: Why the queue is held, in words; "" if it is not.
+        changing: True while a change of parameters from here has no answer.
+        clients: The programs that are connected, by their names for people.
+        requests: The requests of assistants that wait for a person, the oldest first.
+        replay: In a replay the words that say so; "" if this is the robot.
+    """
 
     snapshot: Snapshot
-    now: float  # monotonic s
-    second: float  # the same, at the last tick of the clock: for ages that need not be livelier
-    time: float  # Unix time
+    now: float
+    second: float
+    time: float
     engine: str
     namespace: str
     history: History
     alarms: tuple[Alarm, ...] = ()
-    hosted: tuple[Hosted, ...] = ()  # the nodes of this process
-    watching: bool = False  # nothing is commanded from here
-    queue: tuple[QueuedGoal, ...] = ()  # what waits, the next one first
-    held: str = ""  # why the queue is held
-    changing: bool = False  # a parameter is being set from here
-    clients: tuple[str, ...] = ()  # the programs that are connected
-    requests: tuple[Request, ...] = ()  # of assistants, that wait for a person
-    replay: str = ""  # that it is a recording, and of when; empty: it is the robot
+    hosted: tuple[Hosted, ...] = ()
+    watching: bool = False
+    queue: tuple[QueuedGoal, ...] = ()
+    held: str = ""
+    changing: bool = False
+    clients: tuple[str, ...] = ()
+    requests: tuple[ApprovalRequest, ...] = ()
+    replay: str = ""
 
     @property
     def waiting(self) -> tuple[str, ...]:
-        """The goals of the queue, as they are called."""
-        return tuple(wanted.text for wanted in self.queue)
+        """The goals of the queue in words, the next one first."""
+        return tuple(goal.text for goal in self.queue)
 
 
 class Frontend(Protocol):
-    """What shows the station to its operator, and runs its work: the app, or `--plain`."""
+    """The part that shows the station to its operator and runs its work: the app, or `--plain`.
+
+    All methods but `restart` are called on its event loop.
+    """
 
     def carry_out(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin it, on the loop."""
+        """Start work whose answer the end of the frontend waits for."""
 
-    def beside(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin it, on the loop; the end does not wait for it."""
+    def run_in_background(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        """Start work that the end of the frontend does not wait for."""
 
-    def goal_answered(self, wanted: QueuedGoal, outcome: Outcome) -> None:
-        """How the robot answered a goal of the queue: nobody waits for that one's answer."""
+    def on_goal_answered(self, goal: QueuedGoal, outcome: Outcome) -> None:
+        """Show how the robot answered a goal of the queue, which no verb waits for any more."""
 
     @property
     def has_person(self) -> bool:
-        """True where somebody sees what is asked, and can answer."""
+        """True if somebody sees the requests of assistants and can answer them."""
 
-    def ask_no_more(self) -> None:
-        """A STOP came from elsewhere: what is being asked is not to be answered behind it."""
+    def close_questions(self) -> None:
+        """Close what the operator is being asked: a STOP from elsewhere came in between."""
 
     def restart(self, why: str) -> None:
-        """End, and begin again with the same words; called from any thread."""
+        """End the process and start it again with the same arguments.
+
+        May be called on any thread.
+
+        Args:
+            why: The reason in words, for the operator.
+        """
 
 
 class Recorder(Protocol):
-    """The black box, as the station sees it."""
+    """The part of the black box that the station uses."""
 
     @property
     def trouble(self) -> str:
-        """What the operator is to know of it, or an empty string."""
+        """A failure of recordings that the operator has to know; "" if there is none."""
 
-    def look(self, view: View, changed: Sequence[Alarm]) -> None:
-        """So it is now; these alarms have changed."""
+    def on_view(self, view: View, changed: Sequence[Alarm]) -> None:
+        """Record a new view.
+
+        Args:
+            view: The view.
+            changed: The alarms whose state differs from the last view.
+        """
 
     @property
     def kept(self) -> str:
-        """The name of the last recording on the disk that was begun by hand; empty: none is."""
+        """The name of the last recording that was begun by hand; "" if none is on the disk."""
 
     def keep(self, written: Callable[[Outcome], None] | None = None) -> Outcome:
         """Begin to record the last minute by hand; call it on the loop.
@@ -115,7 +150,32 @@ class Recorder(Protocol):
 
 
 class Station:
-    """Keeps the alarms and what can be undone, whatever shows them."""
+    """The operator's desk: alarms, queue, history, undo and approvals, whatever shows them.
+
+    It is used on the event loop of its frontend only, but for `post` and `restart`, which may be
+    called on any thread, and `earlier_stop`, which any thread may set.
+
+    Attributes:
+        robot: The robot's side of the ROS graph.
+        host: What runs nodes in this process.
+        clock: What every decision about time asks.
+        recorder: The black box.
+        attached: True if the robot lives on without this process.
+        on_disconnect: What happens to a running goal at the end: see shutdown.py.
+        quiet: True if new alarms ring no bell and send no notification.
+        unseen: Where no node was found and what to try; "" if that is no alarm.
+        file_is_default: True if no robot file was given, so that ARCHO's is used for any robot.
+        bell: What has rung. It is kept here, so that a restarted screen does not ring again.
+        earlier_stop: Unix time of a STOP from before the start that may still hold; None if there
+            is none.
+        edits: The parameter changes that can be undone.
+        ledger: The requests without an answer.
+        queue: The goals that wait.
+        requests: The approval requests of assistants.
+        clients: The programs that are connected, by their names for people.
+        history: The curves of the last hour.
+        view: What is to be shown now.
+    """
 
     def __init__(
         self,
@@ -133,138 +193,171 @@ class Station:
         unseen: str = "",
         file_is_default: bool = False,
     ) -> None:
-        """`attached`: the robot lives on without this process; `on_disconnect`: see shutdown.py.
+        """Create a station without a frontend.
 
-        `quiet`: new alarms are shown, and neither rung nor told to the desktop. `unseen`: where
-        no node is, when none is found, and what to try; empty: nobody asks. `file_is_default`: no
-        robot file was given, so ARCHO's is used, whatever robot is there.
+        Args:
+            robot: The robot's side of the ROS graph.
+            host: What runs nodes in this process.
+            journal: Gets each change of an alarm.
+            recorder: Gets each view.
+            clock: What every decision about time asks.
+            engine: `embedded` or `ros2`, to be shown.
+            namespace: The robot's, to be shown.
+            attached: True if the robot lives on without this process.
+            on_disconnect: What happens to a running goal at the end: see shutdown.py.
+            quiet: True if new alarms ring no bell and send no notification.
+            unseen: Where no node was found and what to try, as the alarm's text; "" for no alarm.
+            file_is_default: True if no robot file was given.
         """
         self.quiet, self.unseen = quiet, unseen
-        self.bell = AlarmBell()  # here, for a screen that was started anew does not ring again
+        self.bell = AlarmBell()
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.file_is_default = file_is_default
-        self.earlier_stop: float | None = None  # Unix time of one that may hold; any thread sets it
+        self.earlier_stop: float | None = None
         self.edits = UndoList()
         self.ledger = Ledger()
         self.queue = GoalQueue(self.ledger)
-        self._held = ""  # why it was held at the last look
-        self.requests = Requests()
-        self.clients: tuple[str, ...] = ()  # the programs that are connected
+        self._last_hold_reason = ""
+        self.requests = ApprovalRequests()
+        self.clients: tuple[str, ...] = ()
         self.history = History()
         self._frontend: Frontend | None = None
-        self._loop: asyncio.AbstractEventLoop | None = None  # the frontend's
-        self._posted: deque[Callable[[], Coroutine[Any, Any, None]]] = deque()  # not begun yet
-        # goals that the robot accepted, each with the number of the goal before it
+        self._loop: asyncio.AbstractEventLoop | None = None  # The frontend's.
+        self._posted: deque[Callable[[], Coroutine[Any, Any, None]]] = deque()  # Not yet started.
+        # The goals that the robot accepted, each with the number of the newest goal before it.
         self._underway: list[tuple[QueuedGoal, int]] = []
         self._journal, self.recorder = journal, recorder
         self._engine, self._namespace = engine, namespace
         self._board = AlarmBoard()
         self._snapshot = Snapshot()
-        self._elsewhere = 0  # STOPs of other consoles that were told of
+        self._elsewhere = 0  # STOPs of other consoles that closed questions here.
         self._begun = self._second = clock.monotonic()
         self.view = self._view()
 
     @property
     def age(self) -> float:
-        """How long the console, or the node that was started here last, has been there, in s."""
+        """Seconds since the start of the console, or of the node that was started here last."""
         return self.clock.monotonic() - self._begun
 
     def node_started(self) -> None:
-        """A node was started here: like the robot at the start it may not be found yet."""
+        """Count `age` anew, since a node that was just started may not be found yet."""
         self._begun = self.clock.monotonic()
 
     @property
     def running_goal(self) -> Goal | None:
-        """Our goal on its way to the robot, else the one that runs."""
+        """Our goal on its way to the robot, else the running goal; None if there is neither."""
         return self.ledger.running_goal(self.robot.snapshot)
 
-    def run_on(self, frontend: Frontend) -> None:
-        """From now on this frontend runs what is sent, and hears what comes of it."""
+    def attach(self, frontend: Frontend) -> None:
+        """Let a frontend run what is sent and posted from now on; call it on its event loop."""
         self._frontend, self._loop = frontend, asyncio.get_running_loop()
-        self.ledger.drop()  # what a frontend before it did not begin to send is not on its way
+        self.ledger.remove_goal()  # A goal that an earlier frontend did not begin to send.
         self._begin_posted()
 
-    def run_off(self) -> None:
-        """The frontend ends: what is posted from now on waits for the next one."""
+    def detach(self) -> None:
+        """Let what is posted from now on wait for the next frontend, as this one ends."""
         self._loop = None
 
     def post(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Have the frontend run it beside all else, from any thread; the next one where none is."""
+        """Let the frontend start work beside all else; without a frontend, let the next one do so.
+
+        May be called on any thread.
+        """
         self._posted.append(work)
         loop = self._loop
         if loop is not None:
-            with contextlib.suppress(RuntimeError):  # it is closed
+            with contextlib.suppress(RuntimeError):  # The loop is closed.
                 loop.call_soon_threadsafe(self._begin_posted)
 
     def _begin_posted(self) -> None:
         while self._posted and self._frontend is not None and self._loop is not None:
-            self._frontend.beside(self._posted.popleft())
+            self._frontend.run_in_background(self._posted.popleft())
 
-    def ask_no_more(self) -> None:
-        """A STOP came from another program, or another console."""
+    def close_questions(self) -> None:
+        """Close what the operator is being asked: a STOP from elsewhere came in between."""
         if self._frontend is not None:
-            self._frontend.ask_no_more()
+            self._frontend.close_questions()
 
     def restart(self, why: str) -> None:
-        """End, and begin again with the same words, once there is a frontend; from any thread."""
+        """End the process and start it again with the same arguments, if there is a frontend.
+
+        May be called on any thread.
+
+        Args:
+            why: The reason in words, for the operator.
+        """
         if self._frontend is not None:
             self._frontend.restart(why)
 
-    def take(self, snapshot: Snapshot) -> list[Alarm]:
-        """Something was heard. Returns the alarms that changed."""
+    def on_snapshot(self, snapshot: Snapshot) -> list[Alarm]:
+        """Take in a new snapshot of the robot.
+
+        Returns:
+            The alarms whose state has changed.
+        """
         self._snapshot = snapshot
-        self.history.take(snapshot, self.clock.monotonic())
+        self.history.observe(snapshot, self.clock.monotonic())
         if self.robot.stops.sent_elsewhere > self._elsewhere:
             self._elsewhere = self.robot.stops.sent_elsewhere
-            self.ask_no_more()
-        return self.look()
+            self.close_questions()
+        return self.refresh()
 
     def tick(self) -> list[Alarm]:
-        """A second has passed. Returns the alarms that changed."""
-        self._second = self.clock.monotonic()
-        self.history.add(self._snapshot, self._second)
-        return self.look()
+        """Take a sample for the history; called once a second.
 
-    def look(self) -> list[Alarm]:
-        """Bring alarms and view up to the time it is now. Returns the alarms that changed."""
+        Returns:
+            The alarms whose state has changed.
+        """
+        self._second = self.clock.monotonic()
+        self.history.add_sample(self._snapshot, self._second)
+        return self.refresh()
+
+    def refresh(self) -> list[Alarm]:
+        """Bring alarms, queue, requests and view up to date, and send the goal that is due.
+
+        Returns:
+            The alarms whose state has changed.
+        """
         now = self.clock.monotonic()
         troubles = self._journal.failure, self.recorder.trouble, self.unseen, self.earlier_stop
         found = conditions(self._snapshot, now, self.host.states(), *troubles)
-        # a release that was confirmed, also of a robot that is not heard, ends what it said
+        # A confirmed release ends the alarm also while the robot reports nothing.
         known_over = () if self._snapshot.is_at_rest else (STOPPED,)
         changed = self._board.update(found, now, self.clock.now(), known_over)
         self._record(changed)
-        self._look_at_ends()
-        self._advance()
-        self._look_at_requests(now)
+        self._settle_ended_goals()
+        self._send_due_goal()
+        self._close_outdated_requests(now)
         self.view = self._view()
-        self.recorder.look(self.view, changed)
+        self.recorder.on_view(self.view, changed)
         return changed
 
     async def call_off(self, asker: Asker) -> None:
-        """Who asked has left: its goals leave the queue, and what is underway is cancelled."""
-        for wanted in self.queue.remove_requested_by(asker):
-            _end(wanted, Outcome(Code.CANCELLED, f"taken out of the queue: {wanted.text}"))
-        self.look()
-        for _ in range(_CANCELS):
-            if not self._drives(asker):
+        """Remove the goals of a requester that has left from the queue, and cancel its running one.
+
+        If the goal cannot be cancelled, an event says that it may still run.
+        """
+        for goal in self.queue.remove_requested_by(asker):
+            _set_outcome(goal, Outcome(Code.CANCELLED, f"taken out of the queue: {goal.text}"))
+        self.refresh()
+        for _ in range(_CANCEL_ATTEMPTS):
+            if not self._has_goal_underway(asker):
                 return
             with asked_by(asker):
                 outcome = await self.cancel()
             if outcome.ok:
                 return
-        if self._drives(asker):
-            said = f"the goal of {asker.source}, which has left, may still run: {outcome.text}"
-            self.robot.note("ERROR", "console", said)
+        if self._has_goal_underway(asker):
+            text = f"the goal of {asker.source}, which has left, may still run: {outcome.text}"
+            self.robot.note("ERROR", "console", text)
 
-    def _drives(self, asker: Asker) -> bool:
-        """True when a goal that this one asked for is underway."""
-        return any(wanted.asker is asker for wanted, _ in self._underway)
+    def _has_goal_underway(self, asker: Asker) -> bool:
+        return any(goal.asker is asker for goal, _ in self._underway)
 
     @property
-    def _busy(self) -> str:
-        """What the robot does already, or is to do."""
+    def _busy_reason(self) -> str:
+        """The reason why an assistant cannot ask for a goal now; "" if it can."""
         snapshot = self._snapshot
         if snapshot.is_stopped:
             return "the robot is stopped"
@@ -274,68 +367,91 @@ class Station:
             return "goals wait in the queue"
         return "another goal is being sent" if self.queue.is_going else ""
 
-    def _look_at_requests(self, now: float) -> None:
-        stops = self.robot.stops.count + self.robot.stops.sent_elsewhere
-        for one in self.requests.look(now, stops, self._busy):
-            said = f"request {one.number} is {one.stand.value}, {one.why}: {one.text}"
-            self.robot.note("WARN", "console", said)
+    def _close_outdated_requests(self, now: float) -> None:
+        stop_count = self.robot.stops.count + self.robot.stops.sent_elsewhere
+        for request in self.requests.close_outdated(now, stop_count, self._busy_reason):
+            text = f"request {request.number} is {request.status.value}, {request.reason}"
+            self.robot.note("WARN", "console", f"{text}: {request.text}")
 
-    def request(self, goal: QueuedGoal, text: str) -> Request:
-        """Have a person decide on what is asked for. Raises ValueError that says why not."""
+    def request_approval(self, goal: QueuedGoal, text: str) -> ApprovalRequest:
+        """Ask a person at this console to allow a goal of the assistant that asks now.
+
+        Args:
+            goal: What is sent if the person allows it.
+            text: The goal in words, as `go to shelf 12`.
+
+        Raises:
+            ValueError: The goal cannot be asked for now; the text says why.
+        """
         if self._frontend is None or not self._frontend.has_person:
             raise ValueError("nobody can allow it: this console has no screen and no terminal")
-        if self._busy:
-            raise ValueError(f"{self._busy}: wait until it has ended")
-        asker, stops = asking(), self.robot.stops.count_when_typed
-        if asker.has_left or self.robot.stops.is_void(stops):
+        if self._busy_reason:
+            raise ValueError(f"{self._busy_reason}: wait until it has ended")
+        asker, stop_count = asking(), self.robot.stops.count_when_typed
+        if asker.has_left or self.robot.stops.is_void(stop_count):
             raise ValueError(NOT_SENT)
-        stops += self.robot.stops.sent_elsewhere
-        one = self.requests.add(asker, goal, text, self.clock.monotonic(), stops)
-        act = Act("request", {"request": one.number, "values": goal.values}, Code.ACCEPTED)
-        said = f"asks: {text} (request {one.number})"
+        stop_count += self.robot.stops.sent_elsewhere
+        request = self.requests.add(asker, goal, text, self.clock.monotonic(), stop_count)
+        act = Act("request", {"request": request.number, "values": goal.values}, Code.ACCEPTED)
+        said = f"asks: {text} (request {request.number})"
         self.robot.note(asker.level, asker.source, said, act=act)
-        self.look()
-        return one
+        self.refresh()
+        return request
 
-    def withdraw(self, asker: Asker) -> str:
-        """End what this one asks for and nobody has answered; returns what it was."""
-        own = [one for one in self.requests.waiting if one.asker is asker]
-        for one in own:
-            self.requests.end(one.number, Stand.VOID, "the assistant has withdrawn it")
-        self.look()
-        return ", ".join(one.text for one in own)
+    def withdraw_requests(self, asker: Asker) -> str:
+        """Close the requests of an assistant that wait for a person.
 
-    def answer(self, number: int, *, allowed: bool) -> Outcome:
-        """A person has decided; what is allowed is sent at once, and once."""
-        self.look()
-        one = self.requests.get(number)
-        if one is None:
+        Returns:
+            Their goals in words; "" if there was none.
+        """
+        withdrawn = [request for request in self.requests.waiting if request.asker is asker]
+        for request in withdrawn:
+            reason = "the assistant has withdrawn it"
+            self.requests.close(request.number, ApprovalStatus.VOID, reason)
+        self.refresh()
+        return ", ".join(request.text for request in withdrawn)
+
+    def answer_request(self, number: int, *, allowed: bool) -> Outcome:
+        """Carry out what a person has decided: an allowed goal is sent at once, and only once.
+
+        Args:
+            number: The request's.
+            allowed: False if the person denied it.
+
+        Returns:
+            DONE with the decision in words; else why the request can no longer be answered so.
+        """
+        self.refresh()
+        request = self.requests.get(number)
+        if request is None:
             return Outcome(Code.REFUSED, f"there is no request {number}")
-        if one.stand != Stand.WAITS:
-            return Outcome(Code.REFUSED, f"request {number} is {one.stand.value}")
+        if request.status != ApprovalStatus.WAITING:
+            return Outcome(Code.REFUSED, f"request {number} is {request.status.value}")
         if allowed and self.robot.stops.gate().is_shut:
             return Outcome(Code.CANCELLED, NOT_SENT)
-        refusal = self._snapshot.unavailable(one.goal.kind.action) or self._beyond(one.goal)
+        action = request.goal.kind.action
+        refusal = self._snapshot.unavailable(action) or self._range_error(request.goal)
         if allowed and refusal:
             return Outcome(Code.REFUSED, refusal)
         if allowed:
-            self.requests.end(number, Stand.ALLOWED)
+            self.requests.close(number, ApprovalStatus.ALLOWED)
         else:
             self.requests.deny(number, self.clock.monotonic())
         verb, word = ("allow", "allowed") if allowed else ("deny", "denied")
         act = Act(verb, {"request": number}, Code.DONE)
-        said = f"{word} request {number} of {one.asker.source}: {one.text}"
-        self.robot.note(YOU.level, YOU.source, said, act=act)
+        text = f"{word} request {number} of {request.asker.source}: {request.text}"
+        self.robot.note(YOU.level, YOU.source, text, act=act)
         if allowed:
-            ends = one.asker.ends = []  # of those before, who waits has them
-            with asked_by(one.asker):
-                answered = self.drive([one.goal])
-            self.requests.drives(number, ends[0] if ends else answered)
-        self.look()
-        return Outcome(Code.DONE, said)
+            # The ends of its earlier goals are in the hands of those that wait for them.
+            ends = request.asker.ends = []
+            with asked_by(request.asker):
+                answer = self.drive([request.goal])
+            self.requests.on_sent(number, ends[0] if ends else answer)
+        self.refresh()
+        return Outcome(Code.DONE, text)
 
-    def _beyond(self, goal: QueuedGoal) -> str:
-        """Which of its values is beyond a limit that the robot holds now; empty: none is."""
+    def _range_error(self, goal: QueuedGoal) -> str:
+        """Return which value of a goal is beyond a limit of the robot; "" if none is."""
         leaves = self._snapshot.forms.get(goal.kind.id) or ()
         try:
             forms.check_ranges(leaves, self._snapshot.form(goal.kind), goal.values)
@@ -344,8 +460,8 @@ class Station:
         return ""
 
     def goal_of(self, asker: Asker) -> Goal | None:
-        """Return the state of the goal that is driven for this asker; None: none is."""
-        befores = [before for wanted, before in self._underway if wanted.asker is asker]
+        """Return the goal underway that `asker` requested, as it is now; None if there is none."""
+        befores = [before for goal, before in self._underway if goal.asker is asker]
         return self._goal_after(befores[0]) if befores else None
 
     def _goal_after(self, before: int) -> Goal | None:
@@ -355,129 +471,159 @@ class Station:
         since = [goal for goal in ours if goal.number > before]
         return min(since, key=lambda goal: goal.number, default=None)
 
-    def _look_at_ends(self) -> None:
-        """Tell whoever waits for it how a goal has ended."""
-        for wanted, before in list(self._underway):
+    def _settle_ended_goals(self) -> None:
+        """Give those that wait for a goal its outcome, for each goal that has ended."""
+        for queued, before in list(self._underway):
             goal = self._goal_after(before)
             outcome = None if goal is None else goal.outcome_at(self.clock.monotonic())
             if goal is not None and outcome is not None:
-                self._underway.remove((wanted, before))
-                wanted.asker.goal = goal
-                self.requests.goal_ended(wanted.end, goal)
-                _end(wanted, outcome)
+                self._underway.remove((queued, before))
+                queued.asker.goal = goal
+                self.requests.on_goal_ended(queued.end, goal)
+                _set_outcome(queued, outcome)
 
-    def _advance(self) -> None:
-        """Send what is due in the queue, and say when it is held."""
+    def _send_due_goal(self) -> None:
+        """Send the goal of the queue that is due, and write an event when the queue is held."""
         due = self.queue.take_due(self._snapshot, self._board.all(), self.robot.stops.count)
-        before, self._held = self._held, self.queue.hold_reason
-        if self._held and not before:
-            texts = ", ".join(wanted.text for wanted in self.queue.waiting)
-            self.robot.note("WARN", "console", f"queue held: {texts} ({self._held})")
-        for wanted in self.queue.waiting if self._held else ():
-            _end(wanted, Outcome(Code.HELD, f"held: {wanted.text} ({self._held})"))
+        before, self._last_hold_reason = self._last_hold_reason, self.queue.hold_reason
+        reason = self.queue.hold_reason
+        if reason and not before:
+            texts = ", ".join(goal.text for goal in self.queue.waiting)
+            self.robot.note("WARN", "console", f"queue held: {texts} ({reason})")
+        for goal in self.queue.waiting if reason else ():
+            _set_outcome(goal, Outcome(Code.HELD, f"held: {goal.text} ({reason})"))
         if due is not None:
             self._drive(due)
 
     def drive(self, goals: Sequence[QueuedGoal]) -> asyncio.Future[Outcome]:
-        """Drive these, one after the other; behind what runs or is being sent.
+        """Send goals one after the other, behind a goal that runs or is being sent.
 
-        The outcome is how the robot answered the first, or that it waits in the queue.
+        They belong to whoever asks now (see robot/asker.py). Call it on the event loop.
+
+        Args:
+            goals: At least one.
+
+        Returns:
+            A future of the robot's answer to the first goal; ACCEPTED at once if that waits in
+            the queue, CANCELLED or REFUSED if nothing is sent.
         """
-        answer: asyncio.Future[Outcome] = asyncio.get_running_loop().create_future()
+        loop = asyncio.get_running_loop()
+        answer: asyncio.Future[Outcome] = loop.create_future()
         if asking().has_left:
             answer.set_result(Outcome(Code.CANCELLED, CALLED_OFF))
             return answer
-        if len(self.queue.waiting) + len(goals) > MOST_GOALS:
-            answer.set_result(Outcome(Code.REFUSED, f"more than {MOST_GOALS} goals would wait"))
+        if len(self.queue.waiting) + len(goals) > MAX_QUEUED_GOALS:
+            text = f"more than {MAX_QUEUED_GOALS} goals would wait"
+            answer.set_result(Outcome(Code.REFUSED, text))
             return answer
-        stops = self.robot.stops.count_when_typed
-        asker, loop = asking(), asyncio.get_running_loop()
+        stop_count, asker = self.robot.stops.count_when_typed, asking()
         if asker is not YOU:
-            goals = [wanted._replace(asker=asker, end=loop.create_future()) for wanted in goals]
-            asker.ends += [wanted.end for wanted in goals if wanted.end is not None]
-        goals = [wanted._replace(stop_count=stops) for wanted in goals]
+            goals = [goal._replace(asker=asker, end=loop.create_future()) for goal in goals]
+            asker.ends += [goal.end for goal in goals if goal.end is not None]
+        goals = [goal._replace(stop_count=stop_count) for goal in goals]
         first = self.queue.submit(goals, self._snapshot)
         if first is None:
             held = f", held: {self.queue.hold_reason}" if self.queue.hold_reason else ""
             answer.set_result(Outcome(Code.ACCEPTED, f"queued{held}"))
         else:
             self._drive(first, answer)
-        self.look()
+        self.refresh()
         return answer
 
     def resume(self) -> Outcome:
-        """Continue a held queue."""
+        """Resume a held queue, unless a STOP came in between.
+
+        Returns:
+            DONE; REFUSED if the queue is held again at once, because the cause is not over.
+        """
         gate = self.robot.stops.gate()
         outcome = Outcome(Code.CANCELLED, NOT_SENT) if gate.is_shut else Outcome(Code.DONE, "")
         if outcome.ok:
             self.queue.resume(gate.count_when_typed)
-            self.queue.waiting = list(map(_unended, self.queue.waiting))
-            self.look()
-            if self.queue.hold_reason:  # what is in the way is not over
+            self.queue.waiting = list(map(_with_pending_end, self.queue.waiting))
+            self.refresh()
+            if self.queue.hold_reason:
                 outcome = Outcome(Code.REFUSED, f"still held: {self.queue.hold_reason}")
-        said = f": {outcome.text}" if outcome.text else ""
+        more = f": {outcome.text}" if outcome.text else ""
         act = Act("continue", {}, outcome.code)
-        self.robot.note("YOU", "console", f"continue the queue{said}", act=act)
+        self.robot.note("YOU", "console", f"continue the queue{more}", act=act)
         return outcome
 
     def skip(self) -> Outcome:
-        """Leave out the next goal of the queue."""
-        wanted = self.queue.skip_next()
-        text = wanted.text
-        _end(wanted, Outcome(Code.CANCELLED, f"left out of the queue: {text}"))
-        act = Act("skip", {}, Code.DONE)
-        self.robot.note("YOU", "console", f"left out of the queue: {text}", act=act)
-        self.look()
-        return Outcome(Code.DONE, f"left out: {text}")
+        """Remove the next goal of the queue, which must not be empty."""
+        goal = self.queue.skip_next()
+        text = f"left out of the queue: {goal.text}"
+        _set_outcome(goal, Outcome(Code.CANCELLED, text))
+        self.robot.note("YOU", "console", text, act=Act("skip", {}, Code.DONE))
+        self.refresh()
+        return Outcome(Code.DONE, f"left out: {goal.text}")
 
-    def _drive(self, wanted: QueuedGoal, answer: asyncio.Future[Outcome] | None = None) -> None:
-        """Send it; whoever waits for the answer gets it."""
-        assert self._frontend is not None  # nothing is due before there is one
-        before = self.ledger.before
-        self._frontend.carry_out(partial(self._send, self._frontend, wanted, before, answer))
+    def _drive(self, goal: QueuedGoal, answer: asyncio.Future[Outcome] | None = None) -> None:
+        """Let the frontend send a goal.
+
+        Args:
+            goal: The goal, which the ledger has.
+            answer: Gets the robot's answer; None for a goal of the queue, which nobody waits for.
+        """
+        assert self._frontend is not None  # Nothing is due without a frontend.
+        before = self.ledger.newest_before
+        self._frontend.carry_out(partial(self._send, self._frontend, goal, before, answer))
 
     async def _send(
         self,
         frontend: Frontend,
-        wanted: QueuedGoal,
+        goal: QueuedGoal,
         before: int,
         answer: asyncio.Future[Outcome] | None,
     ) -> None:
-        """Send a goal; from the queue not behind a STOP."""
-        queued = answer is None
+        """Send a goal and take in the robot's answer; a STOP puts it back into the queue.
+
+        Args:
+            frontend: Shows the answer to a goal of the queue.
+            goal: The goal.
+            before: The number of the newest goal before it.
+            answer: As for `_drive`.
+        """
+        is_queued = answer is None
         if self.ledger.is_cancelled:
             outcome = Outcome(Code.CANCELLED, NEVER_LEFT)
         else:
-            self.ledger.has_left = True
+            self.ledger.is_handed_over = True
             try:
-                with self.robot.stops.typed_at(wanted.stop_count), asked_by(wanted.asker):
-                    outcome = await self.robot.send(wanted.kind, wanted.values, queued=queued)
-            except asyncio.CancelledError:  # the screen ends: the next one knows it by its snapshot
-                self.ledger.drop()
+                with self.robot.stops.typed_at(goal.stop_count), asked_by(goal.asker):
+                    outcome = await self.robot.send(goal.kind, goal.values, queued=is_queued)
+            except asyncio.CancelledError:
+                # The screen ends. The next one learns of the goal by its snapshot.
+                self.ledger.remove_goal()
                 raise
         if outcome.code == Code.HELD:
-            self.queue.put_back(wanted)
+            self.queue.put_back(goal)
         else:
-            cancelled = outcome.code == Code.CANCELLED
-            self.queue.on_answer(ok=outcome.ok, reason="cancelled" if cancelled else "refused")
+            is_cancelled = outcome.code == Code.CANCELLED
+            self.queue.on_answer(ok=outcome.ok, reason="cancelled" if is_cancelled else "refused")
             if outcome.ok:
-                self._underway.append((wanted, before))
-                self._look_at_ends()
-                if wanted.asker.has_left:  # while it was being sent
-                    await self.call_off(wanted.asker)
+                self._underway.append((goal, before))
+                self._settle_ended_goals()
+                if goal.asker.has_left:  # While the goal was being sent.
+                    await self.call_off(goal.asker)
             else:
-                _end(wanted, outcome)
+                _set_outcome(goal, outcome)
         if answer is None:
-            frontend.goal_answered(wanted, outcome)
+            frontend.on_goal_answered(goal, outcome)
         elif not answer.done():
             answer.set_result(outcome)
-        if outcome.code == Code.TIMEOUT and (wanted.asker.waits or wanted.asker.has_left):
-            with asked_by(wanted.asker):  # the robot may still take it, and nobody would wait then
+        if outcome.code == Code.TIMEOUT and (goal.asker.waits or goal.asker.has_left):
+            # The robot may still accept the goal, and nobody would wait for its end then.
+            with asked_by(goal.asker):
                 await self.cancel()
 
     async def cancel(self, *, another: bool = False) -> Outcome:
-        """Cancel our goal, wherever it is by now; another client's only when that is meant."""
-        if self.ledger.goal is None or self.ledger.has_left:
+        """Cancel our goal, on its way or running.
+
+        Args:
+            another: Also cancel a goal that another client sent.
+        """
+        if self.ledger.goal is None or self.ledger.is_handed_over:
             return await self.robot.cancel(another=another)
         self.ledger.is_cancelled = True
         outcome = Outcome(Code.ACCEPTED, NEVER_LEFT)
@@ -486,31 +632,46 @@ class Station:
         return outcome
 
     async def release(self) -> Outcome:
-        """Allow moves again after a STOP."""
-        with self.ledger.asking(RELEASE):
+        """Release the robot after a STOP, so that it accepts moves again."""
+        with self.ledger.pending(RELEASE):
             return await self.robot.release_emergency_stop()
 
     def acknowledge(self, alarms: Iterable[Alarm]) -> None:
-        """The operator has seen these alarms."""
+        """Acknowledge alarms: the operator has seen them."""
         for alarm in alarms:
             self._record(self._board.acknowledge(alarm, self.clock.now()))
         self.view = self._view()
 
     def shelve(self, alarm: Alarm, reason: str = "") -> None:
-        """Silence an alarm for a while and say why, or take it off the shelf."""
+        """Shelve an alarm for SHELF_TIME, or take it off the shelf if it is there.
+
+        Args:
+            alarm: The alarm.
+            reason: Why it is shelved, for the list and the journal.
+        """
         times = self.clock.monotonic(), self.clock.now()
         self._record(self._board.shelve(alarm, *times, reason))
         self.view = self._view()
 
     async def set_parameters(self, node: str, values: dict[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none; what was done can be undone."""
+        """Set parameters of a node, all or none, in a way that can be undone.
+
+        Args:
+            node: The fully qualified name of the node.
+            values: The new values, by name.
+        """
         return await self.edits.set_parameters(self.robot, node, values)
 
     async def undo(self, asked: Edit | None) -> Outcome:
-        """Take the last change of a parameter back, if it is the one `asked` for."""
+        """Undo the last change of parameters.
+
+        Args:
+            asked: The change that the operator agreed to undo; None for whichever is the last.
+        """
         return await self.edits.undo(self.robot, asked)
 
     def _record(self, changed: Iterable[Alarm]) -> None:
+        """Write alarms whose state has changed to the journal."""
         for alarm in changed:
             what = {"name": alarm.name, "state": alarm.state.value, "text": alarm.text}
             if alarm.reason:
@@ -538,17 +699,20 @@ class Station:
         )
 
 
-def _unended(wanted: QueuedGoal) -> QueuedGoal:
-    """A goal that was held, and goes on: who has not left yet waits for its end again."""
-    if wanted.end is None or not wanted.end.done():
-        return wanted
-    anew = wanted.end.get_loop().create_future()
-    ends = wanted.asker.ends
-    ends[:] = [anew if end is wanted.end else end for end in ends]
-    return wanted._replace(end=anew)
+def _with_pending_end(goal: QueuedGoal) -> QueuedGoal:
+    """Return a resumed goal with a new future of its end, if holding it has set the old one.
+
+    In the list of its requester the new future takes the old one's place.
+    """
+    if goal.end is None or not goal.end.done():
+        return goal
+    pending = goal.end.get_loop().create_future()
+    ends = goal.asker.ends
+    ends[:] = [pending if end is goal.end else end for end in ends]
+    return goal._replace(end=pending)
 
 
-def _end(wanted: QueuedGoal, outcome: Outcome) -> None:
-    """Tell whoever waits for this goal."""
-    if wanted.end is not None and not wanted.end.done():
-        wanted.end.set_result(outcome)
+def _set_outcome(goal: QueuedGoal, outcome: Outcome) -> None:
+    """Give those that wait for a goal its outcome."""
+    if goal.end is not None and not goal.end.done():
+        goal.end.set_result(outcome)

@@ -1,4 +1,4 @@
-"""The operator's changes of parameters, and how they are undone."""
+"""The list of the operator's parameter changes, which can be undone."""
 
 from __future__ import annotations
 
@@ -12,11 +12,17 @@ from archo_tui.robot.values import same
 if TYPE_CHECKING:
     from archo_tui.robot.client import Robot
 
-LIMIT = 100  # changes that are kept
+LIMIT = 100  # Changes that are kept.
 
 
 class Edit(NamedTuple):
-    """What parameters of one node were, and what they were set to."""
+    """A change of parameters.
+
+    Attributes:
+        node: The fully qualified name of their node.
+        before: Their values before, by name.
+        after: Their values afterwards, by name.
+    """
 
     node: str
     before: dict[str, Any]
@@ -24,24 +30,25 @@ class Edit(NamedTuple):
 
 
 class UndoList:
-    """The changes that can be undone, the last one first."""
+    """The changes that can be undone, the last one first. Used on the event loop only."""
 
     def __init__(self) -> None:
+        """Create an empty list."""
         self._done: list[Edit] = []
         self._unanswered = 0
 
     @property
     def is_changing(self) -> bool:
-        """Whether a change has not been answered yet; it may have been seen by its event."""
+        """True while a change has no answer, although its event may have arrived."""
         return self._unanswered > 0
 
     @property
     def last(self) -> Edit | None:
-        """What would be undone."""
+        """The change that would be undone; None if there is none."""
         return self._done[-1] if self._done else None
 
-    def kept(self, node: str) -> dict[str, Any]:
-        """What the operator has set of a node and not undone: the last value of each parameter."""
+    def values_set(self, node: str) -> dict[str, Any]:
+        """Return the values that the operator has set on a node and not undone, by name."""
         return {
             name: value
             for edit in self._done
@@ -49,17 +56,22 @@ class UndoList:
             for name, value in edit.after.items()
         }
 
-    def blocked(self, snapshot: Snapshot) -> str:
-        """Why nothing can be undone now, or an empty string."""
+    def disabled_reason(self, snapshot: Snapshot) -> str:
+        """Return why nothing can be undone now; "" if the last change can be."""
         if self.is_changing:
             return "a change has no answer yet: undo it when it has"
         if self.last is None:
             return "nothing to undo"
-        there = any(p.node == self.last.node for p in snapshot.parameters)
-        return "" if there else f"{self.last.node} has left the graph"
+        is_there = any(p.node == self.last.node for p in snapshot.parameters)
+        return "" if is_there else f"{self.last.node} has left the graph"
 
     def changed_since(self, snapshot: Snapshot) -> dict[str, Any]:
-        """The values now of what the last change set and somebody else has changed since."""
+        """Return what somebody else has changed since the last change, which undo would lose.
+
+        Returns:
+            The values now of those parameters of the last change, by name; None for a parameter
+            that is no longer reported.
+        """
         if self.last is None:
             return {}
         now = _values(snapshot, self.last.node)
@@ -67,10 +79,20 @@ class UndoList:
         return {name: now.get(name) for name, value in after if not same(now.get(name), value)}
 
     async def set_parameters(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:
-        """Set parameters of a node, all or none, and keep what they were."""
+        """Set parameters of a node, all or none, and keep their values of before.
+
+        Args:
+            robot: The robot.
+            node: The fully qualified name of the node.
+            values: The new values, by name.
+
+        Returns:
+            The outcome; NOT_OFFERED without a request if the node does not report one of them,
+            since its value of before is not known then.
+        """
         known = _values(robot.snapshot, node)
         missing = ", ".join(name for name in values if name not in known)
-        if missing:  # its node has just left: what it was is not known, and so not to be had back
+        if missing:  # The node has just left.
             return Outcome(Code.NOT_OFFERED, f"{node} does not report {missing} any more")
         last = self.last
         outcome = await self._set(robot, node, values)
@@ -80,7 +102,10 @@ class UndoList:
         return outcome
 
     def _set_since(self, last: Edit | None, node: str, names: Iterable[str]) -> dict[str, Any]:
-        """What changes behind that one, that were answered meanwhile, have set."""
+        """Return the values that changes after `last` have set, by name.
+
+        They were answered while this change waited, so they are its values of before.
+        """
         found: dict[str, Any] = {}
         for edit in reversed(self._done):
             if edit is last:
@@ -90,15 +115,24 @@ class UndoList:
         return found
 
     async def undo(self, robot: Robot, asked: Edit | None = None) -> Outcome:
-        """Set the parameters of the last change to what they were, if it is the one `asked` for."""
+        """Set the parameters of the last change to their values of before.
+
+        Args:
+            robot: The robot.
+            asked: The change that the operator agreed to undo; None for whichever is the last.
+
+        Returns:
+            The outcome; REFUSED if there is no change, or `asked` is not the last one any more.
+        """
         edit = self.last
         if edit is None:
             return Outcome(Code.REFUSED, "nothing to undo")
-        if asked is not None and asked is not edit:  # the answer was about that one
+        if asked is not None and asked is not edit:
             return Outcome(Code.REFUSED, "another change is the last one now: nothing was undone")
         outcome = await self._set(robot, edit.node, edit.before)
         if outcome.ok:
-            self._done = [one for one in self._done if one is not edit]  # others may be equal
+            # Compared by identity, because other changes may be equal.
+            self._done = [done for done in self._done if done is not edit]
         return outcome
 
     async def _set(self, robot: Robot, node: str, values: dict[str, Any]) -> Outcome:

@@ -23,11 +23,11 @@ class Alarms(Verb):
 
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True if there is an alarm; that there is none is known only after a while."""
-        station.look()
+        station.refresh()
         return bool(station.view.alarms)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        station.look()
+        station.refresh()
         lines = [f"{alarm.name}, {timeline(alarm)}: {alarm.text}" for alarm in station.view.alarms]
         return Outcome(Code.DONE, "\n".join(lines) or no_alarms_text(station.robot.snapshot))
 

@@ -181,13 +181,13 @@ class ContinueQueue(Verb):
     acts = moves = True
 
     def blocked(self, station: Station) -> str:
-        if station.ledger.waits_for(RELEASE):
+        if station.ledger.is_pending(RELEASE):
             return "the release has no answer yet"
         return "" if station.queue.hold_reason else "no queue is held"
 
     def is_answered(self, station: Station) -> bool:
         """Return False while a release, or the end of a goal that will hold the queue, runs."""
-        if station.ledger.waits_for(RELEASE):
+        if station.ledger.is_pending(RELEASE):
             return False
         goal = station.robot.snapshot.goal
         ends = goal is not None and (goal.phase == Phase.CANCELLING or not goal.is_running)

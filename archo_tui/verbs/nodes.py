@@ -26,7 +26,7 @@ class Nodes(Verb):
         return bool(station.robot.snapshot.nodes)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        station.look()
+        station.refresh()
         lines = []
         for row in node_rows(station.view):
             _, word, _ = row.word()
@@ -79,7 +79,7 @@ class _OfNode(Verb):
         act = Act(self.id, {"node": name}, outcome.code)
         said = f"{self.title.lower()} {name}: {outcome.text}"
         station.robot.note("YOU", "console", said, act=act)
-        station.look()
+        station.refresh()
         return outcome
 
     def work(self, station: Station) -> Callable[[str], Outcome]:

@@ -128,7 +128,7 @@ class Undo(Verb):
     acts = may_ask = True
 
     def blocked(self, station: Station) -> str:
-        return station.edits.blocked(station.robot.snapshot)
+        return station.edits.disabled_reason(station.robot.snapshot)
 
     def is_answered(self, station: Station) -> bool:
         return not station.edits.is_changing

@@ -11,7 +11,7 @@ from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Snapshot
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.station.alarms import Alarm, advice, remedy_hints
-from archo_tui.station.history import SPANS, Quantity, readings
+from archo_tui.station.history import SPANS, Quantity, current_values
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, state
 from archo_tui.verbs.as_data import goal as goal_data
@@ -138,8 +138,8 @@ def _readings(station: Station, quantity: Quantity) -> Iterator[tuple[float, flo
     None stands for a value that was not heard, not reported, or no finite number.
     """
     now, history = station.clock.monotonic(), station.history
-    found = [(0.0, readings(station.robot.snapshot, now)[quantity])]
-    found += [(span, history.columns(quantity, span, _PARTS, now)[0]) for span in SPANS]
+    found = [(0.0, current_values(station.robot.snapshot, now)[quantity])]
+    found += [(span, history.last_values(quantity, span, _PARTS, now)[0]) for span in SPANS]
     for age, value in found:
         yield age, value if value is None or math.isfinite(value) else None
 

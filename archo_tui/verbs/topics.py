@@ -20,7 +20,7 @@ class Topics(Verb):
         return bool(station.robot.snapshot.resources)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        station.look()
+        station.refresh()
         lines = [row.as_line for row in resource_rows(station.view)]
         return Outcome(Code.DONE, "\n".join(lines) or "nothing on the graph")
 

@@ -136,7 +136,7 @@ def _request_banner(view: ScreenState, alarms: list[Alarm], width: int) -> Conte
     request, key = view.requests[0], view.key("alarms")
     more = f"   +{len(view.requests) - 1} more" if len(view.requests) > 1 else ""
     more += "".join(f"   {alarm.priority.glyph} {alarm.name}" for alarm in alarms[:1])
-    hint = f"({key} answer, {request.left(view.now):.0f} s)"
+    hint = f"({key} answer, {request.seconds_left(view.now):.0f} s)"
     room = width - cell_len(f" ?    {hint}{more}")
     question = crop(harmless(f"{request.asker.source} asks: {request.text}"), max(room, 1))
     answer = _clickable(hint, "alarms")

@@ -16,7 +16,7 @@ from textual.strip import Strip
 from archo_tui.clock import time_of_day
 from archo_tui.robot.state import Goal, Phase
 from archo_tui.robot_file.model import RobotFile
-from archo_tui.station.history import SPANS, Quantity, readings
+from archo_tui.station.history import SPANS, Quantity, current_values
 from archo_tui.station.station import View
 from archo_tui.widgets.line_widget import LineWidget
 from archo_tui.widgets.panel import FULL_SCREEN, Panel
@@ -81,7 +81,7 @@ def history_lines(
     if rows < _MIN_ROWS or cells < 10:
         return [((f"too small for the plots{more}", OLD),)]
     lines: list[Spans] = []
-    latest = readings(view.snapshot, view.now)  # The newest sample may be a second old.
+    latest = current_values(view.snapshot, view.now)  # The newest sample may be a second old.
     for plot in shown:
         values = view.history.ranges(plot.quantity, span, 2 * cells, view.second)
         mark = view.snapshot.threshold if plot.is_fixed else None
@@ -233,7 +233,7 @@ class HistoryPanel(Panel, can_focus=True):
             return
         span = SPANS[self._span]
         self.show_keys(view, f"last {span / 60:.0f} min" if span < 3600 else "last hour")
-        latest = readings(view.snapshot, view.now)
+        latest = current_values(view.snapshot, view.now)
         known = tuple(value is not None for value in latest.values())
         drawn = (view.second, self._span, self._lines.size, view.snapshot.history, known)
         if drawn != self._drawn_inputs:

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from archo_tui.remote import socket_files
-from archo_tui.station.requests import READ
+from archo_tui.station.approvals import READING_TIME
 from tests.assistant.support import Assistant, assistant
 from tests.assistant.test_console_connection import VALUES
 from tests.support.shells import until
@@ -51,7 +51,7 @@ async def told(model: Assistant, tool: str, holds: Callable[[Any], object], **gi
 
 async def read() -> None:
     """As long as a person needs until an answer counts."""
-    end = time.monotonic() + 1.5 * READ
+    end = time.monotonic() + 1.5 * READING_TIME
     await until(lambda: time.monotonic() > end)
 
 

@@ -60,7 +60,7 @@ async def test_a_shell_waits_for_its_recording_and_is_told_the_name(
 def test_history_is_data_with_the_age_of_each_reading() -> None:
     robot: Any = StubRobot(NORMAL)
     station = stub_station(robot)
-    station.take(NORMAL)
+    station.on_snapshot(NORMAL)
     told = json.loads(json.dumps(Past().data(station, {}), allow_nan=False))
     charge = told["charge"]
     assert charge["unit"] == "%"

@@ -121,7 +121,7 @@ async def test_a_goal_that_was_held_and_goes_on_is_waited_for_to_its_end() -> No
         waits = client("go", "12", "7", "--wait")
         await heard(person, "MOVING to 12")
         station.queue.hold("an obstacle")
-        station.look()
+        station.refresh()
         await heard(person, "queue held: 7 (an obstacle)")
         assert (await typed("continue")).code == 0
         assert await ended(waits) == (0, "", "accepted\nArrived at shelf 7\n")

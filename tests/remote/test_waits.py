@@ -20,9 +20,9 @@ async def waited(snapshot: Snapshot, words: str) -> Outcome | None:
     robot: Any = StubRobot(snapshot)
     clock = StandingClock()
     station = stub_station(robot, clock)
-    station.take(snapshot)
+    station.on_snapshot(snapshot)
     clock.passed = 2.1  # long enough for an alarm
-    station.take(snapshot)
+    station.on_snapshot(snapshot)
     clock.passed = 0.0
     spoken = verbs(snapshot.file, snapshot.forms)
     try:

@@ -33,7 +33,7 @@ def _steady(monkeypatch: pytest.MonkeyPatch) -> None:
 def write(folder: Path) -> None:
     """A low battery on the way to a shelf, and what was done about it."""
     station = stub_app(STATES["battery low and moving"], StandingClock()).station
-    station.take(station.robot.snapshot)
+    station.on_snapshot(station.robot.snapshot)
     said = json.dumps(to_data(console_state(station.view, with_events=True)))
     messages: list[tuple[float, str, object]] = [(0.0, STATE, String(data=said))]
     for second in range(60):

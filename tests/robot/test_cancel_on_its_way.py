@@ -153,17 +153,19 @@ def running(number: int, *, mine: bool, phase: Phase = Phase.MOVING) -> Goal:
 def test_ours_on_its_way_comes_before_another_clients_until_it_is_seen_or_refused() -> None:
     ledger, others = Ledger(), Snapshot(goal=running(4, mine=False))
     assert ledger.running_goal(others) == others.goal
-    ledger.send(SHELF, {"shelf_number": 12}, others)
-    ledger.take(others._replace(goal=running(5, mine=False)))  # another one of somebody else's
+    ledger.enter_goal(SHELF, {"shelf_number": 12}, others)
+    ledger.remove_goal_if_shown(
+        others._replace(goal=running(5, mine=False))
+    )  # another one of somebody else's
     ours = ledger.running_goal(others)
     assert ours is not None
     assert ours.name == "shelf 12"
     seen = Snapshot(goal=running(6, mine=False), history=(running(7, mine=True),))
-    ledger.take(seen)
+    ledger.remove_goal_if_shown(seen)
     assert ledger.running_goal(seen) == seen.goal
-    ledger.send(SHELF, {"shelf_number": 12}, seen)
-    ledger.take(seen)
-    ledger.drop()
+    ledger.enter_goal(SHELF, {"shelf_number": 12}, seen)
+    ledger.remove_goal_if_shown(seen)
+    ledger.remove_goal()
     assert ledger.running_goal(seen) == seen.goal
 
 
@@ -176,9 +178,9 @@ async def test_a_goal_that_a_screen_did_not_send_is_forgotten_by_the_next() -> N
 
     station = stub_station(StubRobot(STATES["normal"]))
     face = cast("Frontend", Ends())
-    station.run_on(face)
+    station.attach(face)
     station.drive([QueuedGoal(SHELF, {"shelf_number": 12})])
     assert station.running_goal is not None
-    station.run_off()
-    station.run_on(face)
+    station.detach()
+    station.attach(face)
     assert station.running_goal is None

@@ -90,9 +90,9 @@ async def pictures(
     app = stub_app(snapshot, clock, hosted, size=first)
     app.station.queue.waiting = [QueuedGoal(SHELF, {"shelf_number": n}) for n in queue]
     if queue:  # none of them is sent while another one is on its way
-        app.station.ledger.send(SHELF, {"shelf_number": 1}, snapshot)
+        app.station.ledger.enter_goal(SHELF, {"shelf_number": 1}, snapshot)
     for before in past(seconds):
-        app.station.history.add(*before)
+        app.station.history.add_sample(*before)
     found = {}
     async with app.run_test(size=first) as pilot:
         quiet = Quiet(app)

@@ -22,25 +22,27 @@ def filled(seconds: int) -> History:
     history = History()
     for second in range(seconds):
         battery = BATTERY._replace(percentage=float(second), received=float(second))
-        history.add(NORMAL._replace(battery=battery), float(second))
+        history.add_sample(NORMAL._replace(battery=battery), float(second))
     return history
 
 
 def test_each_column_has_the_last_value_of_its_part() -> None:
-    found = filled(100).columns("charge", 50.0, 5, 99.0)
+    found = filled(100).last_values("charge", 50.0, 5, 99.0)
     assert found == [59.0, 69.0, 79.0, 89.0, 99.0]
 
 
 def test_a_column_that_is_past_never_changes() -> None:
     history = filled(100)
-    before = history.columns("charge", 50.0, 5, 95.0)
-    history.add(NORMAL._replace(battery=BATTERY._replace(percentage=7.0, received=101.0)), 101.0)
-    after = history.columns("charge", 50.0, 5, 101.0)
+    before = history.last_values("charge", 50.0, 5, 95.0)
+    history.add_sample(
+        NORMAL._replace(battery=BATTERY._replace(percentage=7.0, received=101.0)), 101.0
+    )
+    after = history.last_values("charge", 50.0, 5, 101.0)
     assert after == [*before[1:4], 99.0, 7.0]
 
 
 def test_parts_shorter_than_a_second_have_no_gaps() -> None:
-    found = filled(20).columns("charge", 10.0, 40, 19.0)
+    found = filled(20).last_values("charge", 10.0, 40, 19.0)
     assert None not in found[-36:]
 
 
@@ -49,9 +51,9 @@ def test_what_is_old_or_not_reported_is_a_gap() -> None:
     for second in range(10):
         battery = BATTERY._replace(received=0.0)  # silent from the first second on
         motion = replace(MOTOR, speed=None, received=float(second))
-        history.add(NORMAL._replace(battery=battery, motion=motion), float(second))
-    assert history.columns("charge", 10.0, 10, 9.0)[-5:] == [None] * 5
-    assert history.columns("speed", 10.0, 10, 9.0) == [None] * 10
+        history.add_sample(NORMAL._replace(battery=battery, motion=motion), float(second))
+    assert history.last_values("charge", 10.0, 10, 9.0)[-5:] == [None] * 5
+    assert history.last_values("speed", 10.0, 10, 9.0) == [None] * 10
 
 
 def test_a_drive_that_is_over_before_its_part_is_stays_in_the_hour() -> None:
@@ -59,7 +61,7 @@ def test_a_drive_that_is_over_before_its_part_is_stays_in_the_hour() -> None:
     for second in range(3600):
         speed = 0.8 if 3000 <= second < 3012 else 0.0
         motion = replace(MOTOR, speed=speed, received=float(second))
-        history.add(NORMAL._replace(motion=motion), float(second))
+        history.add_sample(NORMAL._replace(motion=motion), float(second))
     found = [both for both in history.ranges("speed", 3600.0, 224, 3599.0) if both is not None]
     assert [both for both in found if both != (0.0, 0.0)] in ([(0.0, 0.8)], [(0.0, 0.8)] * 2)
 
@@ -68,9 +70,9 @@ def test_a_drive_between_two_samples_is_in_the_history() -> None:
     history = History()
     for tenth in range(40):
         motion = replace(MOTOR, speed=0.8 if 13 <= tenth < 16 else 0.0, received=tenth / 10)
-        history.take(NORMAL._replace(motion=motion), tenth / 10)
+        history.observe(NORMAL._replace(motion=motion), tenth / 10)
         if tenth % 10 == 0:
-            history.add(NORMAL._replace(motion=motion), tenth / 10)
+            history.add_sample(NORMAL._replace(motion=motion), tenth / 10)
     assert (0.0, 0.8) in history.ranges("speed", 4.0, 4, 3.9)
 
 
@@ -78,7 +80,7 @@ def test_goals_that_the_robot_lists_no_longer_are_kept_for_the_hour() -> None:
     history = History()
     for number in range(50):
         newest = [_end(number - back, 60.0 * (number - back)) for back in range(min(number, 20))]
-        history.take(NORMAL._replace(history=tuple(newest)), 60.0 * number)
+        history.observe(NORMAL._replace(history=tuple(newest)), 60.0 * number)
     assert [goal.number for goal in history.ends] == list(range(49, 0, -1))
     assert [goal.number for goal in history.until(180.0).ends] == [3, 2, 1]
 
@@ -122,9 +124,9 @@ def test_the_line_of_marks_keeps_its_length_and_counts_all_goals() -> None:
 
 def test_the_way_left_is_only_of_a_goal_that_runs() -> None:
     history = History()
-    history.add(NORMAL._replace(goal=MOVING), 1.0)
-    history.add(NORMAL._replace(goal=None), 2.0)
-    assert history.columns("left", 2.0, 2, 2.0) == [9.0, None]
+    history.add_sample(NORMAL._replace(goal=MOVING), 1.0)
+    history.add_sample(NORMAL._replace(goal=None), 2.0)
+    assert history.last_values("left", 2.0, 2, 2.0) == [9.0, None]
 
 
 async def test_a_way_that_becomes_known_is_shown_at_once_and_while_it_is() -> None:
@@ -145,7 +147,7 @@ async def test_a_way_that_becomes_known_is_shown_at_once_and_while_it_is() -> No
 
 def test_it_is_bounded_to_an_hour() -> None:
     history = filled(5000)
-    assert history.columns("charge", 5000.0, 5000, 4999.0).count(None) == 1400
+    assert history.last_values("charge", 5000.0, 5000, 4999.0).count(None) == 1400
 
 
 def test_a_curve_joins_its_dots_and_dashes_the_row_of_a_mark() -> None:

@@ -65,7 +65,9 @@ class Ros:
             except ExternalShutdownException:
                 pass
             except BaseException as error:
-                self.errors.append(error)
+                # rclpy may meet a context that is shut down only as it builds its wait set
+                if self.context.ok() or "context is not valid" not in str(error):
+                    self.errors.append(error)
 
         thread = threading.Thread(target=run, name="spin", daemon=True)
         thread.start()

@@ -97,7 +97,7 @@ def stub_station(
     host: Any = SimpleNamespace(states=lambda: hosted)
     recorder: Any = SimpleNamespace(
         trouble="",
-        look=lambda *_: None,
+        on_view=lambda *_: None,
         keep=lambda *_: Outcome(Code.DONE, "the last minute is recorded"),
     )
     journal: Any = SimpleNamespace(write=lambda *_, **__: None, failure="")

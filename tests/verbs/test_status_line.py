@@ -18,7 +18,7 @@ def line(snapshot: Snapshot, *hosted: Hosted) -> str:
     clock = StandingClock()
     station = stub_station(robot, clock, hosted)
     for clock.passed in (0.0, 2.1):
-        station.take(snapshot)
+        station.on_snapshot(snapshot)
     clock.passed = 0.0
     return in_line(station)
 

@@ -264,7 +264,7 @@ def test_no_alarms_are_a_healthy_word_only_where_something_was_heard(
     state: Snapshot, said: str
 ) -> None:
     station = stub_station(StubRobot(state), StandingClock())
-    station.take(state)
+    station.on_snapshot(state)
     outcome = asyncio.run(Alarms().run(station, {}))
     assert outcome.text == said
     assert Alarms().data(station, {}) == ([] if said.startswith("No alarms") else None)

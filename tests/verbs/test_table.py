@@ -81,7 +81,7 @@ async def by_key(snapshot: Snapshot, watching: bool) -> dict[str, str]:
     """Why each command cannot run, else what it asks, else nothing; by its verb."""
     app = stub_app(snapshot, hosted=(MOTOR,))
     app.station.robot = Willing(snapshot, watching)  # type: ignore[assignment]
-    app.station.look()
+    app.station.refresh()
     found: dict[str, str] = {}
     async with app.run_test(size=(120, 36)):
         asked: list[str] = []
