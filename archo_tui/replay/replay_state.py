@@ -15,7 +15,6 @@ from archo_tui.replay.topics import RecordedTopics
 from archo_tui.robot import message_classes, messages
 from archo_tui.robot.consoles import author
 from archo_tui.robot.events import EventLog
-from archo_tui.robot.followed import said_by
 from archo_tui.robot.graph import is_hidden
 from archo_tui.robot.period import Pace
 from archo_tui.robot.state import (
@@ -32,6 +31,7 @@ from archo_tui.robot.state import (
 from archo_tui.robot.telemetry import Kept as Readings
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import safe
+from archo_tui.robot.tracked_goal import feedback_changes
 from archo_tui.robot_file.model import GoalKind, RobotFile
 from archo_tui.station.alarm_conditions import conditions
 from archo_tui.station.alarms import Alarm, AlarmBoard
@@ -252,7 +252,7 @@ class ReplayState:
         self.goal = goal._replace(
             heard=self._clock.time,
             started=goal.sent if goal.started is None else goal.started,
-            **said_by(goal, feedback),
+            **feedback_changes(goal, feedback),
         )
 
     @property

@@ -1,38 +1,40 @@
-"""Nodes that come and leave, as lines for the events. Pure."""
+"""The event lines for nodes that come to the graph and leave it. No input or output."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Iterable
 
-SETTLED = 5.0  # s without a new node, after which all that was there at the start is found
-NAMED = 3  # nodes that are named in one line; of more the others are counted
-_LINES, _SPAN = 5, 20.0  # lines in so many s; what comes then waits, and is told together
+SETTLED = 5.0  # Seconds without a new node after which all that were there at the start are found.
+NAMED = 3  # Nodes that one line names; it counts the others.
+_LINES, _SPAN = 5, 20.0  # At most so many lines in so many seconds; later nodes share a line.
 
 
 class Arrivals:
-    """Compares the nodes of each look at the graph with those of the look before.
+    """Compares the nodes of each poll of the graph with those of the poll before.
 
-    Nodes that come while the first picture forms are not told of, nor those that this process
-    hosts: what becomes of these is told by whoever starts and stops them.
+    There is no line for a node that comes while the graph is first discovered, nor for a node of
+    this process: whoever starts and stops that one reports it.
     """
 
     def __init__(self, now: float) -> None:
-        """Begin the first picture at `now`, in monotonic s."""
+        """Begin the discovery of the graph at `now`, in monotonic seconds."""
         self._known: set[str] = set()
-        self._own: set[str] = set()  # of this process, those of before too
+        self._own: set[str] = set()  # All nodes that this process ever hosted.
         self._settles = now + SETTLED
-        self._came: list[str] = []  # not told of yet
+        self._came: list[str] = []  # Without a line yet, as those below.
         self._left: list[str] = []
-        self._told: deque[float] = deque(maxlen=_LINES)  # when the last lines were told
+        self._line_times: deque[float] = deque(
+            maxlen=_LINES
+        )  # Of the last lines; monotonic seconds.
 
     def compare(self, names: Iterable[str], own: Collection[str], now: float) -> list[str]:
         """Return the lines that are due.
 
         Args:
             names: The full names of all nodes on the graph.
-            own: Those of the nodes that this process hosts.
-            now: Monotonic time in s.
+            own: The full names of the nodes that this process hosts.
+            now: Monotonic time in seconds.
         """
         found = set(names)
         self._own.update(own)
@@ -44,16 +46,16 @@ class Arrivals:
             came = set()
         self._came += sorted(came - self._own)
         self._left += sorted(left - self._own)
-        if len(self._told) == _LINES and now - self._told[0] < _SPAN:
+        if len(self._line_times) == _LINES and now - self._line_times[0] < _SPAN:
             return []
         lines = [*_lines("left", self._left), *_lines("came", self._came)]
         self._came, self._left = [], []
-        self._told.extend([now] * len(lines))
+        self._line_times.extend([now] * len(lines))
         return lines
 
 
 def _lines(verb: str, names: Iterable[str]) -> list[str]:
-    """Return a line for each node; of more than NAMED one line for all of them."""
+    """Return a line for each node, or one line for all if there are more than NAMED."""
     nodes = [name.lstrip("/") for name in dict.fromkeys(names)]
     if len(nodes) <= NAMED:
         return [f"node {name} {verb}" for name in nodes]

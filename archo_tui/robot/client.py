@@ -30,15 +30,13 @@ from archo_tui.robot.asker import YOU, Asker, asking
 from archo_tui.robot.consoles import author, own_name
 from archo_tui.robot.events import ROUTINE, EventLog
 from archo_tui.robot.fields import filled
-from archo_tui.robot.followed import FARTHEST
 from archo_tui.robot.goals import Goals
 from archo_tui.robot.graph import Graph
+from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.limits import Limits
 from archo_tui.robot.listener import Heard, Listener
 from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
-from archo_tui.robot.offers import Offers
-from archo_tui.robot.others import CLIENT, CONSOLE, Others
 from archo_tui.robot.outcome import CALL_WAIT, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
 from archo_tui.robot.resources import SEND
@@ -63,6 +61,8 @@ from archo_tui.robot.stops import HELD, HOLDS, NOT_SENT, UNCERTAIN, UNCONFIRMED,
 from archo_tui.robot.telemetry import News, Telemetry
 from archo_tui.robot.text import harmless
 from archo_tui.robot.thread import RosThread
+from archo_tui.robot.tracked_goal import FARTHEST
+from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file import mismatch, model
 
@@ -137,21 +137,21 @@ class Robot:
             self._secrets,
         )
         self._graph = Graph(node, file)
-        self._offers = Offers(node, file, self._graph)
+        self._interface_checks = InterfaceChecks(node, file, self._graph)
         self._limits = Limits(file)
         self._nodes = Nodes(node, self._services)
         self._services.answered = self._on_answer
         if file.stop is not None:
-            stops.set_service(file.stop, self._offers.full(file.stop.service))
+            stops.set_service(file.stop, self._interface_checks.full(file.stop.service))
         commands = {word for one in file.commands for word in (one.id, one.off_word) if word}
-        self._others = Others(commands, self._verbs_by_service())
+        self._unexplained_changes = UnexplainedChanges(commands, self._verbs_by_service())
         self._stopping = Stopping(
             node,
             file.stop,
             clock,
             self._services,
             self._graph,
-            self._offers,
+            self._interface_checks,
             self._flush,
             self._tell_of_stop,
         )
@@ -168,7 +168,7 @@ class Robot:
         for kind in file.goals:
             self._goals.open(kind)
         self._thread = RosThread(node, context, clock, self._on_error)
-        for said in self._offers.unfit.values():
+        for said in self._interface_checks.unfit.values():
             self._warn(said)
         self._flush()  # what the robot's file says is known before anything is heard
 
@@ -208,7 +208,7 @@ class Robot:
         try:
             if stop is None:
                 return await self._cancel_for_want_of_stop()
-            command = self._offers.call_command(stop.service, stop.request)
+            command = self._interface_checks.call_command(stop.service, stop.request)
             return await self._do("stop", {}, "STOP", command, lambda _: self._stopping.send())
         finally:
             self.stops.answered = self.stops.count
@@ -226,7 +226,7 @@ class Robot:
 
     def _cancel_commands(self) -> str:
         """Return the `ros2` command lines that cancel every goal of the robot file's actions."""
-        names = [self._offers.full(kind.action) for kind in self.file.goals]
+        names = [self._interface_checks.full(kind.action) for kind in self.file.goals]
         return "; ".join(ros2_command.cancel(name) for name in names)
 
     async def release_emergency_stop(self) -> Outcome:
@@ -243,7 +243,10 @@ class Robot:
                 self._stopping.accepted(turn)
             return outcome
 
-        ros2, late = self._offers.call_command(name, request), self._late("release stop", "release")
+        ros2, late = (
+            self._interface_checks.call_command(name, request),
+            self._late("release stop", "release"),
+        )
         return await self._do("release", {}, "release stop", ros2, call)
 
     async def command(self, command: model.CommandService, on: bool = True) -> Outcome:
@@ -251,7 +254,7 @@ class Robot:
         title = command.title.lower() if on else command.off or f"{command.title.lower()} off"
         verb = command.id if on else command.off_word
         name, fields = command.service, dict.fromkeys(command.toggle, on)
-        ros2, late = self._offers.call_command(name, fields), self._late(title, verb)
+        ros2, late = self._interface_checks.call_command(name, fields), self._late(title, verb)
         return await self._do(
             verb, {}, title, ros2, lambda gate: self._call(name, fields, gate, late)
         )
@@ -295,7 +298,7 @@ class Robot:
                 self._stopping.accepted(turn)
             return outcome
 
-        ros2 = self._offers.goal_command(kind, values)
+        ros2 = self._interface_checks.goal_command(kind, values)
         return await self._do(*self._as_verb(kind, values), title, ros2, go)
 
     async def send_no_more(self) -> None:
@@ -412,7 +415,11 @@ class Robot:
     async def cancel(self, *, another: bool = False) -> Outcome:
         """Ask to cancel the running goal; another client's only when that is meant."""
         goal = self._goals.goal
-        command = "" if goal is None else ros2_command.cancel(self._offers.full(goal.kind.action))
+        command = (
+            ""
+            if goal is None
+            else ros2_command.cancel(self._interface_checks.full(goal.kind.action))
+        )
         return await self._do(
             "cancel", {}, "cancel", command, lambda _: self._goals.cancel(another=another)
         )
@@ -474,7 +481,7 @@ class Robot:
         """The node of this process that served these actions has gone. Any thread."""
 
         def end() -> None:
-            self._goals.node_gone(lambda kind: self._offers.full(kind.action) in served)
+            self._goals.node_gone(lambda kind: self._interface_checks.full(kind.action) in served)
 
         self._thread.submit(end)
 
@@ -488,7 +495,7 @@ class Robot:
         holds = stopping.open is not None or stopping.latch.state is not Latch.NONE
         if stop is None or (not holds and self.stops.are_answered):
             return "", {}
-        return self._offers.full(stop.service), stop.request
+        return self._interface_checks.full(stop.service), stop.request
 
     def told_stop(self, node: str) -> None:
         """A node that starts here was told of the STOP before anything else. Any thread."""
@@ -519,7 +526,10 @@ class Robot:
     ) -> tuple[str, Mapping[str, Any]]:
         """The verb that sends such a goal, and its arguments."""
         if kind not in self.file.goals:
-            return "send_goal", {"action": self._offers.full(kind.action), "values": values}
+            return "send_goal", {
+                "action": self._interface_checks.full(kind.action),
+                "values": values,
+            }
         return "go" if kind == self.file.goals[0] else kind.id, values
 
     def _verbs_by_service(self) -> dict[str, list[str]]:
@@ -530,7 +540,7 @@ class Robot:
         found: dict[str, list[str]] = {}
         for service, verb in called:
             if service:
-                found.setdefault(self._offers.full(service), []).append(verb)
+                found.setdefault(self._interface_checks.full(service), []).append(verb)
         return found
 
     def _way(self, kind: model.GoalKind) -> float | None:
@@ -552,8 +562,8 @@ class Robot:
         `late(outcome)` is called with an answer that comes when this has ended.
         """
         if name not in self._graph.offered:
-            return Outcome(Code.NOT_OFFERED, not_offered(self._offers.full(name)))
-        srv_type, reason = self._offers.fitting(name, fields)
+            return Outcome(Code.NOT_OFFERED, not_offered(self._interface_checks.full(name)))
+        srv_type, reason = self._interface_checks.fitting(name, fields)
         if srv_type is None:
             return Outcome(Code.REFUSED, reason)
         try:
@@ -669,13 +679,13 @@ class Robot:
         self._next_look = begun + self._graph.rest - _EARLY
         self._look_at_motion()
         self._stopping.latch.check_holders()
-        self._others.who = CONSOLE if self._graph.mute else CLIENT
+        self._unexplained_changes.author = CONSOLE if self._graph.mute else CLIENT
         self._tell_of_consoles()
         self._tell_of_nodes()
         self._telemetry.look()
-        for said in self._others.unexplained(self._clock.monotonic()):
+        for said in self._unexplained_changes.take_due(self._clock.monotonic()):
             self._say("PEER", said)
-        faults = {**self._telemetry.faults, **self._offers.misfits()}
+        faults = {**self._telemetry.faults, **self._interface_checks.misfits()}
         for kind in self.file.goals:
             if kind.action in self._graph.several:
                 said = mismatch.duplicate_servers(kind.action, self._graph.several[kind.action])
@@ -739,7 +749,9 @@ class Robot:
                     if self._stopping.latch.is_not_obeyed != before:
                         self._mark()
                 now = self._clock.monotonic()
-                self._others.motion(self._telemetry.motion, now, self._motion_restarted)
+                self._unexplained_changes.on_motion(
+                    self._telemetry.motion, now, self._motion_restarted
+                )
         self._unseen = True
         if news is News.WORDS:
             self._mark()
@@ -790,7 +802,7 @@ class Robot:
         told = acts.read(message.data)
         if told is None or told.console not in self._graph.consoles:
             return
-        self._others.told(told.act, self._clock.monotonic())
+        self._unexplained_changes.on_act(told.act, self._clock.monotonic())
         self.stops.sent_elsewhere += told.act.verb == "stop"
         self.stops.superseded |= told.act.verb != "stop"
         if told.act.code is Code.DONE and told.act.verb == "stop":
@@ -803,7 +815,7 @@ class Robot:
     def _on_change(self, node: str, name: str, old: Any, new: Any) -> None:
         if self._secrets.fit(name):
             old = new = MASK
-        self._others.parameter(node, name, old, new, self._clock.monotonic())
+        self._unexplained_changes.on_parameter(node, name, old, new, self._clock.monotonic())
 
     def _warn(self, text: str) -> None:
         self._say("WARN", text)
@@ -816,7 +828,7 @@ class Robot:
         text = harmless(text)
         self._node.get_logger().info(text)
         self._acts.publish(String(data=acts.write(self._name, act, text)))
-        self._others.told(act, self._clock.monotonic())
+        self._unexplained_changes.on_act(act, self._clock.monotonic())
         now = self._clock.now()
         self._add_event(Event(now, who.level, who.source, text, command, act=act))
 
@@ -883,7 +895,7 @@ class Robot:
                 has_clock=self._graph.has_clock,
                 elsewhere=self._graph.elsewhere,
                 consoles=self._graph.consoles,
-                forms=self._offers.forms,
+                forms=self._interface_checks.forms,
                 actions=self._graph.actions,
                 services=self._graph.served,
                 resources=self._graph.resources,

@@ -21,13 +21,13 @@ from unique_identifier_msgs.msg import UUID
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
 from archo_tui.robot import message_classes, messages, services
-from archo_tui.robot.followed import ENDS, NOBODY_SERVES, Followed
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import Pause
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Goal, Motion, Phase, not_offered
 from archo_tui.robot.stops import NEVER_LEFT, Gate
+from archo_tui.robot.tracked_goal import ENDS, NOBODY_SERVES, TrackedGoal
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import GoalKind
 
@@ -139,8 +139,8 @@ class Goals:
         self._watching = watching
         self._actions: dict[tuple[str, str], _Action] = {}  # by name and type
         self._numbers = itertools.count(1)
-        self._coming: list[Followed] = []  # ours, that are to be sent and have not left yet
-        self._running: dict[bytes, Followed] = {}
+        self._coming: list[TrackedGoal] = []  # ours, that are to be sent and have not left yet
+        self._running: dict[bytes, TrackedGoal] = {}
         self._over: deque[bytes] = deque(maxlen=_OVER)  # those that ended
         self._lost: dict[bytes, Goal] = {}  # those whose node has gone
         self._last: Goal | None = None  # the one that ended last
@@ -161,12 +161,12 @@ class Goals:
         return len(self._running)
 
     @property
-    def _shown(self) -> Followed | None:
+    def _shown(self) -> TrackedGoal | None:
         ours = self._ours
         return ours or next(reversed(self._running.values()), None)
 
     @property
-    def _ours(self) -> Followed | None:
+    def _ours(self) -> TrackedGoal | None:
         return next((one for one in self._running.values() if one.goal.mine), None)
 
     def open(self, kind: GoalKind) -> _Action:
@@ -196,7 +196,7 @@ class Goals:
         if action.type is None:
             return Outcome(Code.REFUSED, mismatch.not_installed(kind.action, kind.type))
         goal = Goal(kind, values, Phase.SENT, 0.0, 0.0, length=length)
-        one = Followed(goal, uuid.uuid4().bytes, action, self._clock, self._goal_changed)
+        one = TrackedGoal(goal, uuid.uuid4().bytes, action, self._clock, self._goal_changed)
         one.gate = gate
         self._coming.append(one)  # from here on a cancel finds it
         try:
@@ -210,7 +210,7 @@ class Goals:
             return request
         return await self._send(one, request)
 
-    def _request(self, one: Followed) -> Any:
+    def _request(self, one: TrackedGoal) -> Any:
         """Build the request of a goal that is to be sent; an Outcome says why it cannot be."""
         action, kind = one.action, one.goal.kind
         if one.is_cancelled:
@@ -229,7 +229,7 @@ class Goals:
         except ValueError as error:
             return Outcome(Code.MISUSE, str(error))
 
-    async def _send(self, one: Followed, request: Any) -> Outcome:
+    async def _send(self, one: TrackedGoal, request: Any) -> Outcome:
         """Send a goal's request; ends as `send` does."""
         now, time = self._clock.monotonic(), self._clock.now()
         one.goal = one.goal._replace(sent=now, time=time, number=next(self._numbers))
@@ -273,17 +273,17 @@ class Goals:
             return Outcome(Code.CANCELLED, "accepted after a STOP: cancelling it")
         return Outcome(Code.ACCEPTED, "accepted, and cancelled" if one.is_cancelled else "accepted")
 
-    def _answered(self, one: Followed, handle: Any) -> None:
+    def _answered(self, one: TrackedGoal, handle: Any) -> None:
         """The server accepted or refused, in time or later."""
         if handle.accepted:
-            one.accepted(handle)
+            one.on_accepted(handle)
             if one.is_void:
                 self._say("WARN", f"{one.goal.name} was accepted after a STOP: cancelling it")
             self._cancel_if_unwanted(one)
         elif one.goal.phase == Phase.UNKNOWN:
             one.end(Phase.REFUSED, "refused (the answer came late)")
 
-    async def _found(self, one: Followed) -> None:
+    async def _found(self, one: TrackedGoal) -> None:
         """Wait for the server of a client that was made just now."""
         end = self._clock.monotonic() + services.DEADLINE
         while not (one.action.is_served or one.is_unwanted) and self._clock.monotonic() < end:
@@ -309,7 +309,7 @@ class Goals:
             return await self._cancelled_when_taken(one)
         return await self._cancel(one)
 
-    async def _cancelled_when_taken(self, one: Followed) -> Outcome:
+    async def _cancelled_when_taken(self, one: TrackedGoal) -> Outcome:
         """Wait for the answer to the cancel that begins when a goal is accepted."""
         end = self._clock.monotonic() + services.DEADLINE
         while one.goal.phase == Phase.SENT and self._clock.monotonic() < end:
@@ -322,7 +322,7 @@ class Goals:
             return one.cancel_outcome
         return Outcome(Code.DONE, f"the goal was not driven: {one.goal.message}".rstrip(": "))
 
-    def _cancel_if_unwanted(self, one: Followed) -> None:
+    def _cancel_if_unwanted(self, one: TrackedGoal) -> None:
         """Begin to cancel a goal that was accepted too late, once: a second one is refused."""
 
         async def cancel() -> None:
@@ -332,7 +332,7 @@ class Goals:
             one.cancel_began = True
             self._task(cancel)
 
-    async def _cancel(self, one: Followed) -> Outcome:
+    async def _cancel(self, one: TrackedGoal) -> Outcome:
         if one.handle is None:
             return Outcome(Code.REFUSED, "the goal has ended")
         before = one.goal.phase
@@ -458,12 +458,12 @@ class Goals:
             served: Returns whether the parameter's node serves that kind of goal.
         """
         for one in list(self._running.values()):
-            one.measure_anew(old if served(one.goal.kind) else None, new)
+            one.forget_period(old if served(one.goal.kind) else None, new)
 
     def heard(self) -> None:
         """The robot was heard again."""
         for one in list(self._running.values()):
-            one.heard()
+            one.on_robot_message()
 
     def node_gone(self, served: Callable[[GoalKind], bool]) -> None:
         """End the goals of a node of this process that was halted or restarted, or crashed."""
@@ -493,7 +493,7 @@ class Goals:
         action.told = set(told)
         for one in list(self._running.values()):
             if one.action is action and not one.goal.mine and one.id not in told:
-                one.forgotten()
+                one.end_forgotten()
 
     def _was_short(self, action: _Action, goal_id: bytes, status: Any) -> bool:
         """True for a goal that began and ended between two looks at the status."""
@@ -516,7 +516,7 @@ class Goals:
 
     def _follow_found(
         self, action: _Action, goal_id: bytes, phase: Phase, begun: float, *, is_new: bool
-    ) -> Followed:
+    ) -> TrackedGoal:
         """Follow a goal that another client sent, or one whose node was only out of sight."""
         now, time = self._clock.monotonic(), self._clock.now()
         asked = now if phase == Phase.CANCELLING else None
@@ -547,7 +547,7 @@ class Goals:
             if one.is_cancelled:  # the answer that it was accepted may have been lost
                 self._cancel_if_unwanted(one)
 
-    def _found_again(self, action: _Action, goal_id: bytes) -> Followed | None:
+    def _found_again(self, action: _Action, goal_id: bytes) -> TrackedGoal | None:
         """Return a goal whose node was only out of sight, when feedback of it comes.
 
         Fast DDS does not send the status again to a console that lost sight of its node.
@@ -568,13 +568,13 @@ class Goals:
             await self._services.pause(0.02)
         return self._refusals[-1] if self._refusals else "refused, no reason given"
 
-    def _follow(self, goal: Goal, goal_id: bytes, action: _Action) -> Followed:
-        one = Followed(goal, goal_id, action, self._clock, self._goal_changed)
+    def _follow(self, goal: Goal, goal_id: bytes, action: _Action) -> TrackedGoal:
+        one = TrackedGoal(goal, goal_id, action, self._clock, self._goal_changed)
         self._running[goal_id] = one
         self._changed(True)
         return one
 
-    def _goal_changed(self, one: Followed, before: Goal) -> None:
+    def _goal_changed(self, one: TrackedGoal, before: Goal) -> None:
         goal = one.goal
         if before.is_running and not goal.is_running:
             self._running.pop(one.id, None)

@@ -20,8 +20,8 @@ from archo_tui.robot import services
 from archo_tui.robot.fields import checked
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.parameter_polling import ParameterPolling
 from archo_tui.robot.parameter_values import TYPES, as_python, value_field
-from archo_tui.robot.rounds import Rounds
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Parameter
@@ -61,7 +61,7 @@ class Parameters:
         self._by_node: dict[str, dict[str, Parameter]] = {}
         self._all: tuple[Parameter, ...] = ()  # as they were last asked for
         self._loading: set[str] = set()
-        self._rounds = Rounds()
+        self._polling = ParameterPolling()
         node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
@@ -93,7 +93,7 @@ class Parameters:
                 self._loading.add(name)
                 self._task(self._load, name)
         self._known = dict(nodes)
-        for node, names in self._rounds.due(now, self._by_node):
+        for node, names in self._polling.due(now, self._by_node):
             if node in self._by_node:  # not of those that left in this round
                 self._task(self._refresh, node, names)
 

@@ -36,7 +36,7 @@ class Period(NamedTuple):
     learnt: float | None = None  # what is typical, in s; None: that is being learnt
     silences: tuple[float, ...] = ()  # s; the last intervals that were longer than is typical
 
-    def anew(self, old: object, new: object) -> Period:
+    def measured_again(self, old: object, new: object) -> Period:
         """Return the period to be measured anew, because a parameter has changed.
 
         What is known stays until then. Where the parameter was the period itself, that is its new

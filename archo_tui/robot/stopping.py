@@ -25,7 +25,7 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot import services
 from archo_tui.robot.fields import filled
 from archo_tui.robot.graph import Graph
-from archo_tui.robot.offers import Offers
+from archo_tui.robot.interface_checks import InterfaceChecks
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import Motion, OpenStop, StopAnswer, not_offered
@@ -53,7 +53,7 @@ class Stopping:
         clock: Clock,
         pending: Services,
         graph: Graph,
-        offers: Offers,
+        offers: InterfaceChecks,
         on_change: Callable[[], None],
         tell: Callable[[str, Code], None],
     ) -> None:

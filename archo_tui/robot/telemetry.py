@@ -151,7 +151,7 @@ class Telemetry:
         """
         for key, period in self._periods.items():
             is_its = node in self._publishers.get(key, ())
-            self._periods[key] = period.anew(old if is_its else None, new)
+            self._periods[key] = period.measured_again(old if is_its else None, new)
         known = {key: period.typical for key, period in self._periods.items()}
         fixed = self._fixed(self._robot.battery), self._fixed(self._robot.motion)
         self.battery = self.battery._replace(period=fixed[0] or known.get("battery"))

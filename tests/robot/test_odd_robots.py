@@ -23,10 +23,10 @@ from rclpy.task import Future
 from std_msgs.msg import Float32
 
 from archo_tui.robot.acts import Act
-from archo_tui.robot.followed import Followed
-from archo_tui.robot.others import CLIENT, CONSOLE, Others
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion, Phase
+from archo_tui.robot.tracked_goal import TrackedGoal
+from archo_tui.robot.unexplained_changes import CLIENT, CONSOLE, UnexplainedChanges
 from tests.support import clock
 from tests.support.archo import go
 from tests.support.clock import NOW
@@ -200,24 +200,24 @@ def set_(node: str, code: Code = Code.DONE, **values: Any) -> Act:
 
 
 def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
-    others = Others({"reset"}, {})
-    others.told(set_("/motor", Code.TIMEOUT, speed=0.5), 10.0)
-    others.told(set_("/motor", ramp=2.0), 10.0)
-    others.parameter("/motor", "speed", 1.0, 0.5, 15.0)
-    others.parameter("/motor", "ramp", 2.0, 3.0, 15.0)
-    assert others.unexplained(19.5) == ["motor ramp changed by another client: 3.0, was 2.0"]
-    others.parameter("/motor", "speed", 0.5, 0.6, 40.0)
-    assert others.unexplained(44.5) == ["motor speed changed by another client: 0.6, was 0.5"]
+    others = UnexplainedChanges({"reset"}, {})
+    others.on_act(set_("/motor", Code.TIMEOUT, speed=0.5), 10.0)
+    others.on_act(set_("/motor", ramp=2.0), 10.0)
+    others.on_parameter("/motor", "speed", 1.0, 0.5, 15.0)
+    others.on_parameter("/motor", "ramp", 2.0, 3.0, 15.0)
+    assert others.take_due(19.5) == ["motor ramp changed by another client: 3.0, was 2.0"]
+    others.on_parameter("/motor", "speed", 0.5, 0.6, 40.0)
+    assert others.take_due(44.5) == ["motor speed changed by another client: 0.6, was 0.5"]
 
 
 def test_what_a_console_says_late_is_still_its_doing() -> None:
-    others = Others({"reset"}, {})
+    others = UnexplainedChanges({"reset"}, {})
     moving = Motion(count=1, moving=True, stopped=False, received=10.0)
-    others.motion(moving, 10.0)
-    others.motion(replace(moving, stopped=True, received=10.2), 10.2)
-    assert others.unexplained(13.0) == []
-    others.told(Act("stop", {}, Code.TIMEOUT), 13.1)
-    assert others.unexplained(20.0) == []
+    others.on_motion(moving, 10.0)
+    others.on_motion(replace(moving, stopped=True, received=10.2), 10.2)
+    assert others.take_due(13.0) == []
+    others.on_act(Act("stop", {}, Code.TIMEOUT), 13.1)
+    assert others.take_due(20.0) == []
 
 
 @pytest.mark.parametrize(
@@ -237,11 +237,11 @@ def test_what_a_console_says_late_is_still_its_doing() -> None:
 def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
     act: Act, is_explained: bool
 ) -> None:
-    others = Others((), {})
-    others.told(act, 10.0)
-    others.parameter("/motor", "speed", 1.0, 0.5, 10.5)
+    others = UnexplainedChanges((), {})
+    others.on_act(act, 10.0)
+    others.on_parameter("/motor", "speed", 1.0, 0.5, 10.5)
     said = [] if is_explained else ["motor speed changed by another client: 0.5, was 1.0"]
-    assert others.unexplained(15.0) == said
+    assert others.take_due(15.0) == said
 
 
 @pytest.mark.parametrize(
@@ -257,19 +257,19 @@ def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
 def test_a_robot_files_command_zeroes_the_count_however_it_is_called(
     act: Act, said: list[str]
 ) -> None:
-    others = Others({"reset"}, {"/r1/reset": ("reset",)})
-    others.motion(Motion(count=5, received=10.0), 10.0)
-    others.motion(Motion(count=0, received=10.2), 10.2)
-    others.told(act, 10.3)
-    assert others.unexplained(15.0) == [f"{line}: 0, was 5" for line in said]
+    others = UnexplainedChanges({"reset"}, {"/r1/reset": ("reset",)})
+    others.on_motion(Motion(count=5, received=10.0), 10.0)
+    others.on_motion(Motion(count=0, received=10.2), 10.2)
+    others.on_act(act, 10.3)
+    assert others.take_due(15.0) == [f"{line}: 0, was 5" for line in said]
 
 
 def test_where_a_console_does_not_tell_what_it_does_it_may_have_been_that() -> None:
-    others = Others((), {})
-    others.who = CONSOLE
-    others.parameter("/motor", "speed", 1.0, 0.5, 10.0)
-    others.who = CLIENT  # it has left since
-    assert others.unexplained(15.0) == ["motor speed changed by another console: 0.5, was 1.0"]
+    others = UnexplainedChanges((), {})
+    others.author = CONSOLE
+    others.on_parameter("/motor", "speed", 1.0, 0.5, 10.0)
+    others.author = CLIENT  # it has left since
+    assert others.take_due(15.0) == ["motor speed changed by another console: 0.5, was 1.0"]
 
 
 class Told(Node):
@@ -339,7 +339,7 @@ def test_the_words_for_the_end_may_stand_in_a_message_in_the_result() -> None:
     moving = goal(Phase.MOVING).goal
     assert moving is not None
     kind = replace(moving.kind, message="end.words")
-    one: Any = Followed(moving._replace(kind=kind), b"", None, StandingClock(), lambda *_: None)
+    one: Any = TrackedGoal(moving._replace(kind=kind), b"", None, StandingClock(), lambda *_: None)
     result = SimpleNamespace(end=SimpleNamespace(words="parked"))
     one._on_result(SimpleNamespace(status=GoalStatus.STATUS_SUCCEEDED, result=result))
     assert (one.goal.phase, one.goal.message) == (Phase.ARRIVED, "parked")

@@ -157,7 +157,7 @@ async def test_a_node_that_hangs_after_a_set_is_missed_as_soon_as_any_other() ->
 def test_a_period_is_known_until_it_is_measured_anew(
     measured: float, old: Any, new: Any, known: float
 ) -> None:
-    period = Period().heard(7.0).heard(7.0 + measured).anew(old, new)
+    period = Period().heard(7.0).heard(7.0 + measured).measured_again(old, new)
     assert period.seconds == pytest.approx(known)
     assert period.heard(20.0).heard(23.0).seconds == 3.0
 

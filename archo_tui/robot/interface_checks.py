@@ -1,6 +1,6 @@
-"""What the robot's file names, against what is on the graph: only what fits is used.
+"""The checks of the robot file's services and actions against the graph: only what fits is used.
 
-ROS thread only.
+All of it runs on the ROS thread.
 """
 
 from __future__ import annotations
@@ -17,35 +17,44 @@ from archo_tui.robot.state import Leaf
 from archo_tui.robot_file import mismatch, model
 
 
-class Offers:
-    """Services and actions of the robot: their classes, and why one is not used."""
+class InterfaceChecks:
+    """The services and actions of a robot: their classes, and why one of them is not used.
+
+    Attributes:
+        forms: The fields of each goal form by the goal's id, if its type is installed here.
+        unfit: Why goals cannot be made as the robot file says, by action.
+    """
 
     def __init__(self, node: Node, robot: model.RobotFile, graph: Graph) -> None:
         self._node, self._robot, self._graph = node, robot, graph
         made = {kind.id: _form(kind) for kind in robot.goals}
         self.forms = {name: form for name, form in made.items() if form is not None}
-        self.unfit: dict[str, str] = {}  # why a goal cannot be made as the file says, by action
+        self.unfit: dict[str, str] = {}
         for kind in robot.goals:
             if fault := _goal_fault(kind):
                 self.unfit.setdefault(kind.action, fault)
 
     def full(self, name: str) -> str:
-        """The fully qualified name of a service or action."""
+        """Return the fully qualified name of a service or action of the robot file."""
         return str(self._node.resolve_service_name(name))
 
     def _type(self, name: str) -> str:
-        """The type that the servers of a service have, empty when they have none or several."""
+        """Return the type of a service's servers; "" if there is no server, or several types."""
         full = self.full(name)
         types = self._graph.services.get(full, [])
-        if len(types) > 1:  # clients are in that list too
+        if len(types) > 1:  # The list also has the types of clients.
             types = self._graph.served_types(full)
         return types[0] if len(types) == 1 else ""
 
     def fitting(self, name: str, values: Mapping[str, Any]) -> tuple[Any, str]:
-        """Return the class of a service, when its request has exactly these fields for the values.
+        """Return the class of a service whose request takes exactly these values.
+
+        Args:
+            name: The service, as the robot file names it.
+            values: The values of the request by field.
 
         Returns:
-            None in place of the class where it does not fit; and why not.
+            The class and ""; or None and the reason if it does not fit.
         """
         full, kind = self.full(name), self._type(name)
         if not kind:
@@ -64,7 +73,7 @@ class Offers:
         return srv_type, ""
 
     def misfits(self) -> dict[str, str]:
-        """Why what is offered is not used: it is not what the robot file says."""
+        """Return why services and actions on the graph are not used, by their names in the file."""
         found: dict[str, str] = {}
         for name, values in self._requests():
             if name in self._graph.offered and not found.get(name):
@@ -78,7 +87,7 @@ class Offers:
         return {name: reason for name, reason in found.items() if reason}
 
     def _requests(self) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """Yield each service of the robot file with a request that is sent to it."""
+        """Yield each service of the robot file with a request that may be sent to it."""
         for command in self._robot.commands:
             yield command.service, dict.fromkeys(command.toggle, True)
         stop = self._robot.stop
@@ -87,7 +96,7 @@ class Offers:
             yield stop.release, stop.release_request
 
     def call_command(self, name: str, fields: Mapping[str, Any]) -> str:
-        """The `ros2` command line for a call, empty when its type is not known, or another one."""
+        """Return the `ros2` command line for a call; "" if the service's type does not fit."""
         full = self.full(name)
         types = self._graph.services.get(full, [])
         srv_type = message_classes.load(types[0]) if len(types) == 1 else None
@@ -95,16 +104,16 @@ class Offers:
             return ""
         try:
             request = filled(srv_type.Request(), fields)
-        except ValueError:  # calling it says why
+        except ValueError:  # The call itself reports why.
             return ""
         return ros2_command.service_call(full, types[0], request)
 
     def goal_command(self, kind: model.GoalKind, values: Mapping[str, Any]) -> str:
-        """The `ros2` command line that sends a goal, empty when none can be made."""
+        """Return the `ros2` command line that sends a goal; "" if the values do not fit."""
         action = message_classes.load(kind.type)
         try:
             goal = None if action is None else messages.goal_request(action, kind, values)
-        except ValueError:  # sending it says why
+        except ValueError:  # Sending the goal reports why.
             goal = None
         if goal is None:
             return ""
@@ -112,16 +121,16 @@ class Offers:
 
 
 def _goal_fault(kind: model.GoalKind) -> str:
-    """What the action's type does not have of what the robot file names, or does not take."""
+    """Return what a robot file names that the action's type has not, or does not take; or ""."""
     action = message_classes.load(kind.type)
-    if action is None:  # said when it is on the graph
+    if action is None:  # `misfits` reports it once the action is on the graph.
         return ""
     form = [(given.where or kind.where, path) for path, given in kind.form.items()]
     form += [(kind.where, path) for path in kind.fixed]
-    said = [(kind.where, kind.message)] if kind.message else []
-    left = [] if kind.remaining is None else [(kind.remaining.where, kind.remaining.field)]
-    parts = (("Goal", action.Goal, form), ("Result", action.Result, said))
-    for name, part, wanted in (*parts, ("Feedback", action.Feedback, left)):
+    message = [(kind.where, kind.message)] if kind.message else []
+    remaining = [] if kind.remaining is None else [(kind.remaining.where, kind.remaining.field)]
+    parts = (("Goal", action.Goal, form), ("Result", action.Result, message))
+    for name, part, wanted in (*parts, ("Feedback", action.Feedback, remaining)):
         fault = mismatch.unknown_field(f"{kind.type} {name}", wanted, messages.paths(part))
         if fault:
             return fault
@@ -129,23 +138,23 @@ def _goal_fault(kind: model.GoalKind) -> str:
 
 
 def _form_fault(kind: model.GoalKind, goal: Any) -> str:
-    """The first input that is not one for a field of its type."""
+    """Return why the first unfit input of a form cannot fill its field; "" if all can."""
     types = messages.types(goal)
     for path, given in kind.form.items():
-        where, said = given.where or kind.where, f"{path} is {types[path]}"
+        where, found = given.where or kind.where, f"{path} is {types[path]}"
         leaf = Leaf(path, types[path], None)
         if given.convert == "yaw":
             if not {f"{path}.{axis}" for axis in "xyzw"} <= set(types):
-                return f"{where}: {said}: convert: yaw is for a quaternion (x, y, z, w)"
+                return f"{where}: {found}: convert: yaw is for a quaternion (x, y, z, w)"
         elif any(other.startswith(f"{path}.") for other in types):
-            return f"{where}: {said}: name one of its fields"
+            return f"{where}: {found}: name one of its fields"
         elif not forms.is_number(leaf) and (given.low is not None or given.high is not None):
-            return f"{where}: {said}: low and high are for numbers"
+            return f"{where}: {found}: low and high are for numbers"
     return ""
 
 
 def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
-    """The first fixed value that its field does not take."""
+    """Return why the first unfit fixed value does not fit its field; "" if all do."""
     try:
         filled(goal, kind.fixed)
     except ValueError as error:
@@ -154,7 +163,7 @@ def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
 
 
 def _form(kind: model.GoalKind) -> tuple[Leaf, ...] | None:
-    """What each field of a goal's form takes; None: its type is not installed here."""
+    """Return the fields of a goal's form; None if the action's type is not installed here."""
     goal_type = message_classes.load(kind.type)
     if goal_type is None:
         return None

@@ -10,8 +10,8 @@ from action_msgs.msg import GoalStatus
 from archo_interfaces.action import MoveToShelf
 from rclpy.task import Future
 
-from archo_tui.robot.followed import Followed, said_by
 from archo_tui.robot.state import Goal, Motion, Phase, Snapshot
+from archo_tui.robot.tracked_goal import TrackedGoal, feedback_changes
 from archo_tui.words.goal import goal_line
 from archo_tui.words.state import plain_text
 from tests.support.archo import SHELF
@@ -42,7 +42,7 @@ def test_it_is_lost_after_so_long_without_feedback_though_the_wheels_are_heard(
 ) -> None:
     clock = StandingClock()
     goal = Goal(SHELF, {"shelf_number": 3}, Phase.MOVING, clock.monotonic(), clock.now())
-    followed = Followed(goal, b"1", ServedAction(), clock, lambda *_: None)
+    followed = TrackedGoal(goal, b"1", ServedAction(), clock, lambda *_: None)
     for _ in range(3):
         clock.passed += period
         followed.on_feedback(Feedback())
@@ -54,12 +54,12 @@ def test_it_is_lost_after_so_long_without_feedback_though_the_wheels_are_heard(
     assert seen == [Phase.MOVING, Phase.LOST]
 
 
-def followed_at(clock: StandingClock, phase: Phase = Phase.MOVING) -> Followed:
+def followed_at(clock: StandingClock, phase: Phase = Phase.MOVING) -> TrackedGoal:
     goal = Goal(SHELF, {"shelf_number": 3}, phase, clock.monotonic(), clock.now())
-    return Followed(goal, b"1", ServedAction(), clock, lambda *_: None)
+    return TrackedGoal(goal, b"1", ServedAction(), clock, lambda *_: None)
 
 
-def phases(followed: Followed, clock: StandingClock, *passed: float) -> list[Phase]:
+def phases(followed: TrackedGoal, clock: StandingClock, *passed: float) -> list[Phase]:
     """Return its phase so many s from now."""
     seen = []
     for seconds in passed:
@@ -96,7 +96,7 @@ def test_a_parameter_that_is_its_period_counts_at_once() -> None:
     for _ in range(3):
         clock.passed += 0.5
         followed.on_feedback(Feedback())
-    followed.measure_anew(0.5, 5.0)
+    followed.forget_period(0.5, 5.0)
     assert phases(followed, clock, 14.9, 15.1) == [Phase.MOVING, Phase.LOST]
 
 
@@ -115,11 +115,13 @@ def test_silence_while_this_process_stood_still_loses_no_goal() -> None:
 def test_the_longest_remainder_is_the_way_until_a_node_tells_it() -> None:
     goal = Goal(SHELF, {}, Phase.MOVING, 0.0, 0.0)
     for left, longest in ((15.0, 15.0), (12.0, 15.0), (16.0, 16.0)):
-        goal = goal._replace(**said_by(goal, MoveToShelf.Feedback(distance_remaining=left)))
+        goal = goal._replace(
+            **feedback_changes(goal, MoveToShelf.Feedback(distance_remaining=left))
+        )
         assert (goal.length, goal.remaining) == (longest, left)
     known = goal._replace(length=18.0, length_is_guessed=False)
     feedback = MoveToShelf.Feedback(distance_remaining=20.0)
-    assert known._replace(**said_by(known, feedback)).length == 18.0
+    assert known._replace(**feedback_changes(known, feedback)).length == 18.0
 
 
 def test_the_time_that_is_left_is_that_of_the_way_so_far() -> None:
@@ -170,9 +172,9 @@ class AskedAction(ServedAction):
 def test_an_answer_from_before_the_goal_was_taken_does_not_end_it() -> None:
     clock, action = StandingClock(), AskedAction()
     goal = Goal(SHELF, {"shelf_number": 3}, Phase.UNKNOWN, clock.monotonic(), clock.now())
-    followed = Followed(goal, b"1", action, clock, lambda *_: None)
+    followed = TrackedGoal(goal, b"1", action, clock, lambda *_: None)
     followed.ask_result()
-    followed.accepted(object())
+    followed.on_accepted(object())
     seen: list[Phase] = []
     for asked in action.asked:
         asked.call_back(asked)

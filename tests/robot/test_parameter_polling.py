@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from archo_tui.robot.rounds import MOST, PERIOD, SLICE, Rounds
+from archo_tui.robot.parameter_polling import MAX_REQUESTS, PERIOD, SLICE, ParameterPolling
 
 
-def looks(rounds: Rounds, names: dict[str, list[str]], since: float) -> list[list[Any]]:
+def looks(rounds: ParameterPolling, names: dict[str, list[str]], since: float) -> list[list[Any]]:
     """What is read in a round of looks, one a second."""
     return [rounds.due(since + second, names) for second in range(int(PERIOD))]
 
 
 def test_each_parameter_is_read_once_in_thirty_seconds() -> None:
-    rounds = Rounds()
+    rounds = ParameterPolling()
     names = {"/b": ["one"], "/a": ["two", "three"], "/large": [str(n) for n in range(SLICE + 1)]}
     for since in (0.0, PERIOD):
         read = [slice for look in looks(rounds, names, since) for slice in look]
@@ -22,12 +22,12 @@ def test_each_parameter_is_read_once_in_thirty_seconds() -> None:
 
 
 def test_a_crowd_is_read_a_few_at_a_look_however_long_it_takes() -> None:
-    rounds, crowd = Rounds(), {f"/{number:04}": ["one"] for number in range(1000)}
+    rounds, crowd = ParameterPolling(), {f"/{number:04}": ["one"] for number in range(1000)}
     read = [
         slice
         for since in range(0, 300, 30)
         for look in looks(rounds, crowd, since)
         for slice in look
     ]
-    assert max(len(look) for look in looks(rounds, crowd, 300.0)) <= MOST
+    assert max(len(look) for look in looks(rounds, crowd, 300.0)) <= MAX_REQUESTS
     assert len({node for node, _ in read}) == 1000

@@ -1,0 +1,135 @@
+"""Changes of the robot that no console reports: another client made them. No input or output."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, NamedTuple
+
+from archo_tui.robot.acts import Act
+from archo_tui.robot.outcome import Code
+from archo_tui.robot.state import Motion
+from archo_tui.robot.values import text_of
+
+CLIENT, CONSOLE = "another client", "another console"
+# Seconds between a change and the report of the console that made it, before or after; a STOP
+# waits 3 s for its servers before it is reported.
+_PATIENCE = 4.0
+_LATE = 20.0  # Seconds in which a request that was not answered in time may still be carried out.
+_GAP = 2.0  # Seconds of silence after which the robot's node may have been restarted.
+_MAX_ACTS = 200  # Reports that are kept.
+# Codes of requests that did not reach the robot. REFUSED is not among them: the robot may have done
+# a part, as when one of two servers stops.
+_NOT_DONE = (Code.CANCELLED, Code.HELD, Code.NOT_OFFERED, Code.WATCHING, Code.MISUSE)
+
+
+class _Change(NamedTuple):
+    """A change that was seen.
+
+    Attributes:
+        verbs: The verbs that may have caused it.
+        text: The line for the event.
+        at: When it was seen, in monotonic seconds.
+        node: The node of a parameter that changed; else "".
+        parameter: Its name; else "".
+    """
+
+    verbs: Collection[str]
+    text: str
+    at: float
+    node: str = ""
+    parameter: str = ""
+
+    def may_be_by(self, verbs: Collection[str], arguments: Mapping[str, Any]) -> bool:
+        if not set(verbs) & set(self.verbs):
+            return False
+        values = arguments.get("values")
+        is_named = isinstance(values, Mapping) and self.parameter in values
+        return not self.node or (arguments.get("node") == self.node and is_named)
+
+
+class UnexplainedChanges:
+    """Compares what changed with what the consoles, this one included, report to have done.
+
+    Attributes:
+        author: Who made a change that no console reports, as the event names it.
+    """
+
+    def __init__(self, commands: Collection[str], services: Mapping[str, Collection[str]]) -> None:
+        """Begin without changes.
+
+        Args:
+            commands: The verbs for the commands of the robot file, any of which may zero the count.
+            services: The verbs that call a service, by the service's full name: `call` may have
+                the same effect. One service may stop and release, depending on its request.
+        """
+        self._commands, self._services = commands, services
+        self._acts: deque[tuple[Act, float]] = deque(maxlen=_MAX_ACTS)
+        self._changes: list[_Change] = []
+        self._motion = Motion()
+        self.author = CLIENT
+
+    def on_act(self, act: Act, now: float) -> None:
+        """Record what a console reports.
+
+        Args:
+            act: The report.
+            now: Monotonic time in seconds.
+        """
+        if act.code not in _NOT_DONE:
+            self._acts.append((act, now))
+
+    def on_motion(
+        self, motion: Motion, now: float, is_restarted: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Compare a message about the motion with the one before.
+
+        Args:
+            motion: What was received.
+            now: Monotonic time in seconds.
+            is_restarted: Returns True if another node publishes it than before, whose first values
+                are no changes; called only if something changed.
+        """
+        before, self._motion = self._motion, motion
+        if now - (before.received or 0.0) > _GAP:
+            return  # Another node may publish it by now.
+        changes = []
+        if before.stopped is False and motion.stopped:
+            changes.append(_Change(("stop",), f"stopped by {self.author}", now))
+        if before.stopped and motion.stopped is False:
+            changes.append(_Change(("release",), f"stop released by {self.author}", now))
+        if before.count and motion.count == 0:
+            text = f"encoder reset by {self.author}: 0, was {before.count}"
+            changes.append(_Change(self._commands, text, now))
+        if changes and not is_restarted():
+            self._changes += changes
+
+    def on_parameter(self, node: str, name: str, old: Any, new: Any, now: float) -> None:
+        """Record that a node reports a new value of a parameter, at `now` (monotonic seconds)."""
+        change = f"{text_of(new)}, was {text_of(old)}"
+        text = f"{node.lstrip('/')} {name} changed by {self.author}: {change}"
+        self._changes.append(_Change(("set",), text, now, node, name))
+
+    def take_due(self, now: float) -> list[str]:
+        """Remove the changes that are old enough; return a line for each that nobody reported.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
+        due = [change for change in self._changes if now - change.at >= _PATIENCE]
+        self._changes = [change for change in self._changes if now - change.at < _PATIENCE]
+        return [change.text for change in due if not self._is_reported(change)]
+
+    def _is_reported(self, change: _Change) -> bool:
+        return any(
+            -_PATIENCE <= change.at - at <= (_LATE if act.code == Code.TIMEOUT else _PATIENCE)
+            and change.may_be_by(self._verbs(act), act.arguments)
+            for act, at in self._acts
+        )
+
+    def _verbs(self, act: Act) -> Collection[str]:
+        """Return the verb of a report; for `call`, the verbs that call the same service."""
+        service = act.arguments.get("service")
+        if act.verb != "call" or not isinstance(service, str):
+            return (act.verb,)
+        return self._services.get(service, (act.verb,))
