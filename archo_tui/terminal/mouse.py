@@ -15,11 +15,14 @@ def drop_passed_moves(text: str) -> str:
 
     In a run of moves the last one with each state of the buttons stays; all else keeps its place.
     """
-    return _RUN.sub(lambda run: "".join(_lasting(run[0])), text)
+    return _RUN.sub(lambda run: "".join(_last_moves(run[0])), text)
 
 
-def _lasting(run: str) -> list[str]:
-    """Return the reports of a run of moves that stay."""
+def _last_moves(run: str) -> list[str]:
+    """Return the reports of a run without each move that a later one with equal buttons follows.
+
+    Moves before and after a press, or a turn of the wheel, do not count as one run.
+    """
     kept: list[str] = []
     seen: set[str] = set()
     for report in reversed(list(_PRESS.finditer(run))):
