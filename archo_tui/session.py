@@ -19,7 +19,7 @@ from archo_tui.clock import LAST_STAMP, Clock
 from archo_tui.embedded.parameter_files import Override, matches
 from archo_tui.errors import ArchoError
 from archo_tui.hosting.node_output import NodeOutput
-from archo_tui.hosting.watch import Watch, Watched
+from archo_tui.hosting.watch import FileWatcher, Watched
 from archo_tui.parameters import files
 from archo_tui.paths import config_file, journal_file, state_file
 from archo_tui.recording.box import BUDGET
@@ -123,7 +123,7 @@ class Session:
             unseen=engine.unseen(options.engine, self._context),
             file_is_default=options.robot is None,
         )
-        self._watch = Watch(self._watched(interfaces))
+        self._watch = FileWatcher(self._watched(interfaces))
         self._server = self._socket() if options.remote else None
 
     def _socket(self) -> Server | None:

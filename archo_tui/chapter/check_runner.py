@@ -14,9 +14,9 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
 from archo_tui.hosting.host import HostedNode
-from archo_tui.hosting.limited import stack_of
 from archo_tui.hosting.node_files import WORDLESS, code_of
 from archo_tui.hosting.source import Source
+from archo_tui.hosting.time_limit import stack_of
 from archo_tui.robot.state import Life, logger_node
 from archo_tui.session import Session
 
@@ -129,7 +129,7 @@ class CheckRunner:
         code = code_of(callback)
         for hosted in self._host.nodes:
             if code and hosted.file is not None and hosted.file.is_own(code.co_filename):
-                return f"{hosted.file.named(code.co_filename)}:{code.co_firstlineno}: "
+                return f"{hosted.file.display_name(code.co_filename)}:{code.co_firstlineno}: "
         return ""
 
     def last_exception(self, since: int) -> str:
@@ -150,7 +150,7 @@ class CheckRunner:
             if frame is not None:
                 for hosted in self._host.nodes:
                     if hosted.file is not None and hosted.file.is_own(frame[1]):
-                        where = f"{hosted.file.named(frame[1])}:{frame[2]}"
+                        where = f"{hosted.file.display_name(frame[1])}:{frame[2]}"
                         text = linecache.getline(frame[1], int(frame[2])).strip()
             elif where and line[:1].strip():
                 yield f"{where}: {WORDLESS.get(line, line)}, in: {text}"

@@ -1,1 +1,1 @@
-"""What runs nodes in this process: the robot's own, and those of the user's files."""
+"""Running nodes in this process: the robot's own, and those of the user's files."""

@@ -15,7 +15,7 @@ from rclpy.context import Context
 from rclpy.executors import Executor, SingleThreadedExecutor
 from rclpy.node import Node
 
-# Python gives each new thread an empty context: a thread that a node starts has rclpy's own one.
+# Python gives each new thread an empty context, so a thread that a node starts has rclpy's own one.
 _of_thread: ContextVar[Executor] = ContextVar("global executor")
 
 
@@ -23,7 +23,7 @@ class GlobalExecutor(SingleThreadedExecutor):
     """The global executor of one hosted node."""
 
     def __init__(self, context: Context, on_add: Callable[[Node], None]) -> None:
-        """Make it.
+        """Create an executor without nodes.
 
         Args:
             context: The rclpy context of the node.
@@ -33,7 +33,7 @@ class GlobalExecutor(SingleThreadedExecutor):
         self._on_add = on_add
 
     def add_node(self, node: Node) -> bool:
-        """Add a node as rclpy does, and report it first."""
+        """Add a node as rclpy does, after calling `on_add`."""
         self._on_add(node)
         return super().add_node(node)
 
@@ -44,10 +44,10 @@ def use(executor: Executor) -> None:
 
 
 def install() -> Callable[[], None]:
-    """Have rclpy ask for the executor of the thread.
+    """Make rclpy use the executor of the calling thread as its global one.
 
     Returns:
-        What undoes it.
+        A function that restores rclpy's own behaviour.
     """
     module: Any = rclpy
     original = module.get_global_executor

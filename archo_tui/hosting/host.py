@@ -1,4 +1,7 @@
-"""Runs nodes in this process, each spun in its own thread; one that fails does so alone."""
+"""The nodes of this process, each constructed and spun in its own thread.
+
+A node that crashes does not affect the others.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +26,8 @@ import archo_tui
 from archo_tui.errors import in_one_line
 from archo_tui.hosting import global_executor
 from archo_tui.hosting.global_executor import GlobalExecutor
-from archo_tui.hosting.limited import Interrupted, interrupt, raise_in, run_limited, stack_of
 from archo_tui.hosting.node_files import FileNode, NodeFile, NodeFileError
+from archo_tui.hosting.time_limit import Interrupted, interrupt, raise_in, run_limited, stack_of
 from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps
 from archo_tui.hosting.workers import Workers, multi_threaded
@@ -33,21 +36,33 @@ from archo_tui.robot.fields import filled
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import Hosted, Life
 
-CONSTRUCTION_TIME = 2.0  # s that a node of a file may take to be made before others are started
-JOIN_TIMEOUT = 3.0  # s a node's callback may still take when the node is stopped
-END_TIMEOUT = 1.5  # s for all of them when the console ends
-_CONSTRUCTOR_POLL = 0.05  # s between two looks at a constructor
-_WAITING = {  # functions of rclpy that return when other nodes have done something
+# Seconds to wait for a constructor before other nodes start, or for a callback before a node spins.
+CONSTRUCTION_TIME = 2.0
+JOIN_TIMEOUT = 3.0  # Seconds that a callback may still take when its node is stopped.
+END_TIMEOUT = 1.5  # Seconds for all nodes when the console ends.
+_CONSTRUCTOR_POLL = 0.05  # Seconds between two checks of a constructor.
+# The functions of rclpy that return only after other nodes have done something.
+_WAITING_FUNCTIONS = {
     *("spin", "spin_once", "spin_until_future_complete"),
     *("wait_for_server", "wait_for_service", "wait_for_services"),
 }
-_LOCK_WAIT = 0.05  # s for the lock, before a late node looks whether it is being stopped
+_LOCK_POLL = 0.05  # Seconds between two checks whether a node that waits for the lock is stopped.
 
 
 class HostedNode:
-    """One node and the thread that constructs and spins it."""
+    """A node, and the thread that constructs and spins it.
 
-    node: Node  # once it is made
+    Attributes:
+        node: The node; not set until its constructor has returned.
+        make: What makes the node.
+        file: The node file; None for a node of the robot's own.
+        operator_values: Returns the parameters that the operator has set on a node, by its name.
+        state: How the node is doing; `current_state` is more precise while it is constructed.
+        was_told_early: True if the constructor spun while there was a STOP that is not released.
+        crash: `FILE:LINE` and the error of a node of a file that has crashed; "" otherwise.
+    """
+
+    node: Node
 
     def __init__(
         self,
@@ -59,27 +74,27 @@ class HostedNode:
         on_early: Callable[[HostedNode], object],
         rename: str = "",
     ) -> None:
-        """Begin to construct the node; `wait` tells what comes of it.
+        """Start the thread, which constructs the node; `wait` returns when it has.
 
         Args:
             make: Makes the node, given the context.
             context: The rclpy context of the node.
-            on_change: Called, in the node's thread, when the node has crashed.
-            on_event: Called from the node's threads with level, source and text.
-            on_late: Called, in the node's thread, when it is made and `wait` has given it up.
-            on_early: Called, in the node's thread, before its constructor spins it.
-            rename: The name of the node; "" for the one that it gives itself.
+            on_change: Called when the node has crashed, in its thread.
+            on_event: Called with level, source and text of an event, in any of its threads.
+            on_late: Called when the node is made after `wait` has returned False, in its thread.
+            on_early: Called before the constructor spins the node, in its thread.
+            rename: The name of the node; "" for the name that it gives itself.
         """
         self.make, self._context, self._rename = make, context, rename
         self._on_change, self._on_event = on_change, on_event
         self._on_late, self._on_early = on_late, on_early
         self.file = make.file if isinstance(make, FileNode) else None
-        self.kept: Callable[[str], Mapping[str, Any]] = lambda _: {}
-        self._global = GlobalExecutor(context, self._added)
+        self.operator_values: Callable[[str], Mapping[str, Any]] = lambda _: {}
+        self._global = GlobalExecutor(context, self._on_added)
         self._executor: Executor = self._global
         self._workers: Workers | None = None
-        self._begun: list[Node] = []  # a node of a file whose constructor runs, or has run
-        self._name = ""  # once it is made
+        self._begun: list[Node] = []  # The node of a file, once its constructor has begun.
+        self._name = ""  # Set once the node is made.
         self._name_before = "/" if self.file is None else f"/{self.file.path.stem}"
         self.state = Hosted(self.name, Life.STARTING)
         if self.file is not None:
@@ -87,66 +102,72 @@ class HostedNode:
             self.state = self.state._replace(file=named, saved=saved)
         self._stopping = False
         self._was_taken = False
-        self.was_told_early = False  # of the STOP that holds, before its constructor spun it
-        self.crash = ""  # FILE:LINE and what it raised
-        self._failure: BaseException | None = None  # of the constructor
+        self.was_told_early = False
+        self.crash = ""
+        self._failure: BaseException | None = None  # What the constructor raised.
         self._is_late = False
         self._began = time.monotonic()
         self._lock = threading.Lock()
-        self._has_returned = False  # the constructor
-        self._is_over = threading.Event()  # all that is to be done before the node is spun
+        self._has_returned = False  # True once the constructor has returned.
+        self._is_over = threading.Event()  # Set once the node is ready to be spun, or has failed.
         self._may_spin = threading.Event()
-        # what the constructor prints is known by the name of the thread
+        # The output of the constructor is known by the name of the thread.
         name = "construction" if self.file is None else f"/{self.file.path.stem}"
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
     @property
     def name(self) -> str:
-        """Fully qualified; of a node that has none yet the name of its file."""
+        """The fully qualified name; the name of the file while the node has none."""
         if self._name:
             return self._name
         for node in self._begun:
-            with contextlib.suppress(Exception):  # how far its constructor is nobody knows
+            with contextlib.suppress(Exception):  # The constructor may not have come that far.
                 self._name_before = node.get_fully_qualified_name()
         return self._name_before
 
     @property
     def is_made(self) -> bool:
-        """True when its constructor has returned."""
+        """True if the constructor has returned."""
         return bool(self._name)
 
     @property
     def is_late(self) -> bool:
-        """True when it was not made in time: it is started when it is made."""
+        """True if the node was not made in time, so that it starts by itself once it is made."""
         return self._is_late
 
     @property
     def is_stopping(self) -> bool:
-        """True when the thread is to end."""
+        """True if the thread has been asked to end."""
         return self._stopping
 
-    def look(self) -> Hosted:
-        """Return how the node is doing; of one that starts, where its constructor is."""
+    def current_state(self) -> Hosted:
+        """Return how the node is doing; while it is constructed, with the line it is at."""
         state = self.state
         if state.life is not Life.STARTING or self.file is None:
             return state
         where, line = self.file.place(stack_of(self._thread))
-        said = in_its_file(self.file, f"{where}{line}")
-        return state._replace(name=self.name, error=said, serves=self._serves_by_now())
+        place = without_file_name(self.file, f"{where}{line}")
+        return state._replace(name=self.name, error=place, serves=self._serves_by_now())
 
     def _serves_by_now(self) -> tuple[str, ...]:
-        """Return what a node serves whose constructor runs, which may spin it for good."""
-        with contextlib.suppress(Exception):  # how far its constructor is nobody knows
+        """Return the services and actions that the node has made in its constructor so far.
+
+        The constructor may spin the node and never return.
+        """
+        with contextlib.suppress(Exception):  # The constructor may not have come that far.
             return tuple(sorted({name for node in self._begun for name in _served(node)}))
         return ()
 
     def wait(self) -> bool:
-        """Wait until the node is made. Raises what its constructor raises.
+        """Wait until the node is made.
 
         Returns:
-            False when the constructor of a node of a file waits for other nodes, or takes longer
-            than CONSTRUCTION_TIME; it goes on.
+            False if the constructor of a node of a file waits for other nodes, or takes longer
+            than CONSTRUCTION_TIME; it goes on then, and the node is late.
+
+        Raises:
+            BaseException: What the constructor raises.
         """
         while not self._is_over.wait(None if self.file is None else _CONSTRUCTOR_POLL):
             if not (self.is_overdue or self._waits_for_others()):
@@ -160,7 +181,7 @@ class HostedNode:
 
     @property
     def is_overdue(self) -> bool:
-        """True when CONSTRUCTION_TIME has passed since the constructor began."""
+        """True if CONSTRUCTION_TIME has passed since the constructor began."""
         return time.monotonic() - self._began >= CONSTRUCTION_TIME
 
     def _waits_for_others(self) -> bool:
@@ -168,13 +189,13 @@ class HostedNode:
         frame = sys._current_frames().get(self._thread.ident or 0)
         while frame is not None:
             module = frame.f_globals.get("__name__", "")
-            if frame.f_code.co_name in _WAITING and module.partition(".")[0] == "rclpy":
+            if frame.f_code.co_name in _WAITING_FUNCTIONS and module.partition(".")[0] == "rclpy":
                 return True
             frame = frame.f_back
         return False
 
-    def lateness(self) -> str:
-        """Return where the constructor of a node of a file is, which takes its time."""
+    def lateness_text(self) -> str:
+        """Return in words where the constructor of a late node is, and what it waits for."""
         assert isinstance(self.make, FileNode)
         where, line = self.make.file.place(stack_of(self._thread))
         limit = f"did not return within {CONSTRUCTION_TIME:g} s"
@@ -184,23 +205,26 @@ class HostedNode:
     def wait_longer(self, seconds: float) -> str:
         """Wait for a node that is late.
 
+        Args:
+            seconds: How long at most.
+
         Returns:
-            Where its constructor is, or what it raised; "" when the node is made.
+            Where its constructor is, or what it raised; "" if the node is made.
         """
         self._is_over.wait(seconds)
         if self._failure is not None:
             return str(self._failure)
-        return "" if self._is_over.is_set() else self.lateness()
+        return "" if self._is_over.is_set() else self.lateness_text()
 
     def _run(self) -> None:
         """Construct the node, and spin it once that is allowed."""
         global_executor.use(self._global)
-        with contextlib.suppress(Interrupted):  # it is stopped as it is constructed
+        with contextlib.suppress(Interrupted):  # It was stopped while it was constructed.
             try:
                 self._construct()
             except Exception as error:
                 self._failure = error
-            self._thread.name = f"waiting {self.name}"  # no spinning thread's: those begin with /
+            self._thread.name = f"waiting {self.name}"  # Only spinning threads' names begin with /.
             with self._lock:
                 self._is_over.set()
             if self._failure is not None:
@@ -228,9 +252,12 @@ class HostedNode:
         self._name = name
 
     def _main_executor(self, name: str) -> tuple[Executor, Workers | None]:
-        """Return what spins the node as `main()` does, and its threads if there are several.
+        """Return the executor that spins the node as `main()` does.
 
-        Where `main()` calls `rclpy.spin(node)`, that is the global executor.
+        If `main()` calls `rclpy.spin(node)`, that is the global executor.
+
+        Returns:
+            The executor, and its threads if it has several, else None.
         """
         if not isinstance(self.make, FileNode) or not self.make.has_executor:
             return self._global, None
@@ -239,31 +266,35 @@ class HostedNode:
         begin = partial(global_executor.use, self._global)
         return multi_threaded(self._context, self.make.threads, name, begin)
 
-    def _added(self, node: Node) -> None:
-        """Look at a node that its own code is about to spin, by `rclpy.spin` and its like."""
+    def _on_added(self, node: Node) -> None:
+        """React to user code that is about to spin a node, by `rclpy.spin` and its like."""
         if not self._is_over.is_set():
             if self._begun and not self._has_returned:
                 self._on_early(self)
         elif node.executor not in (None, self._global):
-            self._taken(node)
+            self._warn_of_nested_spin(node)
 
-    def _taken(self, node: Node) -> None:
-        """Warn that a nested spin takes the node from the executor of `main()`, as on ROS 2."""
+    def _warn_of_nested_spin(self, node: Node) -> None:
+        """Warn that a nested spin takes a node from the executor of `main()`, as on ROS 2."""
         if node.executor is not self._executor or self._was_taken or self.file is None:
             return
         self._was_taken = True
         where, line = self.file.place(extract_stack())
         name = node.get_name()
-        said = f"takes {name} from the executor of main(), which calls nothing of {name} any more"
-        self._on_event("WARN", name, f"{where}: {said}: pass executor=self.executor{line}")
+        what = f"takes {name} from the executor of main(), which calls nothing of {name} any more"
+        self._on_event("WARN", name, f"{where}: {what}: pass executor=self.executor{line}")
 
     def start(self) -> None:
-        """Begin to spin."""
+        """Let the thread spin the node, which is made."""
         self._thread.name = self.name
         self._may_spin.set()
 
     def serves(self, service: str) -> bool:
-        """Return whether the node has that service, also while it is constructed."""
+        """Return whether the node has a service, also while it is constructed.
+
+        Args:
+            service: The full name of the service.
+        """
         return self._service(service) is not None
 
     def _service(self, name: str) -> Any:
@@ -271,15 +302,15 @@ class HostedNode:
         services = [service for node in nodes for service in node.services]
         return next((found for found in services if found.service_name == name), None)
 
-    def take_stop(self, service: str, request: Mapping[str, Any]) -> str:
-        """Have a node that does not spin yet carry out a STOP.
+    def carry_out_stop(self, service: str, request: Mapping[str, Any]) -> str:
+        """Call the STOP callback of a node that does not spin yet, with a time limit.
 
         Args:
-            service: Its full name.
-            request: What is sent, by field: all the fields that the request must have.
+            service: The full name of the STOP service.
+            request: The values of the request; it must have exactly these fields.
 
         Returns:
-            Why that is not confirmed; empty: it is.
+            Why the STOP is not confirmed; "" if it is.
         """
         served = self._service(service)
         kind = served.srv_type
@@ -300,14 +331,14 @@ class HostedNode:
         try:
             answer = run_limited(stop, CONSTRUCTION_TIME, self.name)
             outcome = message_classes.outcome_of(answer)
-        except Exception as error:  # whatever the user's callback raises
+        except Exception as error:  # The user's callback may raise anything.
             return in_one_line(error)
         return "" if outcome.ok else outcome.text
 
-    def again(self) -> HostedNode:
-        """Another node of the same kind and name, as it was at the start."""
-        told = self._on_change, self._on_event, self._on_late, self._on_early
-        return HostedNode(self.make, self._context, *told, self._rename)
+    def make_again(self) -> HostedNode:
+        """Start to construct another node of the same class and name."""
+        callbacks = self._on_change, self._on_event, self._on_late, self._on_early
+        return HostedNode(self.make, self._context, *callbacks, self._rename)
 
     def _spin(self) -> None:
         try:
@@ -315,20 +346,20 @@ class HostedNode:
                 self._executor.spin_once()
         except (ExternalShutdownException, Interrupted):
             return
-        except BaseException as error:  # SystemExit, too: it ends the node, not the console
+        except BaseException as error:  # SystemExit ends the node, not the console.
             self._crashed(error)
 
     def _crashed(self, error: BaseException) -> None:
-        said = in_one_line(error)
+        text = in_one_line(error)
         report = own_frames(error, rclpy, archo_tui)
         if isinstance(error, NodeFileError):
             self.crash, report = str(error), error.report
         elif self.file is not None:
-            self.crash = self.file.said(error)[0]
+            self.crash = self.file.explain(error)[0]
         if self.file is not None:
-            said = in_its_file(self.file, self.crash)
+            text = without_file_name(self.file, self.crash)
         name = self.name
-        self.state = self.state._replace(name=name, life=Life.CRASHED, error=said, traceback=report)
+        self.state = self.state._replace(name=name, life=Life.CRASHED, error=text, traceback=report)
         self._leave_graph()
         self._on_change(self)
 
@@ -336,20 +367,20 @@ class HostedNode:
         if self.is_made:
             self._executor.remove_node(self.node)
             _destroy(self.node)
-        else:  # as far as it was made
+        else:  # Take off what the constructor has put on the graph so far.
             for node in self._begun:
                 with contextlib.suppress(Exception):
                     _destroy(node)
 
     def threads(self) -> list[threading.Thread]:
-        """Those that run: the one that spins, and its workers'."""
+        """Return the threads of the node that run: the spinning one, and its workers."""
         workers = self._workers.threads if self._workers is not None else ()
         return [thread for thread in (self._thread, *workers) if thread.is_alive()]
 
     def begin_to_stop(self) -> None:
-        """Have the thread end when the callback returns that it runs, or spins in itself.
+        """Ask the thread to end, without waiting for it.
 
-        A constructor is interrupted.
+        It ends when the running callback returns, or spins in itself. A constructor is interrupted.
         """
         self._stopping = True
         self._may_spin.set()
@@ -362,10 +393,17 @@ class HostedNode:
                 self._executor.create_task(lambda: None)
 
     def stop(self, timeout: float = JOIN_TIMEOUT) -> bool:
-        """End the thread and destroy the node; False when a callback takes longer than that (s)."""
+        """End the threads and destroy the node.
+
+        Args:
+            timeout: Seconds to wait for the running callbacks.
+
+        Returns:
+            False if a callback takes longer; the node is marked as stuck then.
+        """
         self.begin_to_stop()
         end = time.monotonic() + timeout
-        # asked anew each time: until it has ended, the one that spins starts workers
+        # Asked anew each time, because the spinning thread starts workers until it has ended.
         while (threads := self.threads()) and time.monotonic() < end:
             threads[0].join(max(end - time.monotonic(), 0.0))
         if self.threads():
@@ -381,31 +419,35 @@ class HostedNode:
         return True
 
     def abandon(self) -> bool:
-        """Take a node off the graph whose callback does not return; False when that goes on."""
+        """Take a node off the graph whose callback does not return, and interrupt its threads.
+
+        Returns:
+            Whether all of them have ended.
+        """
         ended = all([interrupt(thread) for thread in self.threads()])
         self._leave_graph()
         return ended
 
 
 def _end_spinning() -> NoReturn:
-    """End a spin from within, also one in a callback, with the callback around it."""
+    """End the spin that runs this, and the callback around it if it is nested."""
     raise Interrupted
 
 
-def in_its_file(file: NodeFile, said: str) -> str:
-    """What is wrong with a file, where its name is seen already: `line 31: NameError: ...`."""
+def without_file_name(file: NodeFile, text: str) -> str:
+    """Shorten `FILE:31: NameError: ...` to `line 31: NameError: ...`, for places that name FILE."""
     prefix = f"{file}:"
-    if not said.startswith(prefix):
-        return said
-    rest = said.removeprefix(prefix)
+    if not text.startswith(prefix):
+        return text
+    rest = text.removeprefix(prefix)
     return f"line {rest}" if rest[:1].isdigit() else rest.strip()
 
 
 def _destroy(node: Node) -> None:
-    """Take a node off the graph, with its actions.
+    """Take a node off the graph, with its action servers and clients.
 
-    rclpy leaves their servers there until they are collected: beside the node that is started next
-    they would be second servers of its actions.
+    rclpy leaves these on the graph until they are garbage collected. Beside the node that is
+    started next they would be second servers of its actions.
     """
     for waitable in list(getattr(node, "waitables", ())):
         destroy = getattr(waitable, "destroy", None)
@@ -415,7 +457,7 @@ def _destroy(node: Node) -> None:
 
 
 def _served(node: Node) -> tuple[str, ...]:
-    """The services and actions of a node, but for those of its parameters: every node has them."""
+    """Return the services and actions of a node, without the services of its parameters."""
     own = f"{node.get_fully_qualified_name()}/"
     names = {service.service_name for service in node.services}
     services = {name for name in names if not name.startswith(own) and "/_action/" not in name}
@@ -424,7 +466,14 @@ def _served(node: Node) -> tuple[str, ...]:
 
 
 class Host:
-    """The nodes of this process. Changing them may take JOIN_TIMEOUT: never on the UI thread."""
+    """The nodes of this process.
+
+    `states` may be called on any thread. All else may block for JOIN_TIMEOUT and longer, so it is
+    never called on the UI thread; one call at a time changes nodes.
+
+    Attributes:
+        nodes: The nodes, sorted by name once they have started.
+    """
 
     def __init__(
         self,
@@ -434,14 +483,16 @@ class Host:
         stop_to_tell: Callable[[], tuple[str, Mapping[str, Any]]] = lambda: ("", {}),
         told_stop: Callable[[str], None] = lambda _: None,
     ) -> None:
-        """Host no node yet.
+        """Create a host without nodes.
 
         Args:
             context: The rclpy context of the nodes.
-            on_event: Called from the nodes' threads with level, source and text.
-            on_end: Called with the services and actions that went with a node of this process.
-            stop_to_tell: Returns the service of a STOP that is not released, or "", and a request.
-            told_stop: Called with the name of a node that has confirmed it before it spins.
+            on_event: Called with level, source and text of an event, on any thread.
+            on_end: Called with the services and actions that no node of this process serves any
+                more, after a node has ended.
+            stop_to_tell: Returns the full name of the service of a STOP that is not released, and
+                the values of its request; "" for the name if there is no such STOP.
+            told_stop: Called with the name of a node that has confirmed that STOP before it spins.
         """
         self._context = context
         self._on_event, self._on_end = on_event, on_end
@@ -451,24 +502,35 @@ class Host:
         self.nodes: list[HostedNode] = []
 
     def add(self, make: Callable[..., Any]) -> None:
-        """Construct a node; `start()` spins it. Raises what the constructor raises."""
+        """Construct a node, which `start` spins.
+
+        Args:
+            make: Makes the node, given the context by that name.
+
+        Raises:
+            BaseException: What the constructor raises.
+        """
         with self._changing:
             hosted = self._hosted(make)
             self._wait(hosted)
             self.nodes.append(hosted)
 
     def _hosted(self, make: Callable[..., Any], rename: str = "") -> HostedNode:
-        told = self._crashed, self._on_event, self._made_late, self._tell_stop_early
-        return HostedNode(make, self._context, *told, rename)
+        callbacks = self._on_crashed, self._on_event, self._on_made_late, self._tell_stop_early
+        return HostedNode(make, self._context, *callbacks, rename)
 
     def _wait(self, hosted: HostedNode) -> None:
-        """Wait for a node, or say where its constructor is. Raises what that raises."""
+        """Wait for a node; write an event if it is late.
+
+        Raises:
+            BaseException: What the constructor raises.
+        """
         if not hosted.wait():
             level = "WARN" if hosted.is_overdue else "INFO"
-            self._on_event(level, hosted.name.lstrip("/"), hosted.lateness())
+            self._on_event(level, hosted.name.lstrip("/"), hosted.lateness_text())
 
     def start(self) -> None:
-        """Spin every node."""
+        """Spin every node that is made; late nodes start by themselves."""
         with self._changing:
             self._has_started = True
             for hosted in self.nodes:
@@ -476,118 +538,149 @@ class Host:
                     hosted.start()
 
     def wait_longer(self, seconds: float) -> list[str]:
-        """Wait for the nodes that are late; returns what is wrong with each that is not made."""
+        """Wait for the nodes that are late.
+
+        Args:
+            seconds: How long at most, for all of them.
+
+        Returns:
+            Where each constructor is that has not returned, or what it raised.
+        """
         end = time.monotonic() + seconds
         late = [hosted for hosted in self.nodes if hosted.is_late]
         waited = (hosted.wait_longer(max(end - time.monotonic(), 0.0)) for hosted in late)
         return [wrong for wrong in waited if wrong]
 
     def states(self) -> tuple[Hosted, ...]:
-        """How each is doing; from any thread."""
-        return tuple(hosted.look() for hosted in self.nodes)
+        """Return how each node is doing; may be called on any thread."""
+        return tuple(hosted.current_state() for hosted in self.nodes)
 
     def start_node(self, name: str) -> Outcome:
-        """Construct a stopped or crashed node again and spin it."""
+        """Construct a stopped or crashed node again and spin it.
+
+        Args:
+            name: The fully qualified name of one of the nodes.
+        """
         with self._changing:
             named = [hosted for hosted in self.nodes if hosted.name == name]
             old = next((h for h in named if not h.state.life.is_running), named[0])
             if old.state.life.is_running:
                 does = "starting" if old.state.life is Life.STARTING else "running"
                 return Outcome(Code.REFUSED, f"{name} is {does}")
-            said = f"{name} started"
-            if not old.stop():  # it may be stuck; a crashed one releases what it holds
-                said += self._left(old)
-                self._gone(old)
-            return self._spin(old.again, said, instead_of=old)
+            text = f"{name} started"
+            if not old.stop():  # It is stuck. A crashed node ends here and releases what it holds.
+                text += self._abandon(old)
+                self._report_ended(old)
+            return self._make_and_spin(old.make_again, text, instead_of=old)
 
     def stop_node(self, name: str) -> Outcome:
-        """Stop a node; the others are not affected."""
+        """Stop a node; the others are not affected.
+
+        Args:
+            name: The fully qualified name of one of the nodes.
+
+        Returns:
+            The outcome; TIMEOUT if a callback of the node does not return.
+        """
         with self._changing:
             hosted = self._find(name)
             if not hosted.stop():
                 return Outcome(Code.TIMEOUT, f"{name} does not stop: its callback does not return")
-            self._gone(hosted)
+            self._report_ended(hosted)
             holds = self._stop_to_tell()[0] in hosted.state.serves
             held = "; it held the STOP, and is told of it again before it starts" if holds else ""
             return Outcome(Code.DONE, f"{name} stopped{held}")
 
     def copy_node(self, name: str) -> Outcome:
-        """Run one more node of the same kind, under the next free name: `dashboard_2`."""
+        """Run another node of the same class, under the next free name: `dashboard_2`.
+
+        Args:
+            name: The fully qualified name of one of the nodes.
+        """
         with self._changing:
             kind = self._find(name).make
             first = next(hosted for hosted in self.nodes if hosted.make is kind)
             taken = {hosted.name for hosted in self.nodes}
             number = next(n for n in count(2) if f"{first.name}_{n}" not in taken)
             short = f"{first.name.rpartition('/')[2]}_{number}"
-            return self._spin(lambda: self._hosted(kind, short), f"{short} started")
+            return self._make_and_spin(lambda: self._hosted(kind, short), f"{short} started")
 
-    def reload(self, file: NodeFile, kept: Callable[[str], Mapping[str, Any]]) -> None:
-        """Run the nodes of a file as it stands now, in place of those of its text before.
+    def reload(self, file: NodeFile, operator_values: Callable[[str], Mapping[str, Any]]) -> None:
+        """Run the nodes of a file as it is now, in place of those of its text before.
 
-        Where it cannot be imported these run on; where a node cannot be constructed they are
-        constructed again. `kept(name)` are parameters that the operator has set.
+        If the file cannot be imported, the old nodes run on. If a new node cannot be constructed,
+        the old nodes are constructed again.
+
+        Args:
+            file: The file.
+            operator_values: Returns the parameters that the operator has set on a node, by its
+                name. The new nodes get them.
         """
         with self._changing:
             olds = [hosted for hosted in self.nodes if hosted.file is file]
             try:
                 makers = file.load()
             except NodeFileError as error:
-                self._not_run(olds, file, error)
+                self._report_not_run(olds, file, error)
                 return
             for old in olds:
                 if not old.stop():
-                    self._on_event("WARN", old.name.lstrip("/"), self._left(old).lstrip(", "))
-                self._gone(old)
+                    self._on_event("WARN", old.name.lstrip("/"), self._abandon(old).lstrip(", "))
+                self._report_ended(old)
             failed: NodeFileError | None = None
             news: list[HostedNode] = []
             try:
                 for make in makers:
                     news.append(self._hosted(make))
-                    news[-1].kept = kept
+                    news[-1].operator_values = operator_values
                     self._wait(news[-1])
-            except Exception as error:  # NodeFileError, or what rclpy says of a name
+            except Exception as error:  # NodeFileError, or an error of rclpy about a name.
                 failed = error if isinstance(error, NodeFileError) else NodeFileError(str(error))
                 for new in news:
                     new.stop()
-                file.back()
-                news = self._constructed(olds)
+                file.restore()
+                news = self._make_all_again(olds)
             names = {new.name for new in news}
             for other in [h for h in self.nodes if h not in olds and h.name in names]:
-                other.stop()  # a node of the robot's own, whose place it takes
+                other.stop()  # A node of the robot's own, whose place the new one takes.
                 olds.append(other)
             made = [new for new in news if not new.is_late]
             for new in made:
-                self._set_again(new)
+                self._restore_parameters(new)
             self.nodes = sorted(
                 [*(hosted for hosted in self.nodes if hosted not in olds), *news],
                 key=lambda hosted: hosted.name,
             )
-            stopped = "".join([self._begin(new).text for new in made])
+            stopped = "".join([self._start(new).text for new in made])
         if failed is not None:
-            self._not_run(news, file, failed)
+            self._report_not_run(news, file, failed)
         else:
             restarted = ", ".join(sorted(names))
-            said = f"{file.path.name} was saved: {restarted} restarted{stopped}"
-            self._on_event("YOU", "console", said)
+            text = f"{file.path.name} was saved: {restarted} restarted{stopped}"
+            self._on_event("YOU", "console", text)
             if file.not_run:
                 self._on_event("WARN", file.path.name, file.not_run)
 
-    def _begin(self, new: HostedNode) -> Outcome:
-        """Spin a node; behind a STOP that is not released it first carries that out.
+    def _start(self, new: HostedNode) -> Outcome:
+        """Spin a new node; if a STOP is not released, the node carries it out first.
 
         Returns:
-            What becomes of the STOP; its text is put behind that the node was started.
+            What became of the STOP; the text goes on after `NODE started`.
         """
         outcome = self._tell_stop(new)
         new.start()
         return outcome
 
     def _tell_stop(self, new: HostedNode) -> Outcome:
-        """Have a node started here carry out a STOP that is not released, if it serves it."""
+        """Make a new node carry out a STOP that is not released, if it serves it.
+
+        Returns:
+            What became of the STOP; the text goes on after `NODE started`.
+        """
         service, request = self._stop_to_tell()
         if not service or not new.serves(service):
             return Outcome(Code.DONE, "")
-        refusal = new.take_stop(service, request)
+        refusal = new.carry_out_stop(service, request)
         if refusal:
             why = f"the STOP is not confirmed by it ({refusal}): use the hardware stop"
             self._on_event("ERROR", new.name.lstrip("/"), why)
@@ -596,60 +689,66 @@ class Host:
         return Outcome(Code.DONE, f"; {new.name} was told STOP first, and is stopped")
 
     def _tell_stop_early(self, new: HostedNode) -> None:
-        """Do so before the node's constructor spins it for the first time behind that STOP.
+        """Make a node carry out a STOP that is not released before its constructor spins it.
 
-        Behind a later spin the node takes the request itself.
+        This is done at the first spin only: once it spins, the node gets the request itself.
         """
         is_told, new.was_told_early = new.was_told_early, bool(self._stop_to_tell()[0])
         if not is_told:
             self._tell_stop(new)
 
-    def _made_late(self, hosted: HostedNode) -> None:
-        """Start a node that was not made in time; it may have the name of one of the robot's own.
+    def _on_made_late(self, hosted: HostedNode) -> None:
+        """Start a late node, which may replace a node of the robot's own of the same name.
 
-        In the node's thread: whoever stops the node waits for that, and may hold the lock.
+        It runs in the node's thread. A caller that stops the node holds the lock and waits for this
+        thread, which therefore never waits for the lock without checking that.
         """
-        while not self._changing.acquire(timeout=_LOCK_WAIT):
+        while not self._changing.acquire(timeout=_LOCK_POLL):
             if hosted.is_stopping:
                 return
         try:
             if hosted.is_stopping:
                 return
-            self._set_again(hosted)
+            self._restore_parameters(hosted)
             for other in [h for h in self.nodes if h.file is None and h.name == hosted.name]:
                 other.stop()
                 self.nodes.remove(other)
-                self._gone(other)
+                self._report_ended(other)
             self._on_event("INFO", hosted.name.lstrip("/"), "its constructor has returned")
             if self._has_started:
-                self._begin(hosted)
+                self._start(hosted)
         finally:
             self._changing.release()
 
-    def _constructed(self, olds: list[HostedNode]) -> list[HostedNode]:
-        """Nodes as they were, as far as they still can be."""
-        found = []
+    def _make_all_again(self, olds: list[HostedNode]) -> list[HostedNode]:
+        """Construct nodes again; an event names each that cannot be, which is left out."""
+        made = []
         for old in olds:
             try:
-                again = old.again()
-                self._wait(again)
-                found.append(again)
+                new = old.make_again()
+                self._wait(new)
+                made.append(new)
             except Exception as error:
                 self._on_event(
                     "ERROR", old.name.lstrip("/"), f"cannot be started again: {in_one_line(error)}"
                 )
-        return found
+        return made
 
-    def _not_run(self, nodes: list[HostedNode], file: NodeFile, error: NodeFileError) -> None:
-        """Say why the new text does not run."""
+    def _report_not_run(
+        self, nodes: list[HostedNode], file: NodeFile, error: NodeFileError
+    ) -> None:
+        """Show why the new text of a file does not run, as an event and at its old nodes."""
         for hosted in nodes:
-            said = in_its_file(file, str(error))
-            hosted.state = hosted.state._replace(error=said, traceback=error.report)
+            text = without_file_name(file, str(error))
+            hosted.state = hosted.state._replace(error=text, traceback=error.report)
         self._on_event("ERROR", file.path.name, f"the saved text does not run: {error}")
 
-    def _set_again(self, hosted: HostedNode) -> None:
-        """Parameters of a node that does not spin yet; those that do not fit are said."""
-        for name, value in hosted.kept(hosted.name).items():
+    def _restore_parameters(self, hosted: HostedNode) -> None:
+        """Set what the operator has set before on a new node, which does not spin yet.
+
+        An event names each parameter that the node refuses.
+        """
+        for name, value in hosted.operator_values(hosted.name).items():
             try:
                 result = run_limited(
                     lambda name=name, value=value: hosted.node.set_parameters(  # type: ignore[misc]
@@ -662,74 +761,96 @@ class Host:
             except Exception as error:
                 reason = in_one_line(error)
             if reason:
-                said = f"{name} was not set again: {reason}"  # its value may be a secret
-                self._on_event("WARN", hosted.name.lstrip("/"), said)
+                text = f"{name} was not set again: {reason}"  # The value may be a secret.
+                self._on_event("WARN", hosted.name.lstrip("/"), text)
 
-    def _left(self, old: HostedNode) -> str:
-        """Go on without a stuck node; returns what is left of it."""
+    def _abandon(self, old: HostedNode) -> str:
+        """Go on without a stuck node, and return what is left of it, as `, the one before ...`."""
         if old.abandon():
             return ", the one before did not return and was interrupted"
         return ", the one before is stuck: its callback still runs"
 
-    def _spin(
-        self, make: Callable[[], HostedNode], said: str, instead_of: HostedNode | None = None
+    def _make_and_spin(
+        self, make: Callable[[], HostedNode], text: str, instead_of: HostedNode | None = None
     ) -> Outcome:
+        """Construct a node, add it to the nodes and spin it.
+
+        Args:
+            make: Starts to construct it.
+            text: `NODE started`, for the outcome.
+            instead_of: The node that it replaces; None if it is a further one.
+
+        Returns:
+            The outcome; REFUSED with the error if the constructor raises.
+        """
         try:
             new = make()
             self._wait(new)
-        except Exception as error:  # whatever the node's constructor raises
+        except Exception as error:  # The constructor may raise anything.
             return Outcome(Code.REFUSED, in_one_line(error))
         kept = [hosted for hosted in self.nodes if hosted is not instead_of]
         self.nodes = sorted([*kept, new], key=lambda hosted: hosted.name)
         if new.is_late:
-            return Outcome(Code.DONE, f"{said}; {new.lateness()}")
-        outcome = self._begin(new)
-        return outcome._replace(text=said + outcome.text)
+            return Outcome(Code.DONE, f"{text}; {new.lateness_text()}")
+        outcome = self._start(new)
+        return outcome._replace(text=text + outcome.text)
 
     def _find(self, name: str) -> HostedNode:
         return next(hosted for hosted in self.nodes if hosted.name == name)
 
     def stop(self) -> list[str]:
-        """Stop every node; returns the names of those that did not end within END_TIMEOUT."""
+        """Stop every node, within END_TIMEOUT.
+
+        Returns:
+            The names of the nodes that did not end.
+        """
         end = time.monotonic() + END_TIMEOUT
-        changed = self._changing.acquire(timeout=END_TIMEOUT / 2)  # a file may hang in its import
+        # Whoever holds the lock may hang in the import of a file.
+        is_locked = self._changing.acquire(timeout=END_TIMEOUT / 2)
         try:
             for hosted in self.nodes:
                 hosted.begin_to_stop()
             return [n.name for n in self.nodes if not n.stop(max(end - time.monotonic(), 0.0))]
         finally:
-            if changed:
+            if is_locked:
                 self._changing.release()
 
-    def _gone(self, hosted: HostedNode) -> None:
-        """Tell of what nobody here serves any more."""
-        others = [one for one in self.nodes if one is not hosted and one.state.life == Life.UP]
-        left = {name for one in others for name in one.state.serves}
+    def _report_ended(self, hosted: HostedNode) -> None:
+        """Call `on_end` with what the node served and no other node of this process serves."""
+        others = [h for h in self.nodes if h is not hosted and h.state.life == Life.UP]
+        left = {name for other in others for name in other.state.serves}
         self._on_end([name for name in hosted.state.serves if name not in left])
 
-    def _crashed(self, hosted: HostedNode) -> None:
-        self._gone(hosted)
+    def _on_crashed(self, hosted: HostedNode) -> None:
+        self._report_ended(hosted)
         self._on_event("ERROR", hosted.name.lstrip("/"), f"crashed: {hosted.state.error}")
 
 
 class HostedFile:
-    """A node file that is watched: its nodes are restarted when it was saved."""
+    """A watched node file, whose nodes are restarted when it was saved."""
 
     def __init__(
-        self, host: Host, file: NodeFile, kept: Callable[[str], Mapping[str, Any]]
+        self, host: Host, file: NodeFile, operator_values: Callable[[str], Mapping[str, Any]]
     ) -> None:
-        """`kept(node)` are the parameters that the operator has set."""
-        self._host, self._file, self._kept = host, file, kept
+        """Watch a file.
+
+        Args:
+            host: Runs its nodes.
+            file: The file.
+            operator_values: Returns the parameters that the operator has set on a node, by its
+                name.
+        """
+        self._host, self._file, self._operator_values = host, file, operator_values
 
     @property
     def loaded(self) -> Stamps:
-        """Of the text that was last loaded, or tried."""
+        """The stamps of the text that was last loaded, or could not be loaded."""
         return self._file.loaded
 
-    def look(self) -> Stamps:
-        """As it is now, with what it imports from its folder."""
-        return self._file.look()
+    def current_stamps(self) -> Stamps:
+        """Return the stamps of the file now, and of what it imports from its folder."""
+        return self._file.current_stamps()
 
     def reload(self) -> None:
-        """Run it as it is now."""
-        self._host.reload(self._file, self._kept)
+        """Run the nodes of the file as it is now."""
+        self._host.reload(self._file, self._operator_values)

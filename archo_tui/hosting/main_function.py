@@ -1,4 +1,7 @@
-"""What `main()` of a node file makes and calls, by its syntax tree: it is never run."""
+"""The nodes that `main()` of a node file makes and its other calls, read from the syntax tree.
+
+`main()` itself is never run.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +12,9 @@ from typing import Any, NamedTuple
 import rclpy
 from rclpy.node import Node
 
-_LONGEST = 60  # characters of a call that are quoted
-# What is done here in another way, or changes nothing that a node does.
-_SETTLED = {
+_MAX_QUOTED = 60  # Characters of a call that is quoted whole.
+# Calls that the host makes in another way, or that change nothing in what a node does.
+_NOT_MISSED = {
     *("init", "ok", "shutdown", "try_shutdown", "destroy_node", "add_node", "remove_node"),
     *("spin", "spin_once", "spin_until_future_complete", "get_logger", "get_name", "print"),
     *("append", "extend", "list", "isinstance"),
@@ -19,52 +22,76 @@ _SETTLED = {
 
 
 class ComputedError(Exception):
-    """An argument of a node that only `main()` could tell."""
+    """An argument of a node has a value that only running `main()` could tell.
+
+    Attributes:
+        line: The line of the call that makes the node.
+    """
 
     def __init__(self, call: ast.Call) -> None:
+        """Create the error for the call that makes the node."""
         super().__init__(quoted(call))
         self.line = call.lineno
 
 
-class Made(NamedTuple):
-    """One node as `main()` makes it."""
+class NodeCall(NamedTuple):
+    """A call in `main()` that makes a node.
 
-    kind: type[Node]
+    Attributes:
+        node_class: The class of the node.
+        args: The arguments by position.
+        keywords: The arguments by name, but for `context`.
+        line: The line of the call; 0 for a node that `main()` does not make.
+        text: The call as it is quoted; "" for a node that `main()` does not make.
+    """
+
+    node_class: type[Node]
     args: tuple[Any, ...]
     keywords: dict[str, Any]
-    line: int  # of the call; 0: `main()` has none
-    text: str  # the call, as it is quoted; "" without one
+    line: int
+    text: str
 
 
-class NotRun(NamedTuple):
-    """A call in `main()` that concerns a node and is not done by hosting the node."""
+class SkippedCall(NamedTuple):
+    """A call in `main()` that concerns a node and is not made when the node is hosted.
+
+    Attributes:
+        line: Its line.
+        function: The function that makes it; "" below `if __name__ == "__main__"`.
+        text: The call as it is quoted.
+    """
 
     line: int
-    function: str  # that calls it; "" below `if __name__ == "__main__"`
+    function: str
     text: str
 
 
 class MainFunction(ast.NodeVisitor):
-    """Follows `main()` and the file's functions that it calls, in the order of execution."""
+    """The calls of `main()`, and of the file's functions that it calls, in order of execution.
+
+    Attributes:
+        made: The calls that make nodes.
+        not_run: The calls that concern a node and are not made here.
+    """
 
     def __init__(self, tree: ast.Module, names: Mapping[str, Any]) -> None:
-        """Follow it.
+        """Follow what stands below an `if` of the module, and `main()` if that makes no node.
 
         Args:
             tree: The file's syntax tree.
-            names: What the file's module holds, by name.
+            names: The content of the file's module, by name.
 
         Raises:
-            ComputedError: A node is given what only `main()` could tell.
+            ComputedError: An argument of a node has a value that only `main()` could tell.
         """
-        self.made: list[Made] = []
-        self.not_run: list[NotRun] = []
+        self.made: list[NodeCall] = []
+        self.not_run: list[SkippedCall] = []
         self._names = names
         self._functions = {n.name: n for n in tree.body if isinstance(n, ast.FunctionDef)}
-        self._within: list[str] = []  # names of the functions that are being followed
-        self._nodes: set[str] = set()  # local names of nodes
-        self._values: dict[str, Any] = {}  # local names of what was given by value
-        self._spins = False  # what comes later is done at the end, if ever
+        self._within: list[str] = []  # The names of the functions that are being followed.
+        self._nodes: set[str] = set()  # The local names of nodes.
+        self._values: dict[str, Any] = {}  # Local names whose values stand in the file.
+        self._spins = False  # True behind a spin: later calls are made at the end, if ever.
         self._follow_all(tree)
 
     def _follow_all(self, tree: ast.Module) -> None:
@@ -76,7 +103,7 @@ class MainFunction(ast.NodeVisitor):
             self._follow(self._functions["main"], ())
 
     def _follow(self, function: ast.FunctionDef, given: Sequence[ast.expr]) -> None:
-        """Follow a function of the file, given the arguments by position."""
+        """Follow a function of the file that is called with these arguments by position."""
         values, nodes = self._values, self._nodes
         names = [argument.arg for argument in function.args.args]
         defaults = function.args.defaults
@@ -96,12 +123,12 @@ class MainFunction(ast.NodeVisitor):
         self._values, self._nodes = values, nodes
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> None:
-        """Skip what is defined and not called."""
+        """Skip a definition: it is followed where it is called."""
 
     visit_AsyncFunctionDef = visit_ClassDef = visit_Lambda = visit_FunctionDef  # type: ignore
 
     def visit_Try(self, node: ast.Try) -> None:
-        """Skip what is done when something fails, and at the end."""
+        """Skip `except` and `finally`, which run when something fails or at the end."""
         for statement in [*node.body, *node.orelse]:
             self.visit(statement)
 
@@ -127,25 +154,25 @@ class MainFunction(ast.NodeVisitor):
             self.visit(statement)
 
     def visit_Call(self, node: ast.Call) -> None:
-        """Judge a call, behind what its arguments call."""
+        """Sort a call into nodes, followed functions and skipped calls, after its arguments."""
         self.generic_visit(node)
         function = node.func
         own = self._functions.get(function.id) if isinstance(function, ast.Name) else None
-        kind = self._kind(function)
+        node_class = self._node_class(function)
         if own is not None:
             if own.name not in self._within:
                 self._follow(own, node.args)
-        elif kind is not None:
-            self._make(kind, node)
+        elif node_class is not None:
+            self._make(node_class, node)
         elif not self._spins and self._concerns_node(node):
             within = self._within[-1] if self._within else ""
-            self.not_run.append(NotRun(node.lineno, within, quoted(node)))
+            self.not_run.append(SkippedCall(node.lineno, within, quoted(node)))
         if isinstance(function, (ast.Attribute, ast.Name)):
             name = function.attr if isinstance(function, ast.Attribute) else function.id
             self._spins |= name == "spin"
 
-    def _kind(self, function: ast.expr) -> type[Node] | None:
-        """Return the class of the node that a call of this makes; None when it makes none."""
+    def _node_class(self, function: ast.expr) -> type[Node] | None:
+        """Return the class of the node that calling `function` makes; None if it makes none."""
         found = self._resolved(function)
         if found is rclpy.create_node:
             return Node
@@ -158,7 +185,7 @@ class MainFunction(ast.NodeVisitor):
             return getattr(self._resolved(expression.value), expression.attr, None)
         return None
 
-    def _make(self, kind: type[Node], call: ast.Call) -> None:
+    def _make(self, node_class: type[Node], call: ast.Call) -> None:
         given = {word.arg: word.value for word in call.keywords if word.arg != "context"}
         try:
             args = tuple(self._value(argument, self._values) for argument in call.args)
@@ -167,8 +194,9 @@ class MainFunction(ast.NodeVisitor):
             }
         except ValueError:
             raise ComputedError(call) from None
-        made = Made(kind, args, keywords, call.lineno, quoted(call))
-        if not any(made[:3] == other[:3] for other in self.made):  # of an if and its else
+        made = NodeCall(node_class, args, keywords, call.lineno, quoted(call))
+        # An `if` and its `else` may both make the same node.
+        if not any(made[:3] == other[:3] for other in self.made):
             self.made.append(made)
 
     def _bind(self, name: str, value: ast.expr, is_made: bool) -> None:
@@ -186,7 +214,15 @@ class MainFunction(ast.NodeVisitor):
             return
 
     def _value(self, expression: ast.expr, values: Mapping[str, Any]) -> Any:
-        """Return a value that stands in the file. Raises ValueError for any other."""
+        """Return the value of an expression.
+
+        Args:
+            expression: The expression.
+            values: The local names whose values are known.
+
+        Raises:
+            ValueError: The value does not stand in the file.
+        """
         if isinstance(expression, ast.Name):
             for known in (values, self._names):
                 if expression.id in known:
@@ -194,9 +230,9 @@ class MainFunction(ast.NodeVisitor):
         return ast.literal_eval(expression)
 
     def _concerns_node(self, call: ast.Call) -> bool:
-        """Return whether a node is asked for something, or given to somebody, by a call."""
+        """Return whether a call is of a method of a node, or has a node as an argument."""
         words = {*_words(call.func)}
-        if words & _SETTLED:
+        if words & _NOT_MISSED:
             return False
         given = [call.func, *call.args, *(word.value for word in call.keywords)]
         return any(_root(expression) in self._nodes for expression in given)
@@ -210,7 +246,7 @@ def _root(expression: ast.expr) -> str:
 
 
 def _words(expression: ast.expr) -> Iterator[str]:
-    """Return the names in an expression: `get_logger` and `info` of `node.get_logger().info`."""
+    """Yield the names in an expression: `get_logger` and `info` of `node.get_logger().info`."""
     for node in ast.walk(expression):
         if isinstance(node, ast.Attribute):
             yield node.attr
@@ -219,6 +255,6 @@ def _words(expression: ast.expr) -> Iterator[str]:
 
 
 def quoted(call: ast.Call) -> str:
-    """Return a call as text, its arguments left out where they are long."""
+    """Return a call as text, without its arguments if they are long."""
     text = ast.unparse(call)
-    return text if len(text) <= _LONGEST else f"{ast.unparse(call.func)}(...)"
+    return text if len(text) <= _MAX_QUOTED else f"{ast.unparse(call.func)}(...)"

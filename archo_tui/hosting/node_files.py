@@ -1,4 +1,4 @@
-"""Nodes from Python files of the user's own: `--node FILE`. Read again whenever they are saved."""
+"""The nodes of the user's own Python files, which `--node FILE` names; saved files are reloaded."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from rclpy.node import Node
 import archo_tui
 from archo_tui import regular_files
 from archo_tui.errors import ArchoError
-from archo_tui.hosting.limited import Interrupted, TookTooLong, run_limited
-from archo_tui.hosting.main_function import ComputedError, Made, MainFunction, NotRun
+from archo_tui.hosting.main_function import ComputedError, MainFunction, NodeCall, SkippedCall
 from archo_tui.hosting.source import Source
+from archo_tui.hosting.time_limit import Interrupted, TookTooLong, run_limited
 from archo_tui.hosting.tracebacks import own_frames
 from archo_tui.hosting.watch import Stamps, stamps
 
 T = TypeVar("T")
 
-IMPORT_TIME = 10.0  # s that a file may take to be imported
-# what rclpy raises without a word
+IMPORT_TIME = 10.0  # Seconds that a file may take to be imported.
+# Errors that rclpy raises without a text, and what they mean.
 WORDLESS = {"TypeError": "TypeError: a message of another type is expected here"}
-# what rcl says of a second type of a topic, which Fast DDS refuses within a process; the second
-# one is of a subscription, whose own reason rcl overwrites
+# The texts of rcl for a topic that has another type in this process already, as Fast DDS refuses.
+# The second text is a subscription's, whose own reason rcl overwrites.
 _TWO_TYPES = ("with incompatible type", "Failed to create subscription: invalid allocator")
 _ONE_TYPE = "another node of this process has the topic with another type, and Fast DDS allows one"
-_OF_INTERFACES = ("_msgs", "_srvs", "_interfaces")  # how packages of messages are named
+_INTERFACE_SUFFIXES = ("_msgs", "_srvs", "_interfaces")  # Of the names of interface packages.
 _NOT_CALLED = "give the callback itself: self.name, not self.name()"
-_OURS = ("archo_tui", "archo_bringup", "rclpy")  # never read again, wherever the file is
+_OURS = ("archo_tui", "archo_bringup", "rclpy")  # Never reloaded, wherever the file is.
 
 
 def reason_of(error: BaseException) -> str:
-    """Return the first line of an error's text; of one of rcl's with no reason what it means."""
+    """Return the first line of an error's text, or what it means if rcl does not say that."""
     text = (str(error).splitlines() or [""])[0]
     if any(two in text for two in _TWO_TYPES):
         return f"{text.partition(':')[0]}: {_ONE_TYPE}"
@@ -51,90 +51,118 @@ def reason_of(error: BaseException) -> str:
 
 
 class NodeFileError(ArchoError):
-    """One line that says what is wrong with a file, and the traceback for whoever wrote it."""
+    """A node file cannot be run, or a node of it cannot be constructed.
 
-    def __init__(self, said: str, report: str = "") -> None:
-        super().__init__(said)
+    Attributes:
+        report: The traceback for the person who wrote the file; "" if it would say no more.
+    """
+
+    def __init__(self, text: str, report: str = "") -> None:
+        """Create the error with one line that says what is wrong where, and the traceback."""
+        super().__init__(text)
         self.report = report
 
 
 class FileNode:
-    """Makes one node of a class that a file defines, as `main()` of the file would."""
+    """A maker of one node of a file, in the way that the file's `main()` makes it.
 
-    def __init__(self, file: NodeFile, made: Made) -> None:
-        self.file, self._kind, self._by_main = file, made.kind, made
+    Attributes:
+        file: The file.
+        threads: The number of threads that spin the node; see `Source.threads`.
+        has_executor: True if `main()` makes an executor of its own.
+    """
+
+    def __init__(self, file: NodeFile, call: NodeCall) -> None:
+        """Create a maker.
+
+        Args:
+            file: The file.
+            call: The call in `main()` that makes the node.
+        """
+        self.file, self._node_class, self._call = file, call.node_class, call
         self.threads = file.source.threads()
         self.has_executor = file.source.has_executor()
 
     @property
     def class_name(self) -> str:
         """The name of the node's class, for messages."""
-        return self._kind.__name__
+        return self._node_class.__name__
 
     def __call__(self, context: Context, begun: Callable[[Node], None], **options: Any) -> Node:
-        """Raises NodeFileError that names file and line for whatever the constructor raises.
-
-        A textbook's constructor takes no context: its node is made in the default one.
+        """Make the node.
 
         Args:
-            context: The rclpy context, for a constructor that takes it.
+            context: The rclpy context. A constructor that does not take it, as in textbooks, makes
+                the node in the default context.
             begun: Called with the node before its constructor runs.
-            options: Further arguments, for a constructor that takes them.
+            **options: Further arguments for the constructor.
+
+        Raises:
+            NodeFileError: The constructor raised, or does not take `options`; the text names file
+                and line.
         """
-        known = inspect.signature(self._kind.__init__).parameters
+        known = inspect.signature(self._node_class.__init__).parameters
         takes_all = any(p.kind == p.VAR_KEYWORD for p in known.values())
         given = {"context": context, **options}
         if not takes_all:
             if options.keys() - known.keys():
                 raise NodeFileError(
-                    f"{self.file}: {self._kind.__name__} takes no {', '.join(options)}, "
+                    f"{self.file}: {self._node_class.__name__} takes no {', '.join(options)}, "
                     "so a copy would have the same name"
                 )
             given = {name: value for name, value in given.items() if name in known}
-        given = self._by_main.keywords | given
-        return self.file.explained(lambda: self._made(given, begun))
+        given = self._call.keywords | given
+        return self.file.run_explained(lambda: self._construct(given, begun))
 
-    def _made(self, given: dict[str, Any], begun: Callable[[Node], None]) -> Node:
-        node = self._kind.__new__(self._kind)
+    def _construct(self, given: dict[str, Any], begun: Callable[[Node], None]) -> Node:
+        node = self._node_class.__new__(self._node_class)
         begun(node)
         try:
-            node.__init__(*self._by_main.args, **given)  # type: ignore[misc]
+            node.__init__(*self._call.args, **given)  # type: ignore[misc]
         except BaseException as error:
             why = None if _is_made(node) else self._why_unmade(error)
             if why is not None:
                 raise why from error
-            with contextlib.suppress(Exception):  # it may not be that far
-                node.destroy_node()  # else half of it stays on the graph, by its name
+            with contextlib.suppress(Exception):  # The constructor may not have come that far.
+                node.destroy_node()  # Otherwise half of it stays on the graph, with its name.
             raise
         if not _is_made(node):
             raise self._unmade()
         return node
 
     def _why_unmade(self, error: BaseException) -> NodeFileError | None:
-        """What was done wrong when rclpy's `__init__` did not run; None: see the error itself."""
+        """Return what was done wrong if rclpy's `__init__` did not run.
+
+        Args:
+            error: The error of the constructor.
+
+        Returns:
+            The error to raise instead; None if the error says by itself what is wrong.
+        """
         stack = traceback.extract_tb(error.__traceback__)
         own = [self.file.is_own(frame.filename) for frame in stack]
-        if isinstance(error, AttributeError) and not own[-1]:  # rclpy lacks what it would have made
+        # rclpy lacks an attribute that its __init__ would have made.
+        if isinstance(error, AttributeError) and not own[-1]:
             return self._unmade()
         if not isinstance(error, TypeError) or any(own):
             return None
-        init = code_of(self._kind.__init__)
+        init = code_of(self._node_class.__init__)
         if init is None or not self.file.is_own(init.co_filename):
             return self._unmade()
-        if self._by_main.line:
-            where, said = f"{self.file}:{self._by_main.line}", self._by_main.text
-            return NodeFileError(f"{where}: TypeError: {error}, in: {said}")
-        where = f"{self.file.named(init.co_filename)}:{init.co_firstlineno}"
-        said = f"a node is made without arguments, as {self._kind.__name__}()"
-        return NodeFileError(f"{where}: TypeError: {error}: {said}")
+        if self._call.line:
+            where, call = f"{self.file}:{self._call.line}", self._call.text
+            return NodeFileError(f"{where}: TypeError: {error}, in: {call}")
+        where = f"{self.file.display_name(init.co_filename)}:{init.co_firstlineno}"
+        hint = f"a node is made without arguments, as {self._node_class.__name__}()"
+        return NodeFileError(f"{where}: TypeError: {error}: {hint}")
 
     def _unmade(self) -> NodeFileError:
-        line, said = self.file.source.unmade(self._kind.__name__)
-        return NodeFileError(f"{self.file}:{line}: {said}")
+        line, what = self.file.source.missing_super_init(self._node_class.__name__)
+        return NodeFileError(f"{self.file}:{line}: {what}")
 
 
 def _is_made(node: Node) -> bool:
-    """False when rclpy's own `__init__` did not run."""
+    """Return whether rclpy's own `__init__` has run."""
     try:
         node.get_name()
     except AttributeError:
@@ -143,17 +171,32 @@ def _is_made(node: Node) -> bool:
 
 
 class NodeFile:
-    """A file, or a module by its dotted name, and the modules that it imports from its folder."""
+    """A node file, and the modules that it imports from its folder.
+
+    Attributes:
+        path: The path of the file.
+        loaded: The stamps of the text that was last loaded, or could not be loaded.
+        source: The text that was last loaded.
+        not_run: One line about the calls of its `main()` that are not made here; "" if there are
+            none.
+    """
 
     def __init__(self, given: str) -> None:
-        """Raises NodeFileError when there is no such file or module."""
+        """Find the file, without reading it.
+
+        Args:
+            given: Its path, or the dotted name of a module, as the user typed it.
+
+        Raises:
+            NodeFileError: There is no such file or module.
+        """
         self._given = given
-        self.path, self._name = _found(given)
-        self._modules: dict[str, ModuleType] = {}  # its own, by their names
-        self._before: dict[str, ModuleType] = {}  # those of the text before
-        self.loaded: Stamps = {}  # of the text that was last loaded, or tried
-        self.source = Source(b"")  # of the text that was last loaded
-        self.not_run = ""  # one line about what main() of that text would do besides
+        self.path, self._name = _find(given)
+        self._modules: dict[str, ModuleType] = {}  # The file's own, by their names.
+        self._before: dict[str, ModuleType] = {}  # Those of the text before.
+        self.loaded: Stamps = {}
+        self.source = Source(b"")
+        self.not_run = ""
         self._failed = False
 
     def __str__(self) -> str:
@@ -161,25 +204,32 @@ class NodeFile:
 
     @property
     def saved(self) -> float:
-        """Unix time; 0 while there is no file."""
+        """The Unix time in seconds at which the file was saved; 0.0 while there is no file."""
         try:
             return self.path.stat().st_mtime
         except OSError:
             return 0.0
 
-    def look(self) -> Stamps:
-        """All that counts as the file; after a failure its whole folder."""
+    def current_stamps(self) -> Stamps:
+        """Return the stamps of the file and its modules; after a failure of its whole folder."""
         own = {Path(module.__file__) for module in self._modules.values() if module.__file__}
         beside = self.path.parent.glob("*.py") if self._failed else ()
         return stamps({self.path, *own, *beside})
 
     def load(self) -> list[FileNode]:
-        """The nodes that it defines now. Raises NodeFileError: then all is as it was before."""
+        """Import the file as it is now.
+
+        Returns:
+            A maker for each of its nodes.
+
+        Raises:
+            NodeFileError: It cannot be imported; the modules of the text before stay in force.
+        """
         before = {name: sys.modules.pop(name) for name in self._modules if name in sys.modules}
         known = set(sys.modules)
         self._failed = False
         try:
-            nodes = self.limited(self._run, IMPORT_TIME, "its import")
+            nodes = self._run_limited(self._run, IMPORT_TIME, "its import")
         except ArchoError:
             for name in self._own(known):
                 del sys.modules[name]
@@ -190,20 +240,20 @@ class NodeFile:
             self._before = before
             self._modules = {name: sys.modules[name] for name in self._own(known)}
         finally:
-            self.loaded = self.look()
+            self.loaded = self.current_stamps()
         return nodes
 
-    def back(self) -> None:
-        """The text before is in force again: the new one's nodes cannot be constructed."""
+    def restore(self) -> None:
+        """Put the modules of the text before in force again, since the new nodes cannot be made."""
         for name in self._modules:
             sys.modules.pop(name, None)
         sys.modules.update(self._before)
         self._modules = self._before
         self._failed = True
-        self.loaded = self.look()
+        self.loaded = self.current_stamps()
 
     def _own(self, known: set[str]) -> list[str]:
-        """The modules that are new and lie in its folder."""
+        """Return the names of the modules in the file's folder that are not in `known`."""
         return [
             name
             for name, module in list(sys.modules.items())
@@ -214,7 +264,7 @@ class NodeFile:
 
     def _run(self) -> list[FileNode]:
         parent = self._name.rpartition(".")[0]
-        folder = str(self.path.parent)  # what stands beside it can be imported, as by `python`
+        folder = str(self.path.parent)  # The files beside it can be imported, as with `python`.
         if parent:
             importlib.import_module(parent)
         elif folder not in sys.path:
@@ -224,7 +274,8 @@ class NodeFile:
         module = ModuleType(self._name)
         module.__dict__.update(__file__=str(self.path), __package__=parent)
         sys.modules[self._name] = module
-        writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True  # nothing in its folder
+        # No __pycache__ appears in the user's folder.
+        writes, sys.dont_write_bytecode = sys.dont_write_bytecode, True
         try:
             text = regular_files.read(self.path)
             code = compile(text, str(self.path), "exec", dont_inherit=True)
@@ -242,10 +293,10 @@ class NodeFile:
             raise NodeFileError(f"{self}: {error.strerror}") from None
         finally:
             sys.dont_write_bytecode = writes
-        return self._by_main(module) or self._all_of(module)
+        return self._nodes_by_main(module) or self._node_of_each_class(module)
 
-    def _all_of(self, module: ModuleType) -> list[FileNode]:
-        """Return a node of each class that no other class is made from."""
+    def _node_of_each_class(self, module: ModuleType) -> list[FileNode]:
+        """Return a maker for each node class of the file that has no subclass in it."""
         kinds = [
             kind
             for kind in vars(module).values()
@@ -254,10 +305,10 @@ class NodeFile:
         nodes = [kind for kind in kinds if not any(kind in other.__mro__[1:] for other in kinds)]
         if not nodes:
             raise NodeFileError(f"{self}: defines no subclass of rclpy.node.Node")
-        return [FileNode(self, Made(kind, (), {}, 0, "")) for kind in dict.fromkeys(nodes)]
+        return [FileNode(self, NodeCall(kind, (), {}, 0, "")) for kind in dict.fromkeys(nodes)]
 
-    def _by_main(self, module: ModuleType) -> list[FileNode]:
-        """Return what `main()` makes, and say what else it does, which is not run."""
+    def _nodes_by_main(self, module: ModuleType) -> list[FileNode]:
+        """Return a maker for each node that `main()` makes, and set `not_run`."""
         try:
             main = MainFunction(self.source.tree, vars(module))
         except ComputedError as error:
@@ -265,61 +316,89 @@ class NodeFile:
                 f"{self}:{error.line}: {error} takes what main() computes, and main() is not run "
                 "here: write the value itself"
             ) from None
-        self.not_run = _not_run(str(self), main.not_run) if main.made else ""
-        return [FileNode(self, made) for made in main.made]
+        self.not_run = _not_run_text(str(self), main.not_run) if main.made else ""
+        return [FileNode(self, call) for call in main.made]
 
-    def limited(self, work: Callable[[], T], seconds: float, what: str) -> T:
-        """The value of `work()`. Raises NodeFileError for what it raises, and when it hangs."""
+    def _run_limited(self, work: Callable[[], T], seconds: float, what: str) -> T:
+        """Run work of the file with a time limit.
+
+        Args:
+            work: What to run.
+            seconds: How long it may take.
+            what: What it is, for the error: `its import`.
+
+        Returns:
+            What the work returns.
+
+        Raises:
+            NodeFileError: The work raised, or took too long.
+        """
         try:
-            return self.explained(lambda: run_limited(work, seconds, f"/{self.path.stem}"))
+            return self.run_explained(lambda: run_limited(work, seconds, f"/{self.path.stem}"))
         except TookTooLong as error:
             where, line = self.place(error.stack)
             raise NodeFileError(f"{where}: {what} {error}{line}") from None
 
-    def explained(self, work: Callable[[], T]) -> T:
-        """The value of `work()`. Raises NodeFileError for what it raises."""
+    def run_explained(self, work: Callable[[], T]) -> T:
+        """Run work of the file and return its value.
+
+        Raises:
+            NodeFileError: The work raised, SystemExit included; the text says what and where.
+        """
         try:
             return work()
         except (ArchoError, Interrupted, TookTooLong):
             raise
-        except BaseException as error:  # SystemExit, too
-            raise NodeFileError(*self.said(error)) from None
+        except BaseException as error:
+            raise NodeFileError(*self.explain(error)) from None
 
-    def said(self, error: BaseException) -> tuple[str, str]:
-        """`FILE:LINE: TypeError: ..., in: x = y + 1`, and the traceback without the engine.
+    def explain(self, error: BaseException) -> tuple[str, str]:
+        """Describe an error of the file's code for the person who wrote it.
 
-        The line is the last one of the file itself, or of its own modules, that was running.
+        Returns:
+            `FILE:LINE: TypeError: ..., in: x = y + 1` with the last line that ran of the file or
+            its modules, and the traceback without the frames of the engine.
         """
         name, why = type(error).__name__, reason_of(error)
         report = own_frames(error, rclpy, archo_tui)
         if isinstance(error, SyntaxError) and self.is_own(error.filename or ""):
-            place = f"{self.named(error.filename or '')}:{error.lineno}"
+            place = f"{self.display_name(error.filename or '')}:{error.lineno}"
             return f"{place}: {name}: {error.msg}{_quoted(error.text or '')}", report
         if isinstance(error, ModuleNotFoundError):
             why += f" (looked for it in {self.path.parent} and where Python looks)"
-            if (error.name or "").partition(".")[0].endswith(_OF_INTERFACES):
+            if (error.name or "").partition(".")[0].endswith(_INTERFACE_SUFFIXES):
                 why += ": --interfaces DIR takes the package with its .msg files"
         if "must only be called once" in why:
             why = "rclpy.init() runs here already: call it in main() only"
         stack = traceback.extract_tb(error.__traceback__)
         where, line = self.place(stack)
         if line:
-            why = self._plainly(where, why)
+            why = self._in_plain_words(where, why)
         else:
             where, why = self._place_of_callback(error, where, why)
-        said = f"{name}: {why}".rstrip(": ")
-        return f"{where}: {WORDLESS.get(said, said)}{line}", report
+        text = f"{name}: {why}".rstrip(": ")
+        return f"{where}: {WORDLESS.get(text, text)}{line}", report
 
     def place(self, stack: StackSummary) -> tuple[str, str]:
-        """`FILE:LINE` of the last frame that is its own, and that line, as `, in: x = y + 1`."""
+        """Return where the file's code is in a stack.
+
+        Returns:
+            `FILE:LINE` of the last frame of the file or its modules, and `, in: x = y + 1` with the
+            text of that line; the name of the file and "" if there is no such frame.
+        """
         frames = [frame for frame in stack if self.is_own(frame.filename)]
         if not frames:
             return str(self), ""
         last = frames[-1]
-        return f"{self.named(last.filename)}:{last.lineno}", _quoted(last.line or "")
+        return f"{self.display_name(last.filename)}:{last.lineno}", _quoted(last.line or "")
 
-    def _plainly(self, where: str, why: str) -> str:
-        """What rclpy says of how it was called, in the words of who called it."""
+    def _in_plain_words(self, where: str, why: str) -> str:
+        """Return how to mend a wrong call of rclpy, for errors that do not say so themselves.
+
+        Args:
+            where: `FILE:LINE` of the call.
+            why: The text of the error.
+        """
         early = self.source.called_too_early()
         if "callback" in why and where == f"{self}:{early}":
             return _NOT_CALLED
@@ -330,8 +409,17 @@ class NodeFile:
         return why
 
     def _place_of_callback(self, error: BaseException, where: str, why: str) -> tuple[str, str]:
-        """Of what rclpy says of a callback that it calls, or has called."""
-        # rclpy's timer stumbles over a variable of its own then
+        """Find the callback of the file that an error within rclpy is about.
+
+        Args:
+            error: The error, which has no frame of the file.
+            where: The place so far.
+            why: The text so far.
+
+        Returns:
+            `FILE:LINE` of the callback and what is wrong with it, or `where` and `why` as they are.
+        """
+        # A timer whose callback is None raises UnboundLocalError in rclpy's own code.
         if isinstance(error, UnboundLocalError) or "'NoneType' object is not callable" in why:
             line = self.source.called_too_early()
             if line is not None:
@@ -340,8 +428,8 @@ class NodeFile:
             for value in frame.f_locals.values():
                 code = code_of(value)
                 if code is not None and self.is_own(code.co_filename):
-                    named, line = self.named(code.co_filename), code.co_firstlineno
-                    lacks = named == str(self) and self.source.gives_nothing(line)
+                    named, line = self.display_name(code.co_filename), code.co_firstlineno
+                    lacks = named == str(self) and self.source.missing_return(line)
                     if lacks:
                         why = f"{code.co_name} returns nothing: end it with return {lacks}"
                     elif isinstance(error, TypeError) and code.co_varnames[:1] != ("self",):
@@ -350,22 +438,22 @@ class NodeFile:
         return where, why
 
     def is_own(self, filename: str) -> bool:
-        """True for the file itself and what stands beside it."""
-        if not filename:  # what is built in has none
+        """Return whether a path is the file itself, or in its folder and not in site-packages."""
+        if not filename:  # Built-in code has none.
             return False
         path = Path(filename).resolve()
         beside = self.path.parent in path.parents and "site-packages" not in path.parts
         return path == self.path or beside
 
-    def named(self, filename: str) -> str:
-        """As the user called it, or what stands beside it by its name."""
+    def display_name(self, filename: str) -> str:
+        """Return the name of a file for people: of this file as typed, of others without folder."""
         path = Path(filename).resolve()
         return str(self) if path == self.path else path.name
 
 
 def code_of(value: Any) -> CodeType | None:
-    """Of a callback, or of a timer or service that has one."""
-    with contextlib.suppress(Exception):  # whatever a stranger's property raises
+    """Return the code of a callback, or of the callback of a timer or service; else None."""
+    with contextlib.suppress(Exception):  # A property of the user's may raise anything.
         callback = getattr(value, "callback", value)
         code = getattr(getattr(callback, "__func__", callback), "__code__", None)
         return code if isinstance(code, CodeType) else None
@@ -376,8 +464,8 @@ def _is_method(value: Any) -> bool:
     return hasattr(getattr(value, "callback", value), "__self__")
 
 
-def _not_run(file: str, calls: list[NotRun]) -> str:
-    """Return one line about calls in `main()` that nobody makes here; "" when there are none."""
+def _not_run_text(file: str, calls: list[SkippedCall]) -> str:
+    """Return one line about the calls of `main()` that are not made here; "" if there are none."""
     if not calls:
         return ""
     line, function, text = calls[0]
@@ -393,8 +481,12 @@ def _quoted(line: str) -> str:
     return f", in: {line.strip()}" if line.strip() else ""
 
 
-def _found(given: str) -> tuple[Path, str]:
-    """The path of a file or module, and the name that its module gets."""
+def _find(given: str) -> tuple[Path, str]:
+    """Return the path of a file or module, and the name that its module gets.
+
+    Raises:
+        NodeFileError: There is none.
+    """
     path = Path(given)
     dotted = given.replace(".", "_").isidentifier() and path.suffix != ".py" and not path.exists()
     if dotted and "." in given:

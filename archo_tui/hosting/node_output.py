@@ -1,6 +1,6 @@
-"""What hosted nodes print: lines of the events instead of letters on the screen.
+"""The output of hosted nodes, which becomes events instead of letters across the screen.
 
-What reaches a stream all the same has nothing in it that a terminal acts on.
+Text that reaches a stream all the same contains nothing that a terminal acts on.
 """
 
 from __future__ import annotations
@@ -14,65 +14,74 @@ from typing import TextIO
 
 from archo_tui.robot.text import safe
 
-_PERIOD = 1.0  # s in which each node may say so many lines:
-_MOST = 50
-_LONGEST = 10_000  # characters of a line
+_PERIOD = 1.0  # Seconds in which each node may print _MAX_LINES lines.
+_MAX_LINES = 50
+_MAX_LENGTH = 10_000  # Characters of a line.
 
 
 @dataclass
-class _Said:
-    """What one node has printed of late."""
+class _Printed:
+    """The output of a node within the current period."""
 
-    rest: str = ""  # the line that is not ended
+    rest: str = ""  # The line without its end yet.
     since: float = field(default_factory=time.monotonic)
     lines: int = 0
     left_out: int = 0
 
 
 class _Output(io.TextIOBase):
-    """Stands before a stream, and is what that is but for what is written."""
+    """A stream in front of another one, which it equals in all but `write`."""
 
-    def __init__(self, other: TextIO) -> None:
-        self._other = other
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
 
     def flush(self) -> None:
-        self._other.flush()
+        self._stream.flush()
 
     def close(self) -> None:
-        """Nothing is held back; the other is not ours, and may be closed when this one is freed."""
+        """Do nothing: the other stream is not ours, and nothing is held back."""
 
     def isatty(self) -> bool:
-        return self._other.isatty()
+        return self._stream.isatty()
 
     def fileno(self) -> int:
-        return self._other.fileno()
+        return self._stream.fileno()
 
 
 class HarmlessOutput(_Output):
-    """Standard error, for whoever prints there: a node, a thread of its own, Python's warnings."""
+    """Standard error without anything that a terminal acts on, whoever prints there."""
 
     def write(self, text: str) -> int:
-        self._other.write("\n".join(safe(line.expandtabs()) for line in text.split("\n")))
+        """Write text with its control characters made visible."""
+        self._stream.write("\n".join(safe(line.expandtabs()) for line in text.split("\n")))
         return len(text)
 
 
 class NodeOutput(_Output):
-    """A standard output that tells threads apart: those of nodes have names that begin with `/`.
+    """A standard output that makes events of what other threads than the main one print.
 
-    The others are threads that nodes have started; the console prints in the main thread only.
+    The console itself prints in the main thread only. The threads of a node have its name; others
+    were started by a node.
     """
 
-    def __init__(self, other: TextIO, note: Callable[[str, str, str], None]) -> None:
-        """`note(level, source, text)` takes a line; what the main thread prints goes to `other`."""
-        super().__init__(other)
+    def __init__(self, stream: TextIO, note: Callable[[str, str, str], None]) -> None:
+        """Stand in front of a stream.
+
+        Args:
+            stream: Gets what the main thread prints.
+            note: Gets level, source and text of each line that another thread prints. It is called
+                in that thread.
+        """
+        super().__init__(stream)
         self._note = note
         self._lock = threading.Lock()
-        self._said: dict[str, _Said] = {}
+        self._printed: dict[str, _Printed] = {}  # By the name of the thread.
 
     def write(self, text: str) -> int:
+        """Write text of the main thread; make an event of each whole line of another one."""
         thread = threading.current_thread()
         if thread is threading.main_thread():
-            return self._other.write(text)
+            return self._stream.write(text)
         name = thread.name
         with self._lock:
             lines = self._lines(name, text)
@@ -81,18 +90,21 @@ class NodeOutput(_Output):
         return len(text)
 
     def _lines(self, name: str, text: str) -> list[str]:
-        """The whole lines that are to be shown; of a storm only so many, and how many more."""
-        said = self._said.setdefault(name, _Said())
-        *lines, said.rest = (said.rest + text).split("\n")
-        if len(said.rest) > _LONGEST:
-            lines, said.rest = [*lines, said.rest], ""
+        """Take in text of a thread, and return the lines to be shown.
+
+        Of a flood, _MAX_LINES in a period are shown, and later how many were left out.
+        """
+        printed = self._printed.setdefault(name, _Printed())
+        *lines, printed.rest = (printed.rest + text).split("\n")
+        if len(printed.rest) > _MAX_LENGTH:
+            lines, printed.rest = [*lines, printed.rest], ""
         shown: list[str] = []
         now = time.monotonic()
-        if lines and now - said.since > _PERIOD:
-            if said.left_out:
-                shown.append(f"({said.left_out} lines were left out)")
-            said.since, said.lines, said.left_out = now, 0, 0
-        room = max(_MOST - said.lines, 0)
-        said.lines += len(lines[:room])
-        said.left_out += len(lines[room:])
-        return [*shown, *(line[:_LONGEST] for line in lines[:room])]
+        if lines and now - printed.since > _PERIOD:
+            if printed.left_out:
+                shown.append(f"({printed.left_out} lines were left out)")
+            printed.since, printed.lines, printed.left_out = now, 0, 0
+        room = max(_MAX_LINES - printed.lines, 0)
+        printed.lines += len(lines[:room])
+        printed.left_out += len(lines[room:])
+        return [*shown, *(line[:_MAX_LENGTH] for line in lines[:room])]

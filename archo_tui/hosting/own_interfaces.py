@@ -1,4 +1,4 @@
-"""`--interfaces DIR`: interface packages of the user's own, without colcon."""
+"""The user's own interface packages, which `--interfaces DIR` reads without colcon."""
 
 from __future__ import annotations
 
@@ -14,17 +14,26 @@ from archo_tui.hosting.watch import Stamps, stamps
 
 
 class Found(NamedTuple):
-    """Interface packages, and what is wrong with some of them."""
+    """The interface packages of some folders.
 
-    packages: dict[str, Path]  # by name
-    warnings: list[str]  # a line for each package with a mistake, with file and line
+    Attributes:
+        packages: Their folders, by name.
+        warnings: A line for each package with a mistake, which names file and line.
+    """
+
+    packages: dict[str, Path]
+    warnings: list[str]
 
 
 def find_all(folders: Sequence[Path], engine_name: str) -> Found:
-    """Return the packages of several folders; of two of one name that of the later folder.
+    """Find the packages in several folders; a later folder's replaces one of the same name.
+
+    Args:
+        folders: Interface packages, or the `src/` of workspaces.
+        engine_name: The engine that is to read them.
 
     Raises:
-        ArchoError: As `find` raises it.
+        ArchoError: See `find`.
     """
     packages: dict[str, Path] = {}
     warnings: list[str] = []
@@ -38,17 +47,18 @@ def find_all(folders: Sequence[Path], engine_name: str) -> Found:
 def find(
     folder: Path, engine_name: str, others: Mapping[str, Path] = MappingProxyType({})
 ) -> Found:
-    """Return the packages of a folder.
+    """Find the packages in a folder.
 
-    A package with a mistake in one of its interfaces stays: whoever imports that interface is told.
+    A package with a mistake in an interface is found, too: importing that interface raises.
 
     Args:
         folder: An interface package, or a workspace's `src/`.
         engine_name: The engine that is to read them.
-        others: Packages that were found already, whose types these may use.
+        others: Packages that were found before, whose types these may use.
 
     Raises:
-        ArchoError: There is no package, or none without a mistake, which it names with its line.
+        ArchoError: There is no package, or none without a mistake, of which the first is named; or
+            the engine is ROS 2, where packages have to be built.
     """
     packages: dict[str, Path] = {}
     nameless: list[str] = []
@@ -73,7 +83,11 @@ def find(
 
 
 def mistakes(packages: Mapping[str, Path], of: Iterable[str]) -> dict[str, str]:
-    """Read every file of some packages, given all of them.
+    """Read every file of some packages.
+
+    Args:
+        packages: All packages, whose types the files may use.
+        of: The names of the packages to read.
 
     Returns:
         The first mistake of each package that has one, with file and line, by the package's name.
@@ -88,7 +102,7 @@ def mistakes(packages: Mapping[str, Path], of: Iterable[str]) -> dict[str, str]:
 
 
 class OwnInterfaces:
-    """The files of the packages; all restarts when they were saved and can be read."""
+    """The files of the user's packages: the console restarts when they were saved."""
 
     def __init__(
         self,
@@ -96,24 +110,31 @@ class OwnInterfaces:
         note: Callable[[str, str, str], None],
         restart: Callable[[str], None],
     ) -> None:
-        """`note(level, source, text)` says what cannot be read; all goes on as it is then."""
-        self._packages, self._note, self._restart = packages, note, restart
-        self._known = mistakes(packages, packages)  # they were named at the start
-        self.loaded = self.look()
+        """Watch packages.
 
-    def look(self) -> Stamps:
-        """Every interface file."""
+        Args:
+            packages: Their folders, by name.
+            note: Gets level, source and text of an event about a file that cannot be read. The
+                console goes on with the old types then.
+            restart: Restarts the console, given the reason.
+        """
+        self._packages, self._note, self._restart = packages, note, restart
+        self._known = mistakes(packages, packages)  # The start has named these.
+        self.loaded = self.current_stamps()
+
+    def current_stamps(self) -> Stamps:
+        """Return the stamps of every interface file."""
         folders = self._packages.values()
         return stamps(p for f in folders for kind in KINDS for p in f.glob(f"{kind}/*.{kind}"))
 
     def reload(self) -> None:
-        """Restart, if that is of any use."""
-        self.loaded = self.look()
+        """Restart the console, unless the files have mistakes that the start did not name."""
+        self.loaded = self.current_stamps()
         wrong = mistakes(self._packages, self._packages)
-        news = [said for name, said in wrong.items() if said != self._known.get(name)]
-        if not news:
+        new_mistakes = [text for name, text in wrong.items() if text != self._known.get(name)]
+        if not new_mistakes:
             self._restart("interfaces were saved")
-        for said in dict.fromkeys(news):
-            for name, folder in self._packages.items():  # short: it is one line of the screen
-                said = said.replace(str(folder), name)
-            self._note("ERROR", "interfaces", f"not read: {said}")
+        for text in dict.fromkeys(new_mistakes):
+            for name, folder in self._packages.items():  # An event has one line of the screen.
+                text = text.replace(str(folder), name)
+            self._note("ERROR", "interfaces", f"not read: {text}")

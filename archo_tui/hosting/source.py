@@ -1,4 +1,4 @@
-"""What the text of a node file says, by its syntax tree: it is never run for that."""
+"""Questions about the text of a node file, answered by its syntax tree without running it."""
 
 from __future__ import annotations
 
@@ -12,10 +12,14 @@ _SPINS = ("init", "spin", "spin_once", "spin_until_future_complete")
 
 
 class Source:
-    """A file's syntax tree, and the questions about it."""
+    """The syntax tree of a file, and the questions about it."""
 
     def __init__(self, text: bytes) -> None:
-        """Raises SyntaxError."""
+        """Parse a file.
+
+        Raises:
+            SyntaxError: The text is not Python.
+        """
         self.tree = ast.parse(text)
         self._functions = [
             node
@@ -24,9 +28,13 @@ class Source:
         ]
 
     def threads(self) -> int | None:
-        """How many threads `main()` spins with, 0 for as many as rclpy likes; None for one.
+        """Return the number of threads that `main()` spins with.
 
-        What stands below `if __name__ == "__main__"` counts as `main()`, and so does what it calls.
+        The text below `if __name__ == "__main__"` counts as `main()`, and so do the functions of
+        the file that it calls.
+
+        Returns:
+            The number; 0 if rclpy is to choose it, None for a single-threaded executor.
         """
         roots = [*self._main()]
         for call in self._calls(*roots):
@@ -38,7 +46,7 @@ class Source:
         return 0 if self._is_named(roots, MULTI_THREADED) else None
 
     def has_executor(self) -> bool:
-        """Return whether `main()`, or what it calls, makes an executor of its own."""
+        """Return whether `main()` or a function that it calls names an executor's class."""
         roots = [*self._main()]
         return any(self._is_named(roots, name) for name in _EXECUTORS)
 
@@ -46,8 +54,8 @@ class Source:
         return any(self._is_of_rclpy(node, name) for root in roots for node in ast.walk(root))
 
     def _is_of_rclpy(self, node: ast.AST, name: str) -> bool:
-        """Return whether a node names that class, by what it was imported as, too."""
-        others = {
+        """Return whether a node of the tree is the name of a class, or its `import ... as` name."""
+        aliases = {
             alias.asname
             for imported in ast.walk(self.tree)
             if isinstance(imported, ast.ImportFrom)
@@ -56,10 +64,14 @@ class Source:
         }
         if isinstance(node, ast.Attribute):
             return node.attr == name
-        return isinstance(node, ast.Name) and node.id in {name, *others}
+        return isinstance(node, ast.Name) and node.id in {name, *aliases}
 
     def runs_at_import(self) -> tuple[str, int] | None:
-        """The name and line of a function that spins and is called when the file is imported."""
+        """Find a function that spins and is called when the file is imported.
+
+        Returns:
+            Its name, and the line of the call; None if there is none.
+        """
         rclpys = {*self._of_rclpy()}
         spinning = {
             function.name
@@ -75,7 +87,11 @@ class Source:
         return None
 
     def called_too_early(self) -> int | None:
-        """The line where a callback is not given but called: `create_timer(1.0, self.tick())`."""
+        """Find a callback that is called instead of given, as in `create_timer(1.0, self.tick())`.
+
+        Returns:
+            Its line; None if there is none.
+        """
         for call in self._calls(self.tree):
             if _name(call).startswith("create_"):
                 for given in [*call.args[1:], *(keyword.value for keyword in call.keywords)]:
@@ -85,16 +101,25 @@ class Source:
         return None
 
     def action_server(self) -> tuple[int, bool] | None:
-        """The line of the only ActionServer, and whether it is given a cancel_callback."""
+        """Find the file's only ActionServer.
+
+        Returns:
+            The line of its constructor, and whether it has a cancel_callback; None if the file has
+            none or several.
+        """
         found = [call for call in self._calls(self.tree) if _name(call) == "ActionServer"]
         if len(found) != 1:
             return None
-        names = {keyword.arg for keyword in found[0].keywords}  # None: all of a dict
+        names = {keyword.arg for keyword in found[0].keywords}  # None stands for `**kwargs`.
         later = any(_name(c) == "register_cancel_callback" for c in self._calls(self.tree))
         return found[0].lineno, later or bool(names & {"cancel_callback", None})
 
     def line_of_text(self, text: str) -> int | None:
-        """The first line with that string, or with that name of a topic."""
+        """Return the first line with a string literal; None if there is none.
+
+        Args:
+            text: The string; slashes at its ends, as of a topic's name, do not matter.
+        """
         lines = [
             node.lineno
             for node in ast.walk(self.tree)
@@ -105,12 +130,19 @@ class Source:
         return min(lines, default=None)
 
     def line_of_call(self, name: str) -> int | None:
-        """Where a function is called, when that is one place only."""
+        """Return the line of the only call of a function; None if there are none or several."""
         lines = [call.lineno for call in self._calls(self.tree) if _name(call) == name]
         return lines[0] if len(lines) == 1 else None
 
-    def unmade(self, name: str) -> tuple[int, str]:
-        """Line and words for a class whose `__init__` does not call that of Node."""
+    def missing_super_init(self, name: str) -> tuple[int, str]:
+        """Describe why a node class does not run the `__init__` of Node.
+
+        Args:
+            name: The name of the class.
+
+        Returns:
+            The line to mend, and what is wrong there.
+        """
         classes = [node for node in ast.walk(self.tree) if isinstance(node, ast.ClassDef)]
         kind = next((node for node in classes if node.name == name), None)
         if kind is None:
@@ -122,8 +154,16 @@ class Source:
             return inits[0].lineno, f"{_SUPER} must be the first line of __init__"
         return inits[0].lineno, f"__init__ does not call {_SUPER}, so there is no node"
 
-    def gives_nothing(self, line: int) -> str:
-        """What the function that begins at a line should return, and never does; "" otherwise."""
+    def missing_return(self, line: int) -> str:
+        """Return the name of what a callback should return and never does.
+
+        Args:
+            line: The first line of the callback, its decorators included.
+
+        Returns:
+            The parameter that is the response of a service, or `result` for an action; "" if the
+            callback returns something, or no function begins there.
+        """
         for function in self._functions:
             first = min([function.lineno, *(d.lineno for d in function.decorator_list)])
             if first == line:
@@ -133,7 +173,7 @@ class Source:
         return ""
 
     def _main(self) -> Iterator[ast.AST]:
-        """`main()`, what stands below an `if`, and the file's functions that these call."""
+        """Yield `main()`, each `if` of the module, and the functions of the file they call."""
         functions = {n.name: n for n in self.tree.body if isinstance(n, ast.FunctionDef)}
         roots: list[ast.AST] = [n for n in self.tree.body if isinstance(n, ast.If)]
         roots += [function for name, function in functions.items() if name == "main"]
@@ -145,7 +185,7 @@ class Source:
                     roots.append(called)
 
     def _of_rclpy(self) -> Iterator[str]:
-        """What rclpy, and what is imported from it, is called here."""
+        """Yield the names in this file of rclpy and of everything imported from it."""
         for node in ast.walk(self.tree):
             if isinstance(node, (ast.Import, ast.ImportFrom)):
                 module = node.module if isinstance(node, ast.ImportFrom) else ""
@@ -161,7 +201,7 @@ class Source:
 
 
 def _name(call: ast.Call) -> str:
-    """What is called: `spin` of `rclpy.spin(node)`."""
+    """Return the last name of a called function: `spin` of `rclpy.spin(node)`."""
     function = call.func
     if isinstance(function, ast.Attribute):
         return function.attr

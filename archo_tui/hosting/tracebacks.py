@@ -1,4 +1,4 @@
-"""A traceback for the person who wrote the node: its own frames, the engine's only counted."""
+"""Tracebacks for the person who wrote a node, without the frames of the engine."""
 
 from __future__ import annotations
 
@@ -8,10 +8,14 @@ from types import ModuleType
 
 
 def own_frames(error: BaseException, *engine: ModuleType) -> str:
-    """The traceback of `error` without the frames in the folders of those packages.
+    """Return a traceback as text, without the frames of some packages.
 
-    The frames that are left out are counted in the last line. An error that never left the engine
-    is shown whole.
+    The last line counts the frames that are left out. An error keeps its frames if all of them are
+    within these packages.
+
+    Args:
+        error: The error.
+        *engine: The packages.
     """
     folders = [Path(module.__file__ or "").parent for module in engine]
     report = TracebackException.from_exception(error)
@@ -26,7 +30,7 @@ def own_frames(error: BaseException, *engine: ModuleType) -> str:
 
 
 def _chain(report: TracebackException) -> list[TracebackException]:
-    """The error and those that led to it."""
+    """Return a report, and the reports of the errors that led to it."""
     found: list[TracebackException] = []
     waiting: list[TracebackException | None] = [report]
     while waiting:

@@ -1,4 +1,7 @@
-"""Notices that files were saved, by their times and sizes: that works on every file system."""
+"""A thread that reloads files when they were saved.
+
+It compares times and sizes, which works on every file system.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,16 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Protocol
 
-PERIOD = 0.25  # s between two looks
-Stamps = dict[Path, tuple[int, int]]  # when each was saved (ns), and its size (bytes)
+PERIOD = 0.25  # Seconds between two comparisons.
+# When each file was saved, as Unix time in nanoseconds, and its size in bytes.
+Stamps = dict[Path, tuple[int, int]]
 
 
 def stamps(paths: Iterable[Path]) -> Stamps:
-    """Of those that are there: an editor may be replacing one just now."""
+    """Return the stamps of files, without those that are missing.
+
+    An editor may be replacing a file just now.
+    """
     found: Stamps = {}
     for path in paths:
         try:
@@ -24,34 +31,38 @@ def stamps(paths: Iterable[Path]) -> Stamps:
 
 
 class Watched(Protocol):
-    """Files that belong together."""
+    """Files that are reloaded together."""
 
     @property
     def loaded(self) -> Stamps:
-        """Of what was last loaded, or tried."""
+        """The stamps of the files when they were last loaded, or could not be loaded."""
 
-    def look(self) -> Stamps:
-        """As they are now."""
+    def current_stamps(self) -> Stamps:
+        """Return the stamps of the files as they are now."""
 
     def reload(self) -> None:
-        """Load them as they are now; whatever is wrong with them is said."""
+        """Load the files as they are now; an event says what is wrong with them."""
 
 
-class Watch:
-    """A thread that has what was saved reloaded; what is still being written waits for a look."""
+class FileWatcher:
+    """A thread that reloads files that were saved.
+
+    A file that is still being written is reloaded once it is the same in two comparisons.
+    """
 
     def __init__(self, watched: Sequence[Watched]) -> None:
+        """Create the thread, which `start` starts."""
         self.watched = watched
         self._ends = threading.Event()
         self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
 
     def start(self) -> None:
-        """Begin, when there is anything to watch."""
+        """Start the thread, if there is anything to watch."""
         if self.watched:
             self._thread.start()
 
     def stop(self) -> None:
-        """Nothing is reloaded from here on, but what has begun."""
+        """End the thread; a reload that has begun goes on."""
         self._ends.set()
         if self._thread.is_alive():
             self._thread.join(PERIOD)
@@ -60,7 +71,7 @@ class Watch:
         before: dict[Watched, Stamps] = {}
         while not self._ends.wait(PERIOD):
             for files in self.watched:
-                now = files.look()
+                now = files.current_stamps()
                 if now != files.loaded and now == before.get(files):
                     files.reload()
                 before[files] = now

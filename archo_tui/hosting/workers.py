@@ -11,14 +11,14 @@ from typing import Any
 from rclpy.context import Context
 from rclpy.executors import MultiThreadedExecutor
 
-_LEAST = 2  # threads: on a machine with one core, too, callbacks of a node may overlap
+_LEAST = 2  # Threads, so that callbacks may overlap also on a machine with one core.
 
 
 class Workers:
-    """Runs work in so many threads at most, in the place of a ThreadPoolExecutor.
+    """The threads of a node, in the place of a ThreadPoolExecutor's.
 
-    Unlike those of a pool, these have their node's name, by which its output is known, end when
-    there is no work, and do not keep the process from ending when a callback never returns.
+    Unlike the threads of a pool, they have their node's name, by which its output is known, end
+    when there is no work, and do not keep the process alive if a callback never returns.
     """
 
     def __init__(
@@ -28,7 +28,7 @@ class Workers:
         on_error: Callable[[], object],
         on_begin: Callable[[], object],
     ) -> None:
-        """Start no thread yet.
+        """Create the pool without threads.
 
         Args:
             most: The number of threads at most.
@@ -40,10 +40,14 @@ class Workers:
         self._on_error, self._on_begin = on_error, on_begin
         self._lock = threading.Lock()
         self._waiting: deque[tuple[Future[Any], Callable[..., Any], tuple[Any, ...]]] = deque()
-        self.threads: list[threading.Thread] = []  # those that have work
+        self.threads: list[threading.Thread] = []  # The threads that have work.
 
     def submit(self, work: Callable[..., Any], *args: Any) -> Future[Any]:
-        """Have it done as soon as a thread is free."""
+        """Run work as soon as a thread is free.
+
+        Returns:
+            A future of what the work returns or raises.
+        """
         future: Future[Any] = Future()
         with self._lock:
             self._waiting.append((future, work, args))
@@ -65,13 +69,17 @@ class Workers:
                 future.set_result(work(*args))
             except BaseException as error:
                 future.set_exception(error)
-            # rclpy's own work is a task, which keeps what it raised
+            # The work of rclpy is a task, which keeps what it raised instead of raising it.
             error_of = getattr(work, "exception", future.exception)
             if error_of() is not None:
                 self._on_error()
 
     def shutdown(self, wait: bool = True) -> None:
-        """Begin nothing more. Never waits, whatever is said: a callback may not return."""
+        """Start no further work.
+
+        Args:
+            wait: Ignored, because a callback may never return.
+        """
         with self._lock:
             self._waiting.clear()
 
@@ -79,7 +87,7 @@ class Workers:
 def multi_threaded(
     context: Context, threads: int, name: str, on_begin: Callable[[], object]
 ) -> tuple[Any, Workers]:
-    """Return an executor for one node, and its threads.
+    """Return a multi-threaded executor for one node, and its threads.
 
     Args:
         context: The rclpy context of the node.
@@ -89,7 +97,7 @@ def multi_threaded(
     """
     executor = MultiThreadedExecutor(max(threads, _LEAST), context=context)
     executor._executor.shutdown()
-    # what a callback raised comes out at the next turn, so there must be one
+    # The executor raises what a callback raised at its next turn, so there must be one.
     workers = Workers(
         max(threads, _LEAST), name, lambda: executor.create_task(lambda: None), on_begin
     )

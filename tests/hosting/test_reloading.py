@@ -60,7 +60,7 @@ async def save(op: Console, file: Path, text: str) -> None:
 def _by_hand(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
     """Only what `save` says is read again, unless the test is about the watching."""
     if not request.node.get_closest_marker("real_time"):
-        monkeypatch.setattr("archo_tui.hosting.watch.Watch.start", lambda self: None)
+        monkeypatch.setattr("archo_tui.hosting.watch.FileWatcher.start", lambda self: None)
 
 
 @pytest.mark.real_time
@@ -246,7 +246,7 @@ async def test_what_the_file_imports_from_its_folder_counts_as_the_file(here: Pa
         await op.until("first words")
         watched = op.session._watch.watched[0]
         helper.write_text("WORDS = 'other words, longer'\n")
-        assert watched.look() != watched.loaded
+        assert watched.current_stamps() != watched.loaded
         await save(op, file, file.read_text())
         await op.until("other words, longer")
         await save(op, file, says("alone"))

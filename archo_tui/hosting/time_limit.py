@@ -1,4 +1,4 @@
-"""Runs user code with a time limit, and interrupts what exceeds it."""
+"""Running user code with a time limit, after which it is interrupted."""
 
 from __future__ import annotations
 
@@ -11,25 +11,43 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-_GRACE = 0.5  # s that what was interrupted has to end
+_GRACE = 0.5  # Seconds that interrupted work has to end.
 
 
 class Interrupted(BaseException):
-    """Raised in a thread whose work took too long. No `except Exception` stops it."""
+    """The exception that ends a thread whose work took too long.
+
+    No `except Exception` of a user catches it.
+    """
 
 
 class TookTooLong(Exception):
-    """Work was given up; `stack` is where it was by then."""
+    """Work exceeded its time limit.
 
-    def __init__(self, said: str, stack: StackSummary) -> None:
-        super().__init__(said)
+    Attributes:
+        stack: The place at which it was by then.
+    """
+
+    def __init__(self, text: str, stack: StackSummary) -> None:
+        """Create the error with its text and the stack of the work."""
+        super().__init__(text)
         self.stack = stack
 
 
 def run_limited(work: Callable[[], T], seconds: float, name: str) -> T:
-    """The value of `work()`, done in a thread of that name. Raises what it raises.
+    """Run work in a thread of its own, and wait for it.
 
-    Raises TookTooLong after `seconds`.
+    Args:
+        work: What to run.
+        seconds: How long it may take.
+        name: The name of the thread, by which its output is known.
+
+    Returns:
+        What the work returns.
+
+    Raises:
+        TookTooLong: The work took longer; it was interrupted, and runs on if that failed.
+        BaseException: What the work raises.
     """
     values: list[T] = []
     errors: list[BaseException] = []
@@ -40,7 +58,7 @@ def run_limited(work: Callable[[], T], seconds: float, name: str) -> T:
         except BaseException as error:
             errors.append(error)
 
-    # the work belongs to the thread that waits for it: it has that one's global executor
+    # The work has the context variables of the thread that waits, and so its global executor.
     context = contextvars.copy_context()
     thread = threading.Thread(target=context.run, args=(run,), name=name, daemon=True)
     thread.start()
@@ -55,13 +73,17 @@ def run_limited(work: Callable[[], T], seconds: float, name: str) -> T:
 
 
 def stack_of(thread: threading.Thread) -> StackSummary:
-    """Where a thread is now; empty when it has ended."""
+    """Return the stack of a thread as it is now; an empty one if the thread has ended."""
     frame = sys._current_frames().get(thread.ident or 0)
     return extract_stack(frame) if frame is not None else StackSummary()
 
 
 def interrupt(thread: threading.Thread) -> bool:
-    """Have a thread end that runs Python code; False when it does not, as in a long `sleep`."""
+    """Interrupt a thread and wait half a second for its end.
+
+    Returns:
+        Whether it has ended. A thread that does not run Python code, as in a long `sleep`, has not.
+    """
     if thread.ident is not None and thread.is_alive():
         raise_in(thread)
         thread.join(_GRACE)
@@ -71,10 +93,9 @@ def interrupt(thread: threading.Thread) -> bool:
 def raise_in(thread: threading.Thread) -> None:
     """Raise Interrupted in a thread, as soon as it runs Python code.
 
-    It is CPython's own means for it: an exception that is raised in another thread
-    (https://docs.python.org/3/c-api/threads.html, PyThreadState_SetAsyncExc).
+    It uses CPython's PyThreadState_SetAsyncExc: https://docs.python.org/3/c-api/threads.html.
     """
-    import ctypes  # for this alone, which is rarely needed
+    import ctypes  # Imported here, because it is rarely needed.
 
     number = ctypes.c_ulong(thread.ident or 0)
     ctypes.pythonapi.PyThreadState_SetAsyncExc(number, ctypes.py_object(Interrupted))
