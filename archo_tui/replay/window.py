@@ -59,7 +59,7 @@ class Window:
             while second <= message.time:  # As the console did, each second.
                 snapshot = state.snapshot
                 self.history.add_sample(snapshot, second)
-                alarms = self._mark_alarms(state.alarms(snapshot, second), alarms, second)
+                alarms = self._mark_alarms(state.alarms(snapshot, second), alarms)
                 second += 1.0
             try:
                 state.apply(*message)
@@ -88,10 +88,16 @@ class Window:
         if event is not None and event.level in OWN_LEVELS:
             self.marks.append(TimelineMark(time, f"{event.level}: {event.text}"))
 
-    def _mark_alarms(
-        self, alarms: tuple[Alarm, ...], before: frozenset[str], time: float
-    ) -> frozenset[str]:
-        """Mark the alarms that have come, and return the names of all that are active."""
+    def _mark_alarms(self, alarms: tuple[Alarm, ...], before: frozenset[str]) -> frozenset[str]:
+        """Mark on the time line the alarms that have become unacknowledged.
+
+        Args:
+            alarms: All alarms at that time.
+            before: The names of the alarms that were unacknowledged before.
+
+        Returns:
+            The names of the alarms that are active and unacknowledged, for the next call.
+        """
         new = [alarm for alarm in alarms if alarm.state == AlarmState.UNACKNOWLEDGED]
         for alarm in new:
             if alarm.name not in before:
