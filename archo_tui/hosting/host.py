@@ -58,7 +58,7 @@ class HostedNode:
         file: The node file; None for a node of the robot's own.
         operator_values: Returns the parameters that the operator has set on a node, by its name.
         state: How the node is doing; `current_state` is more precise while it is constructed.
-        was_told_early: True if the constructor spun while there was a STOP that is not released.
+        was_told_early: True if a STOP was not released when the constructor last spun the node.
         crash: `FILE:LINE` and the error of a node of a file that has crashed; "" otherwise.
     """
 
@@ -167,7 +167,7 @@ class HostedNode:
             than CONSTRUCTION_TIME; it goes on then, and the node is late.
 
         Raises:
-            BaseException: What the constructor raises.
+            Exception: What the constructor raises.
         """
         while not self._is_over.wait(None if self.file is None else _CONSTRUCTOR_POLL):
             if not (self.is_overdue or self._waits_for_others()):
@@ -472,7 +472,7 @@ class Host:
     never called on the UI thread; one call at a time changes nodes.
 
     Attributes:
-        nodes: The nodes, sorted by name once they have started.
+        nodes: The nodes, with those that were stopped or have crashed.
     """
 
     def __init__(
@@ -508,7 +508,7 @@ class Host:
             make: Makes the node, given the context by that name.
 
         Raises:
-            BaseException: What the constructor raises.
+            Exception: What the constructor raises.
         """
         with self._changing:
             hosted = self._hosted(make)
@@ -523,7 +523,7 @@ class Host:
         """Wait for a node; write an event if it is late.
 
         Raises:
-            BaseException: What the constructor raises.
+            Exception: What the constructor raises.
         """
         if not hosted.wait():
             level = "WARN" if hosted.is_overdue else "INFO"
@@ -691,7 +691,7 @@ class Host:
     def _tell_stop_early(self, new: HostedNode) -> None:
         """Make a node carry out a STOP that is not released before its constructor spins it.
 
-        This is done at the first spin only: once it spins, the node gets the request itself.
+        This is done at the first spin behind that STOP; later the node gets the request itself.
         """
         is_told, new.was_told_early = new.was_told_early, bool(self._stop_to_tell()[0])
         if not is_told:

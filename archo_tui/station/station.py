@@ -50,7 +50,7 @@ class View:
         now: Monotonic time in seconds.
         second: The same at the last tick of the clock, for ages that need not be livelier.
         time: Unix time in seconds.
-        engine: `embedded` or `ros2`.
+        engine: The engine in words; see `engine.describe`.
         namespace: Of the robot.
         history: The curves of the last hour.
         alarms: All alarms that are not normal, in the order in which they are shown.
@@ -201,7 +201,7 @@ class Station:
             journal: Gets each change of an alarm.
             recorder: Gets each view.
             clock: What every decision about time asks.
-            engine: `embedded` or `ros2`, to be shown.
+            engine: The engine in words, to be shown.
             namespace: The robot's, to be shown.
             attached: True if the robot lives on without this process.
             on_disconnect: What happens to a running goal at the end: see shutdown.py.
