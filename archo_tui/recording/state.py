@@ -28,7 +28,10 @@ _GOAL_TIMES = ("sent", "heard", "started", "ended", "cancel_asked", "lost")
 
 
 class RecordedAction(NamedTuple):
-    """An action that goals name; of the robot file's entry only `id` must still be the same."""
+    """The action of a recorded goal, with the words of its entry in the robot file.
+
+    A replay uses the entry that its robot file has for the same `id` and `action`, if there is one.
+    """
 
     id: str
     title: str
