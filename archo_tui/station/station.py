@@ -393,8 +393,8 @@ class Station:
         stop_count += self.robot.stops.sent_elsewhere
         request = self.requests.add(asker, goal, text, self.clock.monotonic(), stop_count)
         act = Act("request", {"request": request.number, "values": goal.values}, Code.ACCEPTED)
-        said = f"asks: {text} (request {request.number})"
-        self.robot.note(asker.level, asker.source, said, act=act)
+        asked = f"asks: {text} (request {request.number})"
+        self.robot.note(asker.level, asker.source, asked, act=act)
         self.refresh()
         return request
 
