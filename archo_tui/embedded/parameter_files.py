@@ -200,6 +200,16 @@ def _parameters(
 
 
 def _value(text: _Text, node: yaml.Node, name: str = "it") -> Any:
+    """Return the value of a parameter: a scalar, or a list of scalars of one type.
+
+    Args:
+        text: The file, whose lines tell a `!!str` tag.
+        node: The value's node.
+        name: What an error calls the parameter.
+
+    Raises:
+        ParameterFileError: The value is left out, nested, or of mixed types.
+    """
     where = _where(text.path, node)
     if isinstance(node, yaml.ScalarNode):
         if node.style in ("'", '"', "|"):
