@@ -273,7 +273,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: The words of the command line; None means the program's own.
 
     Returns:
-        The exit code: 0, 1 if the console failed, 2 for a user's mistake.
+        The exit code: 0; 1 if the console failed; 2 for a user's mistake; one of docs/shell.md
+        for a verb; 128 and the number of the signal that ended the console.
     """
     if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # Until heed_signals there is nothing to undo.

@@ -127,7 +127,7 @@ class KeyedApp(TerminalApp):
             self.stop_now(event)
             return
         if isinstance(event, events.MouseEvent) and not event.is_forwarded:
-            if self._clicks_stop(event):
+            if self._stop_if_clicked(event):
                 return
             if self.mouse_captured is None and not self.screen.region.contains(event.x, event.y):
                 return  # From when the terminal was larger: outside it would only take the focus.
@@ -140,7 +140,7 @@ class KeyedApp(TerminalApp):
             mark_stops(event, self.stops.count)
         if isinstance(event, events.MouseUp):  # A button acts as the mouse is released.
             mark_input(event, self._read)
-        repeated = not isinstance(event, events.MouseUp) and self._repeats(event)
+        repeated = not isinstance(event, events.MouseUp) and self._record_input(event)
         if self._early and self._acts_before(event):
             self._early.clear()
             said = "What was typed while an answer is waited for is dropped."
@@ -197,7 +197,7 @@ class KeyedApp(TerminalApp):
 
     def stop_now(self, event: events.Key) -> None:
         """Run the command of STOP at once, also while another key is being handled."""
-        before, self.repeated = self.repeated, self._repeats(event)
+        before, self.repeated = self.repeated, self._record_input(event)
         with self.stops.typed_at(stops_before(event)):
             self.action_command("stop", counted=True)
         self.repeated = before  # Of the key that is being handled.
@@ -207,10 +207,11 @@ class KeyedApp(TerminalApp):
         free = {self._keys[c.id] for c in self.registry if c.where == EVERYWHERE}
         return isinstance(event, events.Key) and event.key in free
 
-    def _clicks_stop(self, event: events.MouseEvent) -> bool:
-        """Return True for a click on a visible STOP button, also beside a dialog.
+    def _stop_if_clicked(self, event: events.MouseEvent) -> bool:
+        """Run STOP as a visible STOP button is pressed, also beside a dialog.
 
-        It acts as it is pressed; its release does nothing.
+        Returns:
+            True for the press and the release of the button, which nothing else may handle.
         """
         if isinstance(event, events.MouseUp) and self._pressed_stop:
             self._pressed_stop = False
@@ -226,8 +227,13 @@ class KeyedApp(TerminalApp):
         self.action_command("stop")
         return True
 
-    def _repeats(self, event: events.Event) -> bool:
-        """Return True for a key that is held down: the same again, and soon."""
+    def _record_input(self, event: events.Event) -> bool:
+        """Record when a key, paste or press was read, and which STOPs came before it.
+
+        Returns:
+            True for a key that is held down: the same as the last one, within HELD, without a STOP
+            between them.
+        """
         key = event.key if isinstance(event, events.Key) else ""
         before, since = self._last_key, self._last_typed
         self._last_key, self._last_typed = key, self.station.clock.monotonic()
@@ -241,6 +247,7 @@ class KeyedApp(TerminalApp):
         return repeated
 
     async def _handle(self, event: events.Event, repeated: bool) -> None:
+        """Pass a key or a click on to Textual, unless it is held down and may not repeat."""
         self.repeated, self.input, self._is_drawn = repeated, input_of(event), False
         if isinstance(event, events.Key):
             if repeated and not self._may_repeat(event):
