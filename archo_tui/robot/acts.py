@@ -1,15 +1,16 @@
-"""What a console did, as data: for its journal, and for the other consoles of the robot.
+"""The audit records of what consoles did: for the journal, and for the robot's other consoles.
 
-Each publishes it on TOPIC, in the robot's namespace, as one JSON object in a std_msgs/msg/String:
+Each console publishes its records on TOPIC, in the robot's namespace. A record is one JSON object
+in a std_msgs/msg/String:
 
     {"console": "anna_lab_4711", "verb": "set", "code": "done",
      "arguments": {"node": "/motor_controller", "values": {"max_speed": 0.5}},
      "text": "set motor_controller max_speed 0.5: max_speed is 0.5, was 0.8"}
 
-`text` is the line that people read, the same as on /rosout. Anybody can publish there, so nothing
-follows from it but who did what, and what holds goals back: that a STOP came, holds, or is no
-longer certain. Names that are not known are left alone. The number of TOPIC grows
-when what a name means changes; a console of another number counts as one that publishes nothing.
+`text` is the line that people read, the same as on /rosout. Anybody can publish there. So a record
+may only tell who did what, and hold goals back: a STOP came, holds, or is no longer certain.
+Unknown names in the object are ignored. The number in TOPIC grows when the meaning of a name
+changes; a console with another number counts as one that publishes nothing.
 """
 
 from __future__ import annotations
@@ -23,27 +24,39 @@ from archo_tui.robot.outcome import Code
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 
-TOPIC = "_archo_console/acts_1"  # hidden, as tools' are
-LONGEST = 16_000  # characters of one that is read
-_MOST = 100  # items of a list that are kept
-_DEEPEST = 4  # values within values
+TOPIC = "_archo_console/acts_1"  # A hidden name, as ROS tools use.
+LONGEST = 16_000  # Characters of a record; a longer one is ignored.
+_MOST = 100  # Items of a list that are kept.
+_DEEPEST = 4  # Levels of nested values that are kept.
 _INT64 = 2**63
 
 
 class Act(NamedTuple):
-    """One verb that was carried out, or was not."""
+    """The record of a verb that was carried out, or was refused.
 
-    verb: str  # its id: stop, go, or one of the robot file's
+    Attributes:
+        verb: Its id: `stop`, `go`, or that of a command in the robot file.
+        arguments: Its values by name.
+        code: How it ended.
+    """
+
+    verb: str
     arguments: Mapping[str, Any]
-    code: Code  # how it ended
+    code: Code
 
     def bounded(self) -> Act:
-        """The same with what JSON can hold, and safe texts of bounded length."""
+        """Return a copy with only what JSON can hold, and with safe texts of bounded length."""
         return Act(harmless(self.verb), bounded(self.arguments), self.code)
 
 
 class Told(NamedTuple):
-    """What another console says that it did."""
+    """A record that another console published.
+
+    Attributes:
+        console: The name of the console.
+        act: The record.
+        text: The line for people; it may hold any characters.
+    """
 
     console: str
     act: Act
@@ -51,7 +64,13 @@ class Told(NamedTuple):
 
 
 def write(console: str, act: Act, text: str) -> str:
-    """The JSON object; of more values than are read their names alone."""
+    """Return a record as JSON; if it would exceed LONGEST, the names without their values.
+
+    Args:
+        console: The name of this console.
+        act: The record.
+        text: The line for people.
+    """
     verb, arguments, code = act.bounded()
     form = {"console": console, "verb": verb, "code": code.value, "text": text}
     whole = json.dumps({**form, "arguments": arguments})
@@ -65,7 +84,7 @@ def write(console: str, act: Act, text: str) -> str:
 
 
 def read(form: str) -> Told | None:
-    """What it says, or None for anything that is not of this form."""
+    """Return the record in a text; None if the text has not this form."""
     if len(form) > LONGEST:
         return None
     try:
@@ -74,14 +93,14 @@ def read(form: str) -> Told | None:
         code, arguments = Code(found["code"]), found["arguments"]
     except (ValueError, TypeError, KeyError, RecursionError):
         return None
-    texts = all(isinstance(said, str) for said in (console, verb, text))
-    if not texts or not isinstance(arguments, dict):
+    are_texts = all(isinstance(item, str) for item in (console, verb, text))
+    if not are_texts or not isinstance(arguments, dict):
         return None
     return Told(console, Act(verb, arguments, code), text)
 
 
 def bounded(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Values as JSON can hold them, and safe texts of bounded length."""
+    """Return values as JSON can hold them, with safe texts of bounded length."""
     return _mapping(values, 0)
 
 

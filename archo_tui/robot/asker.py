@@ -1,4 +1,4 @@
-"""Who asks for what is being done: the person at the console, or a program beside it."""
+"""The requester of the present work: the person at the console, or another program."""
 
 from __future__ import annotations
 
@@ -10,23 +10,32 @@ from contextvars import ContextVar
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot.state import Goal
 
-ASSISTANT = "assistant"  # how the sources of those begin
+ASSISTANT = "assistant"  # The beginning of an assistant's source.
 
 
 class Asker:
-    """One who asks; events and journal name it."""
+    """A person or a program that requests something, as events and journal name it.
+
+    Attributes:
+        level: The level of its events: `YOU`, `SHELL`, `AI`.
+        source: Their source: `console`, `pid 4711`.
+        ends: Futures for the outcomes of the goals that it requested.
+        goal: The last of these goals that ended; None if none has.
+        has_left: True if whatever it still requests is not carried out.
+        waits: True if it waits for the end of its goals, which are cancelled if it leaves.
+    """
 
     def __init__(self, level: str, source: str) -> None:
-        """`level` and `source` are those of its events: `SHELL`, `pid 4711`."""
+        """Create a requester without goals."""
         self.level, self.source = level, source
-        self.ends: list[Future[Outcome]] = []  # of the goals that it asked for
-        self.goal: Goal | None = None  # the last of them that ended
-        self.has_left = False  # whatever it still asks for is not done
-        self.waits = False  # for the ends of its goals: they are cancelled when it leaves
+        self.ends: list[Future[Outcome]] = []
+        self.goal: Goal | None = None
+        self.has_left = False
+        self.waits = False
 
     @property
     def is_assistant(self) -> bool:
-        """True for a program that a model speaks through."""
+        """True for a program through which a language model sends requests."""
         return self.source.startswith(ASSISTANT)
 
 
@@ -35,13 +44,13 @@ _asking: ContextVar[Asker] = ContextVar("asking", default=YOU)
 
 
 def asking() -> Asker:
-    """Who asks for what is being done."""
+    """Return the requester of the present work; the person at the console by default."""
     return _asking.get()
 
 
 @contextmanager
 def asked_by(asker: Asker) -> Iterator[None]:
-    """Do what this one asks for; the tasks that begin here carry it, too."""
+    """Carry out work for a requester; tasks that begin inside inherit it."""
     token = _asking.set(asker)
     try:
         yield

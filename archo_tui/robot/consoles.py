@@ -1,4 +1,4 @@
-"""Who else operates this robot: each console's node has a name of its own, hidden as tools' are."""
+"""The names of the consoles' nodes, by which the consoles of a robot find each other."""
 
 from __future__ import annotations
 
@@ -10,12 +10,15 @@ import socket
 from archo_tui.system import user_name
 
 PREFIX = "_archo_console_"
-_LONGEST = 200  # characters; rclpy takes 255
+_LONGEST = 200  # Characters; rclpy accepts 255.
 _numbers = itertools.count(1)
 
 
 def own_name() -> str:
-    """`_archo_console_anna_lab_4711`; of a second one in this process with its number behind."""
+    """Return a new node name: user, host and process, as in `_archo_console_anna_lab_4711`.
+
+    A second name in one process ends with `_2`, and so on.
+    """
     number = next(_numbers)
     more = f"_{number}" if number > 1 else ""
     name = f"{PREFIX}{user_name()}_{socket.gethostname()}_{os.getpid()}{more}"
@@ -23,6 +26,10 @@ def own_name() -> str:
 
 
 def author(node: str) -> str:
-    """Who a console's node is, without the namespace and what they all begin with; else empty."""
+    """Return the name of the console with that node, as `anna_lab_4711`; "" for another node.
+
+    Args:
+        node: The name of a node, with or without its namespace.
+    """
     last = node.rpartition("/")[2]
     return last.removeprefix(PREFIX) if last.startswith(PREFIX) else ""

@@ -1,4 +1,4 @@
-"""Publishers and subscriptions of one topic that get no message from each other. Pure."""
+"""Publishers and subscriptions of a topic that do not fit each other. No input or output."""
 
 from __future__ import annotations
 
@@ -9,32 +9,32 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.robot.state import in_namespace
 
-# what a subscription asks for, and what a publisher offers, where DDS does not match the two
+# A policy with the values of a subscription and of a publisher that DDS does not match.
 _UNMATCHED = (
     ("reliability", ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT),
     ("durability", DurabilityPolicy.TRANSIENT_LOCAL, DurabilityPolicy.VOLATILE),
 )
-# subscriber, publishers, topic, why
+# Filled with the subscriber, the publishers, the topic and the reason.
 _HEARS_NOTHING = "{} hears nothing of {} on {}: {}"
 _MISREADS = "{} may misread {} on {}: {}"
-_SHOWN = 8  # digits of a type hash that are shown: two versions of a type differ in them
+_SHOWN = 8  # Digits of a type hash; enough to tell two versions of a type apart.
 _OWN = "this console"
 
 
 def mismatches(
     topic: str, publishers: Iterable[Any], subscriptions: Iterable[Any], console: str = ""
 ) -> tuple[str, ...]:
-    """Describe each subscription that does not get what a publisher means, and what to change.
+    """Describe each subscription that cannot read what a publisher sends, and what to change.
 
-    It hears nothing where types or QoS differ. Where both name one type and have other versions of
-    it, a field more for one, DDS delivers all the same, and what is read may be wrong.
+    With different types or QoS, nothing is delivered. With different versions of one type, such as
+    one with an additional field, DDS delivers all the same, and what is read may be wrong.
 
     Args:
-        topic: Its full name.
-        publishers: An rclpy `TopicEndpointInfo` each, as for `subscriptions`.
-        subscriptions: Those of hidden nodes are left out.
-        console: The full name of this console's node, which is hidden and not left out. Its QoS
-            fits always, and whoever reads the topic says where the type does not.
+        topic: The full name of the topic.
+        publishers: rclpy's `TopicEndpointInfo` of each.
+        subscriptions: The same; those of hidden nodes are ignored.
+        console: The full name of this console's node, which is hidden but not ignored. Only the
+            versions are compared: its QoS always fits, and its reader reports another type.
 
     Returns:
         A sentence for each subscribing node and reason, sorted; it names all publishers.
@@ -62,7 +62,10 @@ def mismatches(
 
 
 def _unmatched(publisher: Any, subscription: Any) -> tuple[str, str, str] | None:
-    """Return what happens where DDS does not match the two, why, and what mends it."""
+    """Return the sentence for two endpoints that DDS does not match, why, and the remedy.
+
+    None means that DDS matches them.
+    """
     wanted, given = subscription.topic_type, publisher.topic_type
     if wanted != given:
         return (
@@ -82,7 +85,7 @@ def _unmatched(publisher: Any, subscription: Any) -> tuple[str, str, str] | None
 
 
 def _another_version(publisher: Any, subscription: Any) -> tuple[str, str, str] | None:
-    """Return as `_unmatched` does, where the two have different versions of one type."""
+    """Return the same as `_unmatched` for different versions of one type."""
     kind, wanted, given = subscription.topic_type, _hash(subscription), _hash(publisher)
     if not (wanted and given) or wanted == given or publisher.topic_type != kind:
         return None
@@ -92,9 +95,9 @@ def _another_version(publisher: Any, subscription: Any) -> tuple[str, str, str] 
 
 
 def _hash(info: Any) -> str:
-    """Return the first digits of a type's hash; empty before Iron, and where DDS has none.
+    """Return the first digits of a type's hash; "" before ROS 2 Iron, or if DDS has none.
 
-    In full it is `RIHS01_` and 64 digits (REP 2016), or `INVALID`.
+    The whole hash is `RIHS01_` and 64 digits (REP 2016), or `INVALID`.
     """
     version, _, digits = str(getattr(info, "topic_type_hash", "")).partition("_")
     return digits[:_SHOWN] if version.startswith("RIHS") else ""

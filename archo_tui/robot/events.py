@@ -1,4 +1,4 @@
-"""The log of the session: bounded, in order, repeats counted instead of repeated."""
+"""The events of the session: a bounded log in which repeats are counted, not repeated."""
 
 from __future__ import annotations
 
@@ -10,39 +10,42 @@ from operator import itemgetter
 from archo_tui.robot.state import OWN_LEVELS, Event
 from archo_tui.robot.text import harmless
 
-LIMIT = 1000  # events kept
-_OWN = 200  # of them the console's own, which a flood of others does not push out
-ROUTINE = ("DEBUG", "INFO")  # levels of what nodes log all the time; pushes out nothing worse
-MOST_LINES = 50  # different lines of ROUTINE levels that are kept of a source in a second
-_PERIOD = 1.0  # s: that second
+LIMIT = 1000  # Events that are kept.
+_OWN = 200  # Of these, the console's own, which a flood of others does not push out.
+ROUTINE = ("DEBUG", "INFO")  # Levels of frequent logs, which push out nothing worse.
+MOST_LINES = 50  # Different ROUTINE lines of one source that are kept in a `_PERIOD`.
+_PERIOD = 1.0  # Seconds.
 LEFT_OUT = f"lines were left out: more than {MOST_LINES} in a second"
 
-# With a point a number is a reading, which drifts: `Low battery: 18.0%` is said again and again.
-# A whole one is what it is about: joint 1 and joint 2 are two faults; 10.0.0.1 is a name as well.
+# A number with a decimal point is a reading, which drifts: `Low battery: 18.0%` is a repeat of the
+# line with 18.1%. A whole number is part of a name: joint 1 and joint 2 are two faults. 10.0.0.1 is
+# an address, no reading.
 _READING = re.compile(r"-?(?<![\d.])\d+\.\d+(?!\.?\d)")
 
 
 def _common(level: str, source: str, text: str) -> object:
-    """What an event has in common with those that repeat it."""
+    """Return a key that is equal for an event and its repeats."""
     return level, source, _READING.sub("#", text)
 
 
 class EventLog:
-    """Collects events; one that repeats another but for its readings replaces it."""
+    """A log in which an event replaces an earlier one that differs only in its readings."""
 
     def __init__(self) -> None:
         self._count = 0
-        # by what repeats have in common; each with its place among all of them
+        # By the key that repeats share; each with its place in the order of all events.
         self._own: OrderedDict[object, tuple[int, Event]] = OrderedDict()
         self._routine: OrderedDict[object, tuple[int, Event]] = OrderedDict()
         self._worse: OrderedDict[object, tuple[int, Event]] = OrderedDict()
-        self._all: tuple[Event, ...] | None = ()  # None: not put in order yet
-        self._windows: dict[str, tuple[float, int]] = {}  # by source: since when (s), lines since
+        self._all: tuple[Event, ...] | None = ()  # None: not sorted yet.
+        # By source: the beginning of the present `_PERIOD` (Unix seconds), and lines in it.
+        self._windows: dict[str, tuple[float, int]] = {}
 
     def add(self, event: Event) -> Event:
-        """Append an event, or count it on the one it repeats. The console's own are never merged.
+        """Append an event, or count it as a repeat; the console's own events are never merged.
 
-        Returns it as it stands in the log.
+        Returns:
+            The event as it is in the log: with its number, its count, and safe texts.
         """
         self._count += 1
         self._all = None
@@ -71,11 +74,11 @@ class EventLog:
         return event
 
     def _has_room(self, source: str, time: float) -> bool:
-        """Return False when a source said too many different lines of late, and count one more."""
+        """Count a line of a source; return False if it logged too many in the present period."""
         since, lines = self._windows.get(source, (time, 0))
         if not 0 <= time - since < _PERIOD:
             since, lines = time, 0
-        if len(self._windows) > LIMIT:  # names that nobody uses any more
+        if len(self._windows) > LIMIT:  # Most are names that nobody uses any more.
             self._windows.clear()
         self._windows[source] = since, lines + 1
         return lines < MOST_LINES
@@ -83,26 +86,25 @@ class EventLog:
     def _place(
         self, level: str, source: str, text: str
     ) -> tuple[OrderedDict[object, tuple[int, Event]], object]:
-        """Where such an event is kept, and by what its repeats are known."""
+        """Return the part of the log for such an event, and its key there."""
         if level in OWN_LEVELS:
             return self._own, self._count
         return self._routine if level in ROUTINE else self._worse, _common(level, source, text)
 
     @classmethod
     def of(cls, events: Iterable[Event]) -> EventLog:
-        """One that has these, oldest first."""
+        """Return a log of these events, which come from a log: oldest first, and numbered."""
         log, events = cls(), tuple(events)
         for log._count, event in enumerate(events, 1):
             kept, key = log._place(event.level, event.source, event.text)
             kept[key] = log._count, event
-        log._count = max(
-            log._count, *(event.number for event in events), 0
-        )  # further on from there
+        # Later events get higher numbers than all of these.
+        log._count = max(log._count, *(event.number for event in events), 0)
         log._all = None
         return log
 
     def copy(self) -> EventLog:
-        """Another one with the same events."""
+        """Return an independent log with the same events."""
         log = EventLog()
         log._count, log._all = self._count, self._all
         log._own, log._routine = self._own.copy(), self._routine.copy()
@@ -110,7 +112,7 @@ class EventLog:
         return log
 
     def all(self) -> tuple[Event, ...]:
-        """Oldest first; the same object until one is added."""
+        """Return all events, the oldest first; the same tuple until an event is added."""
         if self._all is None:
             places = (*self._own.values(), *self._routine.values(), *self._worse.values())
             self._all = tuple(event for _, event in sorted(places, key=itemgetter(0)))

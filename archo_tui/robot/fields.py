@@ -1,7 +1,7 @@
-"""Values into the fields of messages, each checked by the type of its field.
+"""The filling of message fields with values, each checked against the type of its field.
 
-rosidl's classes check only where ROS_PYTHON_CHECK_FIELDS=1 was set: without it, what does not fit
-is cut, and a list that is too short is filled up with whatever lies in memory.
+rosidl's classes check values only if ROS_PYTHON_CHECK_FIELDS=1 was set. Without it, a value that
+does not fit is cut, and a list that is too short is filled up with whatever is in memory.
 """
 
 from __future__ import annotations
@@ -20,14 +20,16 @@ from archo_tui.surrogates import has_lone_surrogate
 from archo_tui.yaml_text.dump import flow
 
 NESTED = re.compile(r"(\w+)/(\w+)")
-# of a bound or length the digits: sequence<string<8>, 3> holds three texts of eight characters
+# Types as rosidl writes them: sequence<string<8>, 3> holds at most three texts of at most eight
+# characters each; `most` and `size` are such numbers.
 _ARRAY = re.compile(r"sequence<(?P<of>.+?)(?:, *(?P<most>\d+))?>|(?P<each>.+)\[(?P<size>\d+)\]")
 _STRING = re.compile(r"w?string(?:<(\d+)>)?")
-_FLOAT32_MAX = 3.402823466e38  # as rosidl has it
-_FLOAT32_LARGEST = 3.4028234663852886e38  # as it arrives; beyond it is infinite on the wire
+_FLOAT32_MAX = 3.402823466e38  # The limit that rosidl's setters check.
+_FLOAT32_LARGEST = 3.4028234663852886e38  # The largest float32; more is infinite on the wire.
 _MARKS = ("\ufeff", "\ufffe")
-_SHOWN = 40  # characters of a wrong value that are shown
-_REFUSED = (AssertionError, TypeError, ValueError, AttributeError, OverflowError)  # of setters
+_SHOWN = 40  # Characters of a wrong value that its error quotes.
+# What rosidl's setters raise for a value that does not fit.
+_REFUSED = (AssertionError, TypeError, ValueError, AttributeError, OverflowError)
 
 INTEGERS = {
     f"{sign}int{bits}": (0, 2**bits - 1) if sign else (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
@@ -37,15 +39,22 @@ INTEGERS = {
 
 
 def element_of(kind: str) -> str | None:
-    """The type of a list's elements; None when it is not a list's."""
+    """Return the type of the elements of a list type; None for a type that is no list."""
     found = _ARRAY.fullmatch(kind)
     return None if found is None else found["of"] or found["each"]
 
 
 def put(message: Any, path: str, value: Any, where: str = "") -> None:
-    """Set the field at a dotted path, whole messages from mappings.
+    """Set a field of a message.
 
-    Raises ValueError with one line: the field, the value, what is allowed.
+    Args:
+        message: The message, which is changed.
+        path: The dotted path of the field.
+        value: The value; for a field that is a message, a mapping.
+        where: The path of the message itself, for errors.
+
+    Raises:
+        ValueError: In one line the field, the value, and what is allowed.
     """
     first, _, rest = path.partition(".")
     kinds = message.get_fields_and_field_types()
@@ -67,19 +76,37 @@ def put(message: Any, path: str, value: Any, where: str = "") -> None:
 
 
 def filled(message: Any, values: Mapping[str, Any], where: str = "") -> Any:
-    """The message with values by dotted path. Raises ValueError as `put` does."""
+    """Set fields of a message, and return the message.
+
+    Args:
+        message: The message, which is changed.
+        values: The values by dotted path.
+        where: The path of the message itself, for errors.
+
+    Raises:
+        ValueError: As in `put`; or two paths overlap.
+    """
     parts = sorted(path.split(".") for path in values)
-    for one, other in itertools.pairwise(parts):  # a whole message undoes what was put into it
-        if other[: len(one)] == one:
-            said = f"{'.'.join(other)} is given twice, also by {'.'.join(one)}"
-            raise ValueError(harmless(f"{where}: {said}".lstrip(": ")))
+    for outer, inner in itertools.pairwise(parts):  # A whole message would replace its fields.
+        if inner[: len(outer)] == outer:
+            fault = f"{'.'.join(inner)} is given twice, also by {'.'.join(outer)}"
+            raise ValueError(harmless(f"{where}: {fault}".lstrip(": ")))
     for path, value in values.items():
         put(message, path, value, where)
     return message
 
 
 def checked(kind: str, value: Any, where: str) -> Any:
-    """The value as a field of that type takes it. Raises ValueError as `put` does."""
+    """Return a value as a field of that type takes it.
+
+    Args:
+        kind: The type, as rosidl writes it.
+        value: The value.
+        where: The path of the field, for errors.
+
+    Raises:
+        ValueError: As in `put`.
+    """
     array, nested = _ARRAY.fullmatch(kind), NESTED.fullmatch(kind)
     if array is not None:
         return _list(array, value, where)
@@ -113,7 +140,11 @@ def _message(nested: re.Match[str], value: Any, where: str) -> Any:
 
 
 def _single(kind: str, value: Any) -> Any:
-    """Raises ValueError that says what is allowed; the field and the value stand before it."""
+    """Return a value for a field that is no list and no message.
+
+    Raises:
+        ValueError: What is allowed; `checked` puts the field and the value before it.
+    """
     text = _STRING.fullmatch(kind)
     if text is not None:
         if kind[0] == "w" and isinstance(value, str) and value.startswith(_MARKS):
@@ -151,7 +182,7 @@ def _number(value: Any, kind: str) -> float:
     if kind == "float" and math.isfinite(number) and abs(number) > _FLOAT32_MAX:
         if abs(number) > _FLOAT32_LARGEST:
             raise ValueError(f"is not within -{_FLOAT32_MAX} .. {_FLOAT32_MAX}")
-        return math.copysign(_FLOAT32_MAX, number)  # in four bytes it is the same
+        return math.copysign(_FLOAT32_MAX, number)  # As a float32 it is the same number.
     return number
 
 
@@ -160,7 +191,7 @@ def _text(value: Any, most: int | None) -> str:
         raise ValueError("is not a text")
     if most is not None and len(value) > most:
         raise ValueError(f"has {len(value)} characters, at most {most}")
-    if "\0" in value:  # a text of DDS ends there
+    if "\0" in value:  # It would end the text in DDS.
         raise ValueError("contains a null character")
     if has_lone_surrogate(value):
         raise ValueError("contains half of a surrogate pair")
@@ -170,6 +201,6 @@ def _text(value: Any, most: int | None) -> str:
 def _shown(value: Any) -> str:
     try:
         text = flow(value)
-    except yaml.YAMLError:  # nothing that can be typed
+    except yaml.YAMLError:  # A value that no person can type.
         text = str(value)
     return text if len(text) <= _SHOWN else f"{text[:_SHOWN]} ..."

@@ -1,4 +1,4 @@
-"""What is typed into a form, as values of a message's fields. Pure."""
+"""The parsing of texts that are typed into a form, by the types of a message's fields."""
 
 from __future__ import annotations
 
@@ -19,28 +19,37 @@ from archo_tui.robot_file.model import FormField, Limit, ParameterRef
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.core_schema import YamlFault
 
-_SHOWN = 20  # characters of a wrong text that are shown
-_LONGEST = 10_000  # characters of a typed value
-_FARTHEST = 10**30  # beyond every type's range, which is said by itself
+_SHOWN = 20  # Characters of a wrong text that its error quotes.
+_LONGEST = 10_000  # Characters of a typed value.
+_FARTHEST = 10**30  # Beyond the range of every type, which is checked separately.
 
 
 def is_integer(leaf: Leaf) -> bool:
-    """True for a field that takes whole numbers only."""
+    """Return True for a field that takes whole numbers only."""
     return leaf.type in INTEGERS
 
 
 def is_number(leaf: Leaf) -> bool:
-    """True for a field that takes numbers only."""
+    """Return True for a field that takes numbers only."""
     return is_integer(leaf) or leaf.type in ("float", "double")
 
 
 def is_list(leaf: Leaf) -> bool:
-    """True for a field that takes a list."""
+    """Return True for a field that takes a list."""
     return element_of(leaf.type) is not None
 
 
 def parse(leaf: Leaf, given: FormField, text: str) -> Any:
-    """The value that was typed for a field. Raises ValueError with one line that says why not."""
+    """Return the value that was typed for a field.
+
+    Args:
+        leaf: The field.
+        given: Its label and limits in the robot file.
+        text: What was typed.
+
+    Raises:
+        ValueError: In one line why the text is no value for the field.
+    """
     label = given.label or leaf.path
     shown = text.strip() if len(text) <= _SHOWN else f"{text.strip()[:_SHOWN]} ..."
     if not text.strip() and "string" not in leaf.type:
@@ -55,18 +64,28 @@ def parse(leaf: Leaf, given: FormField, text: str) -> Any:
         kinds = "true or false" if leaf.type == "boolean" else "a number"
         kinds = "a whole number" if is_integer(leaf) else "a list" if is_list(leaf) else kinds
         raise ValueError(f"{label}: not {kinds}: {shown}") from None
-    if is_number(leaf):  # a range of another one is said where the file is checked
+    if is_number(leaf):  # The check of the file reports a range for another type.
         check_range(leaf, given, value, shown)
     checked(leaf.type, value, label)
     return value
 
 
 def check_range(leaf: Leaf, given: FormField, value: Any, shown: str) -> None:
-    """Raises ValueError for a number that is not within the limits of a field, as far as known."""
+    """Check a number against the limits of a field, as far as these are known.
+
+    Args:
+        leaf: The field.
+        given: Its label and limits in the robot file.
+        value: The number.
+        shown: The number as an error quotes it.
+
+    Raises:
+        ValueError: It is outside the limits, or not finite though it is converted.
+    """
     label = given.label or leaf.path
     low, high = INTEGERS.get(leaf.type, (None, None))
     low, high = _known(given.low, low), _known(given.high, high)
-    # written so that nan, which is not less than anything, is not in a range either
+    # In this form the comparison also refuses NaN.
     if low is not None and not value >= low:
         raise ValueError(f"{label}: at least {low:.15g}, not {shown}")
     if high is not None and not value <= high:
@@ -78,21 +97,29 @@ def check_range(leaf: Leaf, given: FormField, value: Any, shown: str) -> None:
 def check_ranges(
     leaves: Iterable[Leaf], form: Mapping[str, FormField], values: Mapping[str, Any]
 ) -> None:
-    """As `check_range`, of every number among the values by dotted path."""
+    """Check every number among values by dotted path as `check_range` does.
+
+    Raises:
+        ValueError: A number is outside its limits.
+    """
     for leaf in filter(is_number, leaves):
         value = values[leaf.path]
         check_range(leaf, form.get(leaf.path, FormField()), value, text_of(value))
 
 
 def _known(given: Limit, otherwise: float | None) -> float | None:
-    """A limit of the robot file; a link to a number that nobody reports limits nothing."""
+    """Return a limit of the robot file; `otherwise` if it is a parameter that nobody reports."""
     return otherwise if given is None or isinstance(given, ParameterRef) else given
 
 
 def parse_all(
     leaves: Iterable[Leaf], form: Mapping[str, FormField], texts: Mapping[str, str]
 ) -> dict[str, Any]:
-    """All values by dotted path; raises ValueError for the first that is wrong."""
+    """Return the values of all fields by dotted path.
+
+    Raises:
+        ValueError: Why the first wrong text is no value.
+    """
     return {
         leaf.path: parse(leaf, form.get(leaf.path, FormField()), texts[leaf.path])
         for leaf in leaves
@@ -102,9 +129,10 @@ def parse_all(
 def named(
     leaves: Iterable[Leaf], form: Mapping[str, FormField], words: list[str]
 ) -> dict[str, str]:
-    """The texts of `x=1.5 y=2`, or of a form with one field of `12`, by dotted path.
+    """Return the texts in words such as `x=1.5 y=2`, or `12` for a single field, by path.
 
-    Raises ValueError with one line that says what was expected.
+    Raises:
+        ValueError: In one line what was expected.
     """
     labels = {(form.get(leaf.path, FormField()).label or leaf.path): leaf.path for leaf in leaves}
     if len(labels) == 1 and not any("=" in word for word in words):
@@ -144,7 +172,7 @@ def _value(leaf: Leaf, text: str) -> Any:
 
 
 def _list(element: Leaf, text: str) -> list[Any]:
-    """What each element means its type says, as for a field of one; of messages YAML does."""
+    """Parse a list by the type of its elements; YAML decides what a message means."""
     if "/" not in element.type:
         return [_value(element, item) for item in bounded_yaml.scalar_texts(text)]
     items = bounded_yaml.load(text)
@@ -154,5 +182,5 @@ def _list(element: Leaf, text: str) -> list[Any]:
 
 
 def default_text(leaf: Leaf) -> str:
-    """What stands in the field at first: it means the value that the message has by itself."""
+    """Return the text in the field at first, which means the message's default value."""
     return typed_text(leaf.default)

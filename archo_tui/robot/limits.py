@@ -1,4 +1,4 @@
-"""Limits of the robot file that a node holds as a parameter: why one of them is not known. Pure."""
+"""The limits of goals that are parameters of a node: why one of them is not known."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import ParameterRef, RobotFile
 
-_SURE = 5.0  # s that it must be so: nodes and their parameters come one by one
+# Seconds that a limit must be unknown before that is reported: nodes come one after the other.
+_SURE = 5.0
 
 
 class Limits:
-    """Says once of each limit that nobody reports it, and again when it was known meanwhile."""
+    """The limits that are parameters, each reported once as long as it stays unknown."""
 
     def __init__(self, robot: RobotFile) -> None:
         self._links = [
@@ -24,8 +25,8 @@ class Limits:
             for name, link in (("lower", given.low), ("upper", given.high))
             if isinstance(link, ParameterRef)
         ]
-        self._since: dict[str, float] = {}  # what is to be said, and since when it is so
-        self._said: set[str] = set()
+        self._since: dict[str, float] = {}  # Monotonic seconds since when it is unknown, by text.
+        self._reported: set[str] = set()  # Texts.
 
     def unknown(
         self,
@@ -35,16 +36,17 @@ class Limits:
         nodes: Collection[str],
         parameters: Iterable[Parameter],
     ) -> Iterator[tuple[str, str]]:
-        """Yield the level and text of each event due; none of a goal whose action nobody offers.
+        """Yield the level and text of each event that is due.
 
-        Only a value that is no number is a warning: a node need not hold the limit.
+        There is none for a goal whose action has no server. A value that is no number is a
+        warning, all else only information: no node is obliged to have the parameter.
 
         Args:
-            now: The monotonic time in s.
-            offered: The names of the robot file that somebody serves.
-            namespace: The robot's.
+            now: Monotonic time in seconds.
+            offered: The services and actions of the robot file that have a server.
+            namespace: The robot's namespace.
             nodes: The full names of the nodes on the graph.
-            parameters: All that nodes report.
+            parameters: All parameters that nodes report.
         """
         reported = tuple(parameters)
         found, levels = dict[str, float](), dict[str, str]()
@@ -54,19 +56,19 @@ class Limits:
                 limit = f"{label} has no {name} limit yet"
                 if link.otherwise is not None:
                     limit = f"{label} has the {name} limit {link.otherwise:g}"
-                said = f"{limit}: {why} ({where})"
-                found[said], levels[said] = self._since.get(said, now), level
-        self._since, self._said = found, self._said & found.keys()
-        for said, since in found.items():
-            if now - since >= _SURE and said not in self._said:
-                self._said.add(said)
-                yield levels[said], said
+                text = f"{limit}: {why} ({where})"
+                found[text], levels[text] = self._since.get(text, now), level
+        self._since, self._reported = found, self._reported & found.keys()
+        for text, since in found.items():
+            if now - since >= _SURE and text not in self._reported:
+                self._reported.add(text)
+                yield levels[text], text
 
 
 def _why(
     namespace: str, nodes: Collection[str], parameters: Iterable[Parameter], link: ParameterRef
 ) -> tuple[str, str]:
-    """Return why the link leads to no number, and the level of that; empty when it leads to one."""
+    """Return why a reference leads to no number, and the level; "" and "" if it leads to one."""
     node = node_of(link, namespace)
     name = node.removeprefix("/")
     own = {parameter.name: parameter for parameter in parameters if parameter.node == node}

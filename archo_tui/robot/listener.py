@@ -1,4 +1,4 @@
-"""The client's node: what it hears is heard by the black box as well."""
+"""The node of the robot's client, which hands every message to the black box, too."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-Heard = Callable[[str, Any], None]  # topic, fully qualified, and message
+Heard = Callable[[str, Any], None]  # Gets the full name of a topic, and a message.
 
 
 class Listener(Node):
-    """Calls `heard(topic, message)` with each message of its topics, before anybody else."""
+    """A node that calls `heard` with each message, before the callback of its subscription."""
 
     def __init__(
         self,
@@ -25,11 +25,11 @@ class Listener(Node):
         """Make the node.
 
         Args:
-            name: Its name.
-            heard: Is called on the thread that spins the node.
-            masks: By message class, what is called to get the message that `heard` is given in
-                place of one that may hold secrets.
-            **options: As `rclpy.node.Node` takes them.
+            name: The name of the node.
+            heard: Called on the thread that spins the node.
+            masks: By message class, a function that returns the message for `heard`, without
+                secrets, for a message that was received.
+            **options: Passed to `rclpy.node.Node`.
         """
         super().__init__(name, **options)
         self._heard, self._masks = heard, masks
@@ -37,13 +37,26 @@ class Listener(Node):
     def listen(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
     ) -> Any:
-        """A subscription with rclpy's event handlers, which log where the QoS does not fit."""
+        """Subscribe with rclpy's default event handlers, which log an incompatible QoS.
+
+        Args:
+            kind: The message class.
+            topic: The name of the topic.
+            callback: Called with each message on the thread that spins the node.
+            qos: The QoS, or the depth of the history.
+
+        Returns:
+            The subscription.
+        """
         return self._listen(kind, topic, callback, qos)
 
     def listen_quietly(
         self, kind: Any, topic: str, callback: Callable[[Any], None], qos: QoSProfile | int
     ) -> Any:
-        """Without them, where the QoS always fits: they cost a look at every message."""
+        """Subscribe as `listen` does, without event handlers, which rclpy checks at each wake-up.
+
+        Use it where the QoS always fits.
+        """
         quiet = SubscriptionEventCallbacks(use_default_callbacks=False)
         return self._listen(kind, topic, callback, qos, event_callbacks=quiet)
 

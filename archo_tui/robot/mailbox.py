@@ -1,4 +1,4 @@
-"""The one way up: snapshots from the ROS thread to the screen's loop, coalesced and bounded."""
+"""The way of snapshots from the ROS thread to the frontend's loop."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Receiver = Callable[[Snapshot], None]
 
 
 class Mailbox:
-    """Hands the newest snapshot over; at most one waits, however slow the loop is."""
+    """A place for the newest snapshot: at most one waits, however slow the loop is."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -23,9 +23,9 @@ class Mailbox:
         self._receiver: Receiver | None = None
 
     def open(self, receiver: Receiver) -> None:
-        """Deliver to `receiver`, on the running loop, from now on."""
+        """Call `receiver` on the running loop with each snapshot from now on."""
         with self._lock:
-            self._waiting = False  # what an earlier loop did not get to is lost
+            self._waiting = False  # A delivery that an earlier loop did not get to is lost.
             self._loop = asyncio.get_running_loop()
             self._receiver = receiver
 
@@ -39,13 +39,13 @@ class Mailbox:
         return self._latest
 
     def put(self, snapshot: Snapshot) -> None:
-        """From any thread."""
+        """Replace the newest snapshot, and have it delivered. Any thread."""
         with self._lock:
             self._latest = snapshot
             if self._waiting or self._loop is None:
                 return
             self._waiting = True
-        with contextlib.suppress(RuntimeError):  # the loop is closed
+        with contextlib.suppress(RuntimeError):  # The loop is closed.
             self._loop.call_soon_threadsafe(self._deliver)
 
     def _deliver(self) -> None:

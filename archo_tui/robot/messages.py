@@ -1,4 +1,4 @@
-"""Messages of any type: their fields by dotted path, goals made of values, and as text."""
+"""Messages of any type: their fields by dotted path, goals from values, and texts of them."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.yaml_text.dump import flow
 
-_SHOWN = 20  # elements of an array that are shown
+_SHOWN = 20  # Elements of an array that a text shows.
 
 
 def leaves(message: Any) -> Iterator[Leaf]:
-    """Every field of a message and of the messages in it, in their order."""
+    """Yield every primitive field of a message and of the messages in it, in their order."""
     for path, kind, value in _fields(message):
         yield Leaf(path, kind, _plain(value))
 
@@ -37,7 +37,12 @@ def _fields(message: Any, before: str = "") -> Iterator[tuple[str, str, Any]]:
 
 
 def types(message: Any, before: str = "") -> dict[str, str]:
-    """The type of every field by its dotted path, those that are messages included."""
+    """Return the type of every field by its dotted path, including fields that are messages.
+
+    Args:
+        message: The message.
+        before: The path of the message itself with a dot behind it, or "".
+    """
     found = {}
     for name, kind in message.get_fields_and_field_types().items():
         if name == EMPTY:
@@ -50,12 +55,21 @@ def types(message: Any, before: str = "") -> dict[str, str]:
 
 @cache
 def paths(message_class: Any) -> frozenset[str]:
-    """The dotted paths of all fields, those that are messages included."""
+    """Return the dotted paths of all fields, including fields that are messages."""
     return frozenset(types(message_class()))
 
 
 def goal_request(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) -> Any:
-    """The goal that a robot file and what was typed make. Raises ValueError as `put` does."""
+    """Return the goal message of a kind of goal in a robot file with typed values.
+
+    Args:
+        action_type: The class of the action.
+        kind: The kind, which has the fixed values and conversions.
+        values: The typed values by dotted path.
+
+    Raises:
+        ValueError: A value does not fit its field, as in `fields.put`.
+    """
     made = action_type.Goal()
     for path, value in itertools.chain(kind.fixed.items(), values.items()):
         given = kind.form.get(path)
@@ -64,13 +78,21 @@ def goal_request(action_type: Any, kind: GoalKind, values: Mapping[str, Any]) ->
 
 
 def _turned(path: str, degrees: Any) -> dict[str, float]:
-    """The quaternion of a yaw."""
+    """Return the quaternion of a yaw in degrees; `path` is for errors."""
     half = math.radians(finite(path, degrees)) / 2
     return {"x": 0.0, "y": 0.0, "z": math.sin(half), "w": math.cos(half)}
 
 
 def finite(where: str, value: Any) -> float:
-    """A number that something is computed of. Raises ValueError as `put` does."""
+    """Return a value as a finite number.
+
+    Args:
+        where: The path of its field, for errors.
+        value: The value.
+
+    Raises:
+        ValueError: It is no number, or not finite.
+    """
     number: float = checked("double", value, where)
     if not math.isfinite(number):
         raise ValueError(f"{where}: {flow(number)} is not a finite number")
@@ -78,20 +100,20 @@ def finite(where: str, value: Any) -> float:
 
 
 def text(message: Any) -> str:
-    """Every field and its value in one line, but for texts that are empty."""
-    told = ((path, _short(value)) for path, _, value in _fields(message))
-    return harmless(", ".join(f"{path} {said}" for path, said in told if said))
+    """Return every field and its value in one line, without empty texts; safe to show."""
+    values = ((path, _short(value)) for path, _, value in _fields(message))
+    return harmless(", ".join(f"{path} {value}" for path, value in values if value))
 
 
 def as_yaml(message: Any) -> str:
-    """The message as `ros2` takes it on its command line: `{pose: {x: 1.0}}`."""
+    """Return a message as the `ros2` command takes it: `{pose: {x: 1.0}}`."""
     return flow(_plain(message, as_bytes=True))
 
 
 def as_data(message: Any) -> Any:
     """Return a message as JSON has it: objects, lists, and null for a number that is not finite.
 
-    It takes long where there are many values: it is not for a thread that others wait for.
+    It is slow for many values: call it on no thread that others wait for.
     """
     return _finite(_plain(message))
 
@@ -115,9 +137,11 @@ def _short(value: Any) -> str:
 
 
 def _plain(value: Any, as_bytes: bool = False) -> Any:
-    """Messages as mappings, arrays as lists, and a byte as a number.
+    """Return messages as mappings, arrays as lists, and a byte as a number.
 
-    `ros2` takes a byte for what it is, and would take a number for a length.
+    Args:
+        value: The value of a field, or a message.
+        as_bytes: True to keep a byte: the `ros2` command would take a number for a length.
     """
     value = _listed(value)
     if isinstance(value, list):
@@ -129,7 +153,7 @@ def _plain(value: Any, as_bytes: bool = False) -> Any:
 
 
 def _listed(value: Any) -> Any:
-    """Arrays, numpy's too, as lists."""
+    """Return arrays, also numpy's, as lists, and other values as they are."""
     if hasattr(value, "tolist"):
         return value.tolist()
     return list(value) if isinstance(value, tuple) else value

@@ -1,4 +1,4 @@
-"""What one node has on the graph, and the level of its log, seen and set. ROS thread only."""
+"""The description of a node from the graph, and its log level. ROS thread only."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from rcl_interfaces.msg import LoggerLevel
 from rcl_interfaces.srv import GetLoggerLevels, SetLoggerLevels
-from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # rclpy has no public name for it
+from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # It has no public name.
 from rclpy.action import (
     get_action_client_names_and_types_by_node,
     get_action_server_names_and_types_by_node,
@@ -22,19 +22,19 @@ from archo_tui.robot.state import LEVELS, LogLevel, Names, NodeInfo
 from archo_tui.robot.stops import Gate
 
 _GET, _SET = "get_logger_levels", "set_logger_levels"
-_TOPICS = ("/rosout", "/parameter_events")  # of every node
+_TOPICS = ("/rosout", "/parameter_events")  # Every node has them.
 _NAMES = {number: name for name, number in LEVELS.items()}
 _NO_LEVELS = "does not offer the level of its log (in rclpy: enable_logger_service=True)"
 
 
 class Nodes:
-    """Asks the graph, and the nodes themselves."""
+    """Asks the graph, and the nodes themselves, about one node at a time."""
 
     def __init__(self, node: Node, pending: Services) -> None:
         self._node, self._services = node, pending
 
     async def describe(self, name: str) -> NodeInfo | None:
-        """What a node has; None when no node of that name is on the graph."""
+        """Return what a node has; None if no node of that full name is on the graph."""
         namespace, _, base = name.rpartition("/")
         where, node = (base, namespace or "/"), self._node
         try:
@@ -55,11 +55,11 @@ class Nodes:
         return found._replace(level=level, no_level=why)
 
     def _has_levels(self, name: str) -> bool:
-        """True when the node offers to show and set the level of its log."""
+        """Return True if the node has the services that get and set its log level."""
         return all(self._node.count_services(f"{name}/{service}") for service in (_GET, _SET))
 
     async def level(self, name: str) -> Outcome:
-        """What of its lines a node logs."""
+        """Return an outcome whose text tells the log level of a node, by its full name."""
         level = await self._level(name)
         if level is not None:
             return Outcome(Code.DONE, f"{name.lstrip('/')} logs {level.text}")
@@ -68,21 +68,31 @@ class Nodes:
         return Outcome(Code.TIMEOUT, f"no answer in {services.DEADLINE:g} s from {name}")
 
     async def _level(self, name: str) -> LogLevel | None:
-        """The level of a node's log; None when the node does not say."""
+        """Return the log level of a node; None if the node does not report it."""
         if not self._has_levels(name):
             return None
         parts = name.strip("/").split("/")
-        # its own logger, those above it, and the root: the first that has a level decides
+        # Its own logger, those above it, and the root: the first with a level decides.
         loggers = [".".join(parts[:end]) for end in range(len(parts), -1, -1)]
         request = GetLoggerLevels.Request(names=loggers)
         answer = await self._services.call(GetLoggerLevels, f"{name}/{_GET}", request, once=True)
-        levels = [] if answer is None else [_NAMES.get(one.level, "UNSET") for one in answer.levels]
+        logger_levels = [] if answer is None else answer.levels
+        levels = [_NAMES.get(logger.level, "UNSET") for logger in logger_levels]
         if len(levels) != len(loggers):
             return None
-        return LogLevel(levels[0], next((one for one in levels if one != "UNSET"), "UNSET"))
+        return LogLevel(levels[0], next((level for level in levels if level != "UNSET"), "UNSET"))
 
     async def set_level(self, name: str, level: str, gate: Gate) -> Outcome:
-        """Set the level of a node's log to one of LEVELS."""
+        """Set the log level of a node.
+
+        Args:
+            name: The full name of the node.
+            level: One of `LEVELS`.
+            gate: The last check before the request is sent.
+
+        Raises:
+            Void: A STOP was read after the request was typed.
+        """
         if not self._has_levels(name):
             return Outcome(Code.NOT_OFFERED, f"{name} {_NO_LEVELS}")
         before = await self._level(name)
@@ -100,7 +110,7 @@ class Nodes:
 
 
 def set_level_command(name: str, level: str) -> str:
-    """The `ros2` command line that sets the level of a node's log."""
+    """Return the `ros2` command line that sets the log level of a node."""
     kind = "rcl_interfaces/srv/SetLoggerLevels"
     return ros2_command.service_call(f"{name}/{_SET}", kind, _request(name, level))
 
@@ -116,10 +126,10 @@ def _named(found: Iterable[tuple[str, Sequence[str]]]) -> Names:
 
 
 def _topics(found: Iterable[tuple[str, Sequence[str]]]) -> Names:
-    """Those that are neither of every node nor parts of an action."""
+    """Return topics without those that every node has, and without the parts of actions."""
     return _named((n, kinds) for n, kinds in found if n not in _TOPICS and not is_hidden(n))
 
 
 def _services(found: Iterable[tuple[str, Sequence[str]]]) -> Names:
-    """As `_topics`."""
+    """Return services without those that every node has, and without the parts of actions."""
     return _named((n, k) for n, k in found if not is_hidden(n) and not is_of_every_node(k))

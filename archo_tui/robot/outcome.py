@@ -1,60 +1,64 @@
-"""How a command ended: a word that programs read, and a text that people do."""
+"""The outcome of a command: a code for programs, and a text for people."""
 
 from __future__ import annotations
 
 from enum import Enum
 from typing import Any, NamedTuple
 
-CALL_WAIT = 30.0  # s that the answer of a service is waited for that is called by its name
-# of a request that nobody waits for any more
+CALL_WAIT = 30.0  # Seconds to wait for the answer to `call SERVICE`.
+# The text for a request for which nobody waits any more.
 NOT_TAKEN_BACK = "waiting no longer: the robot may still do it"
 
 
 class Code(str, Enum):
-    """How it ended. The words are part of what other programs rely on: they do not change."""
+    """The code of an outcome. Other programs rely on the words, so they never change."""
 
     DONE = "done"
-    ACCEPTED = "accepted"  # a goal: how it ends is told later
+    ACCEPTED = "accepted"  # A goal, whose end is reported later.
     ARRIVED = "arrived"
-    REFUSED = "refused"  # by the robot, or because it cannot be done now
+    REFUSED = "refused"  # By the robot, or because it is not possible now.
     ABORTED = "aborted"
-    CANCELLED = "cancelled"  # or not sent at all: a STOP came after it, or the console ends
-    HELD = "held"  # it waits, and is not sent by itself
-    TIMEOUT = "timeout"  # no answer; it may have been done, or be done later
-    NOT_OFFERED = "not_offered"  # nobody is there to do it
-    NOT_CONFIRMED = "not_confirmed"  # answered, but not in a way that says yes or no
+    CANCELLED = "cancelled"  # Or not sent at all: a STOP came after it, or the console ends.
+    HELD = "held"  # It waits, and a person must let it go on.
+    TIMEOUT = "timeout"  # No answer: it may have been done, or be done later.
+    NOT_OFFERED = "not_offered"  # No node offers it.
+    NOT_CONFIRMED = "not_confirmed"  # The answer says neither yes nor no.
     WATCHING = "watching"
-    MISUSE = "misuse"  # what was typed cannot be meant; nothing was sent
+    MISUSE = "misuse"  # The input is not valid; nothing was sent.
 
 
 _GOOD = (Code.DONE, Code.ACCEPTED, Code.ARRIVED)
 
 
 class Outcome(NamedTuple):
-    """How a command ended, and why."""
+    """The outcome of a command: its code, and a text that says why."""
 
     code: Code
     text: str
 
     @property
     def ok(self) -> bool:
-        """True when it did what it was for, as far as that can be said by now."""
+        """True if the command succeeded, as far as that is known by now."""
         return self.code in _GOOD
 
 
 class Answer(Outcome):
-    """The outcome of a call that was answered; `message` is the answer."""
+    """The outcome of a call that was answered.
+
+    Attributes:
+        message: The answer.
+    """
 
     message: Any
 
     @classmethod
     def of(cls, outcome: Outcome, message: Any) -> Answer:
-        """Return that outcome with an answer."""
+        """Return a copy of an outcome with an answer."""
         made = cls(*outcome)
         made.message = message
         return made
 
 
 def answer_of(outcome: Outcome) -> Any:
-    """Return the message that a service has answered; None: the outcome has none."""
+    """Return the answer in an outcome; None if it has none."""
     return outcome.message if isinstance(outcome, Answer) else None

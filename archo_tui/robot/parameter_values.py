@@ -1,4 +1,4 @@
-"""Parameter values as text and back: the declared type decides what a text means."""
+"""The conversion of parameter values to text and back, by the declared type."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.core_schema import YamlFault
 from archo_tui.yaml_text.dump import flow
 
-# rcl_interfaces/ParameterType's numbers, in words
+# The names of the numbers in rcl_interfaces/msg/ParameterType.
 TYPES = {
     1: "bool", 2: "integer", 3: "double", 4: "string", 5: "byte[]",
     6: "bool[]", 7: "integer[]", 8: "double[]", 9: "string[]",
 }  # fmt: skip
 
-# the types of the fields that hold those that files have
+# The types of message fields that hold the same values.
 _FIELDS = {"bool": "boolean", "integer": "int64", "double": "double", "string": "string"}
 _FIELDS |= {f"{kind}[]": f"sequence<{of}>" for kind, of in _FIELDS.items()}
 
-_LONGEST = 10_000  # characters of a typed value
+_LONGEST = 10_000  # Characters of a typed value.
 
 
 def as_python(message: Any) -> Any:
-    """The value of an rcl_interfaces/ParameterValue, sequences as lists, which compare by value."""
+    """Return the value in an rcl_interfaces/msg/ParameterValue, with sequences as lists."""
     kind = TYPES.get(message.type)
     if kind is None:
         return None
@@ -34,12 +34,12 @@ def as_python(message: Any) -> Any:
 
 
 def value_field(kind: str) -> str:
-    """The field of rcl_interfaces/ParameterValue that holds a value of that type."""
+    """Return the field of rcl_interfaces/msg/ParameterValue for a type, such as `bool[]`."""
     return f"{kind.replace('[]', '_array')}_value"
 
 
 def range_text(parameter: Parameter) -> str:
-    """What is allowed, in a few words."""
+    """Return what values are allowed, as `0.05 .. 2`; "" if all are."""
     if parameter.read_only:
         return "read-only"
     if parameter.low is None or parameter.high is None:
@@ -48,20 +48,24 @@ def range_text(parameter: Parameter) -> str:
 
 
 def _bound(value: float) -> str:
-    """`0.05`, `9999`, `1e+06`: short, and no digit less than it has."""
+    """Return a number in its shortest form without losing a digit: `0.05`, `9999`, `1e+06`."""
     short = f"{value:g}"
     return short if float(short) == value else str(value)
 
 
 def typed_text(value: Any) -> str:
-    """A value as it stands in a field, which `parse` reads back."""
+    """Return the text of a value in a field, from which `parse` returns the value."""
     if isinstance(value, str):
         return value
     return flow(value) if isinstance(value, list) else text_of(value)
 
 
 def parse(parameter: Parameter, text: str) -> Any:
-    """What `text` means for this parameter. Raises ValueError with one line that says why not."""
+    """Return the value that a typed text means for a parameter.
+
+    Raises:
+        ValueError: In one line why the text is no value for it.
+    """
     if parameter.read_only:
         raise ValueError(f"{parameter.name} is read-only: it can only be set at startup")
     if len(text) > _LONGEST:
@@ -74,7 +78,11 @@ def parse(parameter: Parameter, text: str) -> Any:
 
 
 def fit(parameter: Parameter, value: Any) -> Any:
-    """A value from a file for this parameter, a whole number as a double. Raises ValueError."""
+    """Return a value from a file for a parameter; a whole number may stand for a double.
+
+    Raises:
+        ValueError: In one line why the value does not fit.
+    """
     if parameter.type == "double" and type(value) is int:
         value = float(value)
     if parameter.type == "double[]" and type(value) is list and all(type(v) is int for v in value):
@@ -95,10 +103,14 @@ def _type_of(value: Any) -> str:
 
 
 def _check_range(parameter: Parameter, value: Any, text: str) -> None:
-    """ROS's ranges are for numbers, not for lists of them."""
+    """Check a number against the parameter's range; ROS has no ranges for lists.
+
+    Raises:
+        ValueError: It is outside the range.
+    """
     if parameter.low is None or parameter.high is None or isinstance(value, list):
         return
-    if not parameter.low <= value <= parameter.high:  # also refuses nan
+    if not parameter.low <= value <= parameter.high:  # This form also refuses NaN.
         raise ValueError(f"allowed {range_text(parameter)}, not {text}")
 
 
@@ -121,7 +133,7 @@ def _value(kind: str, text: str) -> Any:
 
 def _sequence(element: str, text: str) -> list[Any]:
     try:
-        items = bounded_yaml.scalar_texts(text)  # as typed: their type is declared
+        items = bounded_yaml.scalar_texts(text)  # Texts, since their type is declared.
     except YamlFault:
         raise ValueError(f"not a list like [1, 2]: {text}") from None
     return [_value(element, item) for item in items]

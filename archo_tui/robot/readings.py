@@ -1,4 +1,4 @@
-"""What a message's fields hold, checked: a value out of its range is not a reading."""
+"""The reading of message fields; a value outside its range is no reading."""
 
 from __future__ import annotations
 
@@ -10,13 +10,15 @@ from archo_tui.robot_file.model import MessageField
 _INT64 = 2**63
 
 
-Fields = MessageField | tuple[MessageField, ...]  # of one reading
+Fields = MessageField | tuple[MessageField, ...]  # The source of one reading.
 
 
 def read(given: Fields | None, message: Any) -> Any:
-    """Return what a robot file makes of a message; None when there is no such field.
+    """Return the value that a robot file reads from a message; None if the field is missing.
 
-    Of several fields: true when one of them is, false when all of them are.
+    Args:
+        given: The field; of several, the value is True if any is true, False if all are false.
+        message: The message.
     """
     if isinstance(given, tuple):
         flags = [flag(_read(field, message)) for field in given]
@@ -37,29 +39,29 @@ def _read(field: MessageField, message: Any) -> Any:
     if field.beyond is not None:
         return abs(value) > field.beyond if math.isfinite(value) else None
     if (field.scale, field.offset) == (1.0, 0.0):
-        return value  # a count stays a whole number
+        return value  # A count stays a whole number.
     return value * field.scale + field.offset
 
 
 def number(value: Any, low: float, high: float) -> float | None:
-    """A number within low .. high, or None, also for NaN and a bool."""
+    """Return a value as a number within low .. high; None for anything else, NaN and a bool too."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         return None
     return float(value) if math.isfinite(value) and low <= value <= high else None
 
 
 def integer(value: Any) -> int | None:
-    """A whole number of 64 bits, or None."""
+    """Return a whole number that fits into 64 bits; None for anything else."""
     if isinstance(value, bool) or not isinstance(value, int):
         return None
     return value if -_INT64 <= value < _INT64 else None
 
 
 def flag(value: Any) -> bool | None:
-    """True or false, or None for anything else."""
+    """Return a bool; None for anything else."""
     return value if isinstance(value, bool) else None
 
 
 def as_received(value: Any) -> str:
-    """A value that is not a reading, in few characters."""
+    """Return the first characters of a value that is no reading, to be shown."""
     return f"{value:g}" if isinstance(value, float) else str(value)[:20]

@@ -1,4 +1,4 @@
-"""The `ros2` command lines that do what the console does: to copy, and to learn from."""
+"""The `ros2` command lines for what the console does, to copy and to learn from."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from archo_tui.yaml_text.dump import flow
 
 
 def service_call(name: str, type_name: str, request: Any) -> str:
-    """Call a service of that type with that request."""
+    """Return the command that calls a service of that type with that request."""
     return f"ros2 service call {name} {type_name} {quote(messages.as_yaml(request))}"
 
 
 def send_goal(name: str, type_name: str, goal: Any) -> str:
-    """Send that goal to an action of that type."""
+    """Return the command that sends a goal to an action of that type."""
     return f"ros2 action send_goal {name} {type_name} {quote(messages.as_yaml(goal))} --feedback"
 
 
 def cancel(name: str) -> str:
-    """Cancel every goal of an action (an empty goal id and time mean all)."""
+    """Return the command that cancels every goal of an action: an empty id and time mean all."""
     return f"ros2 service call {name}/_action/cancel_goal action_msgs/srv/CancelGoal"
 
 
 def set_parameters(node: str, values: Mapping[str, Any]) -> str:
-    """Set parameters; nothing for what `ros2` would guess another type for."""
+    """Return the commands that set parameters; "" if `ros2` would guess another type for one."""
     if any(value == [] or _holds_bytes(value) for value in values.values()):
         return ""
-    # behind a blank a number below zero is not taken for an option
+    # A blank keeps `ros2` from taking a negative number for an option.
     texts = [(name, f" {flow(v)}" if flow(v)[0] == "-" else flow(v)) for name, v in values.items()]
     return "; ".join(f"ros2 param set {quote(node)} {quote(n)} {quote(text)}" for n, text in texts)
 

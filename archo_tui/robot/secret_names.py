@@ -1,4 +1,4 @@
-"""Parameters whose names say that their values are secret, and what stands in place of a value."""
+"""The rule for which parameters are secret by their names, and the masking of their values."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from archo_tui import regular_files
 from archo_tui.errors import ArchoError
 
 MASK = "***"
-_ALWAYS = ("password", "token", "secret", "apikey")  # also as the end of a word: `dbpassword`
-_KEY = "key"  # secret as the last word of a part: `api_key`, and not `key_bindings`
+_ALWAYS = ("password", "token", "secret", "apikey")  # Also at the end of a word: `dbpassword`.
+_KEY = "key"  # Secret only as the last word of a part: `api_key`, but not `key_bindings`.
 _HUMP = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])")
 _WORD = re.compile(r"[^\W\d_]+")
 
 
 class SecretNames:
-    """The rule that decides by the words of a parameter's name. Immutable; any thread."""
+    """The words in a parameter's name that make it secret. Immutable; any thread may use it."""
 
     def __init__(self, more: Iterable[str] = ()) -> None:
         """Begin with the built-in words.
 
         Args:
-            more: Further words, as `pin`; several in one text are looked for side by side.
+            more: Further words, such as `pin`; several words in one text must be side by side.
         """
         listed = (_words(text) for text in more)
         self._listed = [words for words in listed if words]
 
     def fit(self, name: str) -> bool:
-        """Return True for the name of a secret: `wifi.password`, `apiKey`, `auth_tokens`."""
+        """Return True for a secret name, such as `wifi.password`, `apiKey` or `auth_tokens`."""
         words = _words(name)
         return (
             any(word.endswith(_ALWAYS) for word in words)
@@ -51,14 +51,16 @@ class SecretNames:
 
 
 def load(path: Path) -> SecretNames:
-    """Read further words, one or several side by side a line; `#` begins a comment.
+    """Read further words from a file, one text a line; `#` begins a comment.
+
+    A missing file has none.
 
     Raises:
-        ArchoError: The file is there and cannot be read: its secrets would be shown.
+        ArchoError: The file exists and cannot be read, so secrets might be shown.
     """
     try:
         text = regular_files.read(path).decode("utf-8-sig")
-    except (FileNotFoundError, NotADirectoryError):  # also where no home folder is known
+    except (FileNotFoundError, NotADirectoryError):  # Also if no home folder is known.
         return SecretNames()
     except OSError as error:
         raise ArchoError(f"{path}: {error.strerror or error}") from None
@@ -73,5 +75,6 @@ def _words(name: str) -> list[str]:
 
 
 def _holds(words: Sequence[str], listed: Sequence[str]) -> bool:
+    """Return True if the listed words are among the others, side by side and in order."""
     ends = range(len(listed), len(words) + 1)
     return any(words[end - len(listed) : end] == listed for end in ends)

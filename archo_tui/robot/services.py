@@ -1,4 +1,4 @@
-"""Service calls that always end: answered, or given up at their deadline. ROS thread only."""
+"""Service calls with deadlines. ROS thread only."""
 
 from __future__ import annotations
 
@@ -15,19 +15,26 @@ from rclpy.task import Future
 from archo_tui.clock import Clock
 from archo_tui.robot.stops import Gate
 
-LATE = 20.0  # s that a late answer to a STOP is heard of
-MOST_UNANSWERED = 1000  # requests of an operator whose answers are still heard of, however late
-DEADLINE = 2.0  # s; "no answer in 2 s"
-_EARLY = 1e-3  # s that a timer may fire before its time and still count
+LATE = 20.0  # Seconds in which a late answer to a STOP is still received.
+MOST_UNANSWERED = 1000  # Requests of an operator whose answers are received however late.
+DEADLINE = 2.0  # Seconds for an answer.
+_EARLY = 1e-3  # Seconds by which a timer may fire early.
 
 
 def hold_open(
     future: Any, servers: int, good: Callable[[Any], bool] = lambda _: False
 ) -> list[Any]:
-    """End a call that reaches several servers with the first good answer, or with the last one.
+    """End a call that several servers answer with the first good answer, or else the last.
 
-    rclpy would take the first, which may come from a server that does not know the goal.
-    Returns all the answers, in a list that fills as they come.
+    rclpy would end it with the first, which may be from a server that does not know the goal.
+
+    Args:
+        future: The future of the call.
+        servers: The number of servers.
+        good: Returns True for an answer that ends the call.
+
+    Returns:
+        The answers, in a list that grows as they come.
     """
     finish = future.set_result
     answers: list[Any] = []
@@ -42,35 +49,39 @@ def hold_open(
 
 
 class Services:
-    """Makes clients as they are needed and keeps track of what is pending."""
+    """The service clients of a node, made as they are needed, and their pending calls.
+
+    Attributes:
+        answered: Called with the turn of an operator's request when it is answered, however late.
+    """
 
     def __init__(self, node: Node, clock: Clock) -> None:
         self._node, self._clock = node, clock
         self._clients: dict[tuple[str, Any], Any] = {}
-        self._pending: list[tuple[float, int, Any, Any]] = []  # a heap: the next deadline first
-        # of what an operator sent, by turn: a release that is answered late undoes a later STOP
+        self._pending: list[tuple[float, int, Any, Any]] = []  # A heap, the next deadline first.
+        # Requests of an operator, by turn. A release that is carried out late undoes a later STOP,
+        # so its answer must not be missed.
         self._unanswered: dict[int, tuple[Any, Any]] = {}
-        self._steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
+        self._steady = RosClock(clock_type=ClockType.STEADY_TIME)  # The robot's time may jump.
         self._timer = node.create_timer(DEADLINE, self._sweep, clock=self._steady)
         self._timer.cancel()
         self._turns = itertools.count(1)
-        # called with the turn of a request that somebody typed when it is answered, however late
         self.answered: Callable[[int], None] = lambda _: None
 
     @property
     def pending(self) -> int:
-        """How many answers are waited for."""
+        """The number of answers that are waited for."""
         return len(self._pending)
 
     def client(self, srv_type: Any, name: str) -> Any:
-        """The client of that service."""
+        """Return the client of a service, made at its first use."""
         key = (name, srv_type)
         if key not in self._clients:
             self._clients[key] = self._node.create_client(srv_type, name)
         return self._clients[key]
 
     def forget(self, node: str) -> None:
-        """That node has left: its services need no clients any more."""
+        """Destroy the clients of the services of a node that has left, by its full name."""
         for key in [key for key in self._clients if key[0].startswith(f"{node}/")]:
             self._node.destroy_client(self._clients.pop(key))
 
@@ -85,14 +96,20 @@ class Services:
         wait: float = DEADLINE,
         late: Callable[[Any], None] = lambda _: None,
     ) -> Any:
-        """The response, or None when nobody answered within `wait` s.
+        """Call a service; return the answer, or None if there was none in time.
 
-        `gate` is passed last, as the request leaves: it raises where that is not to be sent.
-        Of a request with a gate an answer that comes later is heard of, too: `answered`, and
-        `late(answer)`. Without a gate DEADLINE holds.
+        Args:
+            srv_type: The class of the service.
+            name: Its full name.
+            request: The request.
+            once: True to destroy the client after the answer, since rclpy checks every client at
+                each wake-up. Without an answer it stays, for an answer that is late.
+            gate: The last check, made as the request leaves; None for a request that nobody typed.
+            wait: Seconds to wait with a gate; without one, it is always DEADLINE.
+            late: Called with an answer that comes after `wait`; only with a gate.
 
-        The client of a call that is made once is not kept: rclpy looks at each, whatever comes. It
-        stays where nobody answered: a server that answers late finds its client.
+        Raises:
+            Void: The gate is shut: a STOP was read after the request was typed.
         """
         client = self.client(srv_type, name)
         if gate is not None:
@@ -100,37 +117,40 @@ class Services:
         turn = self.turn()
         future = client.call_async(request)
         if gate is not None:
-            self._hear_however_late(turn, future, client)
+            self._keep_until_answered(turn, future, client)
 
-            def told(is_late: bool) -> None:
+            def on_end(is_late: bool) -> None:
                 self.answered(turn)
                 if is_late:
                     late(future.result())
 
-            return future.result() if await self._in_time(future, wait, told) else None
+            return future.result() if await self._in_time(future, wait, on_end) else None
         self.watch(future, client)
         answer = await future
         if once and answer is not None and self._clients.pop((name, srv_type), None) is not None:
             self._node.destroy_client(client)
         return answer
 
-    def _hear_however_late(self, turn: int, future: Any, client: Any) -> None:
-        """Keep a request until it is answered; of too many the oldest is given up."""
+    def _keep_until_answered(self, turn: int, future: Any, client: Any) -> None:
+        """Keep a request until it is answered; if there are too many, give up the oldest."""
         self._unanswered[turn] = future, client
         future.add_done_callback(lambda _: self._unanswered.pop(turn, None))
         if len(self._unanswered) > MOST_UNANSWERED:
-            oldest, its_client = self._unanswered.pop(next(iter(self._unanswered)))
-            its_client.remove_pending_request(oldest)
+            oldest, oldest_client = self._unanswered.pop(next(iter(self._unanswered)))
+            oldest_client.remove_pending_request(oldest)
             oldest.cancel()
 
     def turn(self) -> int:
-        """The next number in the order in which requests leave."""
+        """Return the next number in the order in which requests leave."""
         return next(self._turns)
 
-    async def _in_time(self, future: Any, wait: float, told: Callable[[bool], None]) -> bool:
-        """Return True when the call ends within `wait` s.
+    async def _in_time(self, future: Any, wait: float, on_end: Callable[[bool], None]) -> bool:
+        """Wait for the end of a call; return True if it came in time.
 
-        `told(is_late)` is called when it ends.
+        Args:
+            future: The future of the call.
+            wait: Seconds.
+            on_end: Called when the call ends, with True if it is late.
         """
         in_time: Future[bool] = Future(executor=self._node.executor)
 
@@ -139,7 +159,7 @@ class Services:
                 return
             is_late = in_time.cancelled()
             in_time.set_result(True)
-            told(is_late)
+            on_end(is_late)
             if self._node.executor is not None:
                 self._node.executor.wake()
 
@@ -156,27 +176,39 @@ class Services:
         wait: float,
         late: Callable[[list[Any]], None] = lambda _: None,
     ) -> list[Any]:
-        """What so many servers of one name answered to one call within `wait` s.
+        """Call a service that several servers offer; return the answers that came in time.
 
-        `late(answers)` is called when the last of them comes after that, within LATE.
+        Args:
+            srv_type: The class of the service.
+            name: Its full name.
+            request: The request.
+            servers: The number of servers.
+            wait: Seconds to wait for all answers.
+            late: Called with all answers if the last one comes after that, but within LATE.
         """
         client = self.client(srv_type, name)
         future = client.call_async(request)
         answers = hold_open(future, servers)
-        told = lambda is_late: late(answers) if is_late else None  # noqa: E731
+        on_end = lambda is_late: late(answers) if is_late else None  # noqa: E731
         self.watch(future, client, LATE)
-        await self._in_time(future, wait, told)
+        await self._in_time(future, wait, on_end)
         return list(answers)
 
     def watch(self, future: Any, client: Any = None, wait: float = DEADLINE) -> None:
-        """Cancel the future when its deadline (s) passes: awaiting it then gives None."""
+        """Cancel a future when its deadline passes; whoever awaits it gets None.
+
+        Args:
+            future: The future.
+            client: The client of its call, which forgets the call then; None if it is no call.
+            wait: Seconds until the deadline.
+        """
         deadline = self._clock.monotonic() + wait
         heapq.heappush(self._pending, (deadline, self.turn(), future, client))
         if self._timer.is_canceled() or self._pending[0][0] == deadline:
             self._wake_after(wait)
 
     async def pause(self, seconds: float) -> None:
-        """Let that many seconds pass."""
+        """Wait for a number of seconds."""
         passed: Future[bool] = Future(executor=self._node.executor)
         timer = self._node.create_timer(
             seconds, lambda: passed.set_result(True), clock=self._steady

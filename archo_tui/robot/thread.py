@@ -1,6 +1,6 @@
-"""rclpy on one thread of its own beside asyncio.
+"""The thread on which rclpy runs, beside the frontend's asyncio loop.
 
-rclpy is called on that thread only; `run` hops there, and back with the result.
+rclpy is called on that thread only; `run` carries work there and the result back.
 """
 
 from __future__ import annotations
@@ -23,17 +23,25 @@ T = TypeVar("T")
 
 
 class RosThread:
-    """Spins one node until `stop()`; an exception in a callback is reported, and it spins on."""
+    """A thread that spins one node until `stop`, also after errors in callbacks."""
 
     def __init__(
         self, node: Node, context: Context, clock: Clock, on_error: Callable[[Exception], None]
     ) -> None:
+        """Create the thread and its executor.
+
+        Args:
+            node: The node, which `stop` destroys.
+            context: The node's context; the thread also ends when it is shut down.
+            clock: The clock of the deadlines.
+            on_error: Called on the thread with an error in a callback.
+        """
         self._node, self._clock = node, clock
         self._context = context
         self._on_error = on_error
         self._stopping = False
         self._waiting: deque[Callable[[], Any]] = deque()
-        self._lock = threading.Lock()  # of the two above
+        self._lock = threading.Lock()  # Guards the two above.
         self.executor = SingleThreadedExecutor(context=context)
         self.executor.add_node(node)
         self._thread = threading.Thread(target=self._spin, name="archo-client", daemon=True)
@@ -52,7 +60,10 @@ class RosThread:
                 self._on_error(error)
 
     def _begin_to_end(self) -> None:
-        """Nothing new from here on; what is queued is started: Python warns of what never is."""
+        """Stop the timers, and end once the queued functions have begun.
+
+        Python warns of a coroutine that never begins.
+        """
         for timer in self._node.timers:
             timer.cancel()
         self.submit(self._end)
@@ -62,10 +73,10 @@ class RosThread:
             self._stopping = True
 
     def submit(self, function: Callable[[], Any]) -> None:
-        """Run a function on the ROS thread, behind those before it; once that ends, run nothing.
+        """Run a function on the ROS thread, after those before it; drop it after the end.
 
-        In Jazzy an executor starts the newest of its tasks first, and takes none once it is shut
-        down. So each task runs whatever has waited longest.
+        An executor of ROS 2 Jazzy begins its newest task first, and none once it is shut down. So
+        each task runs the function that has waited longest. Any thread may call this.
         """
         with self._lock:
             if not self._stopping:
@@ -78,9 +89,14 @@ class RosThread:
             await result
 
     async def run(self, work: Callable[[], Coroutine[Any, Any, T]], deadline: float) -> T:
-        """Run a coroutine function of rclpy's kind on the ROS thread; await its value here.
+        """Run a coroutine function of rclpy's kind on the ROS thread, and return its value.
 
-        Raises TimeoutError after `deadline` s whatever the ROS thread does, and what `work` raises.
+        Args:
+            work: The function; it may await rclpy's futures only. What it raises is raised here.
+            deadline: Seconds.
+
+        Raises:
+            TimeoutError: The deadline has passed; the work may still go on.
         """
         loop = asyncio.get_running_loop()
         result: asyncio.Future[T] = loop.create_future()
@@ -99,20 +115,27 @@ class RosThread:
                 value = await work()
             except Exception as error:
                 failed = error
-            with contextlib.suppress(RuntimeError):  # the loop is closed: nobody waits
+            with contextlib.suppress(RuntimeError):  # The loop is closed: nobody waits.
                 loop.call_soon_threadsafe(put, value, failed)
 
         self.submit(there)
         return await self._clock.wait_for(result, deadline)
 
     def stop(self, timeout: float = 3.0) -> bool:
-        """End the thread and destroy the node; False when a callback did not return in time (s)."""
+        """End the thread and destroy the node.
+
+        Args:
+            timeout: Seconds to wait for a callback that is running.
+
+        Returns:
+            False if that callback did not return in time: nothing was destroyed.
+        """
         if self._thread.is_alive():
             self.submit(self._begin_to_end)
             self._thread.join(timeout)
             if self._thread.is_alive():
                 return False
-        self._end()  # also where the context was shut down
+        self._end()  # The thread may have ended with its context.
         self.executor.shutdown(0)
         self._node.destroy_node()
         return True

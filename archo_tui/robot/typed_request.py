@@ -1,4 +1,4 @@
-"""The request that was typed behind `call SERVICE`, for a service of the robot file. Pure."""
+"""The parsing of the request behind `call SERVICE`, for a service of the robot file."""
 
 from __future__ import annotations
 
@@ -11,12 +11,16 @@ from archo_tui.robot_file.model import FormField, Scalar
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.core_schema import YamlFault
 
-Request = Mapping[str, Scalar]  # by field, as the robot file has it
+Request = Mapping[str, Scalar]  # The values of a request by field, as in the robot file.
 _TYPES = {bool: "boolean", int: "int64", float: "double", str: "string"}
 
 
 def mapping(text: str) -> dict[str, Any]:
-    """Return the fields of `{field: value, ...}`. Raises ValueError."""
+    """Return the values in a YAML mapping `{field: value, ...}`.
+
+    Raises:
+        ValueError: The text is no such mapping.
+    """
     try:
         values = bounded_yaml.load(text)
     except YamlFault as fault:
@@ -30,12 +34,12 @@ def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str
     """Parse `field=value ...`, or one YAML mapping.
 
     Args:
-        service: The name that an error says.
-        words: What stands behind the service.
-        form: A request of the service: which fields it has, and of which types.
+        service: The name of the service, for errors.
+        words: The words behind the service.
+        form: An example of a request, which has the fields and their types.
 
     Raises:
-        ValueError: A field is none of the form, is given twice, or has a value of another type.
+        ValueError: A field is not in the form, is given twice, or has a value of another type.
     """
     given: dict[str, Any] = {}
     if len(words) == 1 and words[0].startswith("{"):
@@ -58,6 +62,6 @@ def _parsed(name: str, example: Scalar, value: Any) -> Any:
 
 
 def written(request: Request) -> str:
-    """Write a request as it is typed: `e_stop_on=true`."""
+    """Return a request as it is typed: `e_stop_on=true`."""
     texts = {name: str(v).lower() if isinstance(v, bool) else v for name, v in request.items()}
     return " ".join(f"{name}={text}" for name, text in texts.items())

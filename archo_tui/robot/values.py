@@ -1,4 +1,4 @@
-"""Values as a person writes them, and back."""
+"""The conversion of values to the text that a person would write, and back."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 
 from archo_tui.robot.text import safe
 
-# as people write them: int() and float() also take `1_2`, and the digits of every script
+# Stricter than int() and float(), which also accept `1_2` and the digits of every script.
 _WHOLE = re.compile(r"[+-]?[0-9]+")
 _NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
-_INFINITE = re.compile(r"[+-]?\.?(inf|Inf|INF)|\.?(nan|NaN|NAN)")  # with YAML's dot or without
-_DIGITS = 30  # more than any type has room for: what follows makes no number fit
+_INFINITE = re.compile(r"[+-]?\.?(inf|Inf|INF)|\.?(nan|NaN|NAN)")  # YAML's dot is optional.
+_DIGITS = 30  # More than any type has; further digits cannot make a number fit.
 
 
 def text_of(value: Any) -> str:
@@ -26,16 +26,20 @@ def text_of(value: Any) -> str:
     return safe(str(value))
 
 
-def same(one: Any, other: Any) -> bool:
-    """True for equal values; NaN, which equals nothing, is the same as NaN."""
-    if isinstance(one, list) and isinstance(other, list):
-        return len(one) == len(other) and all(map(same, one, other))
-    both_nan = isinstance(one, float) and isinstance(other, float) and one != one and other != other
-    return both_nan or bool(one == other)
+def same(a: Any, b: Any) -> bool:
+    """Return True for equal values; unlike with `==`, NaN is the same as NaN."""
+    if isinstance(a, list) and isinstance(b, list):
+        return len(a) == len(b) and all(map(same, a, b))
+    both_nan = isinstance(a, float) and isinstance(b, float) and a != a and b != b
+    return both_nan or bool(a == b)
 
 
 def parse_bool(text: str) -> bool:
-    """Raises ValueError with one line that says what is wrong, as the others do."""
+    """Return the bool that a word means: true, yes, on, false, no, off, in any case.
+
+    Raises:
+        ValueError: In one line what is wrong.
+    """
     words = {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
     if text.lower() not in words:
         raise ValueError(f"not true or false: {text}")
@@ -43,7 +47,16 @@ def parse_bool(text: str) -> bool:
 
 
 def parse_integer(text: str, low: int = -(2**63), high: int = 2**63 - 1) -> int:
-    """A whole number within low .. high."""
+    """Return the whole number in a text.
+
+    Args:
+        text: The text.
+        low: The smallest number allowed; that of an int64 by default.
+        high: The largest.
+
+    Raises:
+        ValueError: In one line what is wrong.
+    """
     stripped = text.strip()
     if not _WHOLE.fullmatch(stripped):
         raise ValueError(f"not a whole number: {text}")
@@ -55,7 +68,11 @@ def parse_integer(text: str, low: int = -(2**63), high: int = 2**63 - 1) -> int:
 
 
 def parse_number(text: str) -> float:
-    """A finite number."""
+    """Return the finite number in a text.
+
+    Raises:
+        ValueError: In one line what is wrong.
+    """
     try:
         value = float(text)
     except ValueError:
@@ -68,7 +85,11 @@ def parse_number(text: str) -> float:
 
 
 def parse_any_number(text: str) -> float:
-    """A number as messages hold them: `nan` and `inf` too."""
+    """Return the number in a text, which may be `nan` or `inf`, as in messages.
+
+    Raises:
+        ValueError: In one line what is wrong.
+    """
     if _INFINITE.fullmatch(text):
         return float(text.replace(".", ""))
     return parse_number(text)
