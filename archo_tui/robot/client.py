@@ -698,7 +698,7 @@ class Robot:
             if said not in self._mismatches:
                 self._warn(said)
         self._mismatches = frozenset(mismatches)
-        self._parameters.follow(self._graph.count, self._graph.services)
+        self._parameters.poll(self._graph.count, self._graph.services)
         graph, now = self._graph, self._clock.monotonic()
         for level, said in self._limits.unknown(
             now, graph.offered, graph.namespace, graph.names, self._parameters.all()
@@ -713,7 +713,7 @@ class Robot:
                 self._mark()
             return
         now = self._clock.monotonic()
-        self._goals.way_is(self._way)
+        self._goals.update_lengths(self._way)
         self._goals.check(now, self._telemetry.motion)
         stopped = self._stopping.obeyed_since
         if stopped is not None:
@@ -725,7 +725,7 @@ class Robot:
         """Measure anew how often topics and feedback come: a parameter of `node` has changed."""
         self._telemetry.measure_anew(node, old, new)
         servers = self._graph.servers
-        self._goals.measure_anew(old, new, lambda kind: node in servers.get(kind.action, ()))
+        self._goals.forget_periods(old, new, lambda kind: node in servers.get(kind.action, ()))
 
     def _goal_changed(self, turned: bool) -> None:
         if self._watcher.is_canceled():
@@ -739,7 +739,7 @@ class Robot:
         self._graph.heard_topic(topic, self._clock.monotonic())
         motion = self.file.motion
         if motion is not None and topic == motion.topic:
-            self._goals.heard()
+            self._goals.on_robot_message()
             if topic not in self._graph.publishers:  # else the readings of several come mixed
                 # of several robots one says nothing about the others
                 stop = self.file.stop
@@ -787,7 +787,7 @@ class Robot:
         for kind in self.file.goals:
             servers = self._graph.servers.get(kind.action, ())
             if kind.refusals and node in servers and message.msg.startswith(kind.refusals):
-                self._goals.refused(message.msg.removeprefix(kind.refusals))
+                self._goals.on_refusal_log(message.msg.removeprefix(kind.refusals))
         self._graph.heard_log(node, self._clock.monotonic())
         # by this clock and not the stamp: the robot's may be another, and the list is in order
         event = self._log.add(Event(self._clock.now(), level, message.name, message.msg))

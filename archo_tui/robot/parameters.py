@@ -1,7 +1,7 @@
 """A mirror of the parameters of all nodes on the graph. ROS thread only.
 
-It holds what the nodes answered: values come from `get_parameters` and `/parameter_events`, never
-from what was asked for.
+Every value in it is one that its node reported, by `get_parameters` or on `/parameter_events`,
+never one that was only requested.
 """
 
 from __future__ import annotations
@@ -29,62 +29,72 @@ from archo_tui.robot.stops import Gate
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import same, text_of
 
-_RETRY, _LONGEST_RETRY = 2.0, 60.0  # s until a node that did not answer is asked again
-_DEPTH = 1000  # parameter events kept while the thread is busy
+_RETRY, _LONGEST_RETRY = 2.0, 60.0  # Seconds until a node is asked again that did not answer.
+_DEPTH = 1000  # Messages on /parameter_events that are kept while the thread is busy.
 
 
 class Parameters:
-    """Loads the parameters of nodes as they appear, follows their changes, sets them."""
+    """The mirror: loads parameters when their nodes appear, follows their changes, sets them."""
 
     def __init__(
         self,
         node: Listener,
         clock: Clock,
         pending: Services,
-        changed: Callable[[], None],
-        set_anew: Callable[[str, Any, Any], None],
-        told: Callable[[str, str, Any, Any], None],
+        on_change: Callable[[], None],
+        on_new_value: Callable[[str, Any, Any], None],
+        on_event: Callable[[str, str, Any, Any], None],
         secrets: SecretNames,
     ) -> None:
-        """`set_anew(node, old, new)` is called when a value has changed.
+        """Create an empty mirror.
 
-        `told(node, name, old, new)` when its node says so, whoever did it.
+        Args:
+            node: The console's node.
+            clock: The clock of all waits.
+            pending: Calls services.
+            on_change: Called when the mirror has changed.
+            on_new_value: Called with a node, and the old and new value of a parameter of it.
+            on_event: Called with node, name, old and new value when a node publishes a change.
+            secrets: Decides which parameters are secret.
         """
-        self._told = told
+        self._tell_event = on_event
         self._secrets = secrets
         self._node, self._clock = node, clock
-        self._set_anew = set_anew
-        self._known: dict[str, int] = {}  # nodes of the last look, and how many of each
-        self._retry: dict[str, tuple[float, float]] = {}  # of nodes that did not answer: when, s
+        self._on_new_value = on_new_value
+        self._known: dict[str, int] = {}  # How many nodes had each name at the last poll.
+        # For nodes that did not answer: when to ask again (monotonic seconds), and the last wait.
+        self._retry: dict[str, tuple[float, float]] = {}
         self._services = pending
-        self._changed = changed
+        self._on_change = on_change
         self._by_node: dict[str, dict[str, Parameter]] = {}
-        self._all: tuple[Parameter, ...] = ()  # as they were last asked for
+        self._all: tuple[Parameter, ...] = ()  # What `all` returned last.
         self._loading: set[str] = set()
         self._polling = ParameterPolling()
         node.listen_quietly(ParameterEvent, "/parameter_events", self._on_event, _DEPTH)
 
     def all(self) -> tuple[Parameter, ...]:
-        """By node, then in the order in which the node declared them.
+        """Return all parameters by node, then in the order in which the node declared them.
 
-        The same object until something changes.
+        The tuple is the same object until something changes.
         """
         found = [p for node in sorted(self._by_node) for p in self._by_node[node].values()]
         if len(found) != len(self._all) or not all(map(is_, found, self._all)):
             self._all = tuple(found)
         return self._all
 
-    def follow(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
-        """Load nodes that are new on the graph and offer parameters, forget those that left.
+    def poll(self, nodes: Mapping[str, int], offered: Container[str]) -> None:
+        """Load the parameters of new nodes, forget those of nodes that left, refresh some others.
 
-        `nodes` has how many there are of each name: one more means that it was started anew, while
-        the one before, killed, lingers on the graph.
+        Args:
+            nodes: How many nodes have each name. One more than before means that it was restarted,
+                while the killed one is still on the graph.
+            offered: The full names of the services on the graph.
         """
         for gone in self._known.keys() - nodes.keys():
             self._retry.pop(gone, None)
             self._services.forget(gone)
             if self._by_node.pop(gone, None) is not None:
-                self._changed()
+                self._on_change()
         now = self._clock.monotonic()
         for name, count in nodes.items():
             known = name in self._by_node and count <= self._known.get(name, count)
@@ -94,24 +104,27 @@ class Parameters:
                 self._task(self._load, name)
         self._known = dict(nodes)
         for node, names in self._polling.due(now, self._by_node):
-            if node in self._by_node:  # not of those that left in this round
+            if node in self._by_node:  # Others have left in this round.
                 self._task(self._refresh, node, names)
 
     async def _refresh(self, node: str, names: list[str]) -> None:
+        """Read parameters of a node again."""
         known = self._by_node.get(node, {})
-        # those without a value are told of when they get one
+        # A parameter without a value cannot be read; its node publishes when it gets one.
         names = [name for name in names if name in known and known[name].value is not None]
         got = await self._values(node, names) if names else {}
         if got is None or node not in self._by_node:
             return
         if len(got) != len(names):
-            self._by_node.pop(node)  # another set of parameters: load all of it
+            self._by_node.pop(
+                node
+            )  # Its parameters are others now: the next poll loads all of them.
             return
         for name, value in got.items():
             self._take(node, name, value)
 
     async def _values(self, node: str, names: list[str]) -> dict[str, Any] | None:
-        """The values of these; none of them when one has none. None: no answer."""
+        """Return values by name: none of them if one is not set, None if there is no answer."""
         got = await self._services.call(
             srv.GetParameters, f"{node}/get_parameters", srv.GetParameters.Request(names=names)
         )
@@ -124,6 +137,7 @@ class Parameters:
         self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
 
     async def _load(self, node: str) -> None:
+        """Load all parameters of a node, or note when to ask it again."""
         try:
             listed = await self._services.call(
                 srv.ListParameters,
@@ -139,7 +153,7 @@ class Parameters:
                 once=True,
             )
             got = await self._values(node, names)
-            if got == {} and names:  # one without a value hides all: they are asked for one by one
+            if got == {} and names:  # One without a value hides all, so each is read alone.
                 got = await self._one_by_one(node, names)
             if listed is None or described is None or got is None:
                 _, waited = self._retry.get(node, (0.0, _RETRY / 2))
@@ -151,7 +165,7 @@ class Parameters:
                 name: _parameter(node, name, descriptor, got.get(name), self._secrets.fit(name))
                 for name, descriptor in zip(names, described.descriptors, strict=False)
             }
-            self._changed()
+            self._on_change()
         finally:
             self._loading.discard(node)
 
@@ -165,9 +179,18 @@ class Parameters:
         return found
 
     async def set(self, node: str, values: Mapping[str, Any], gate: Gate) -> Outcome:
-        """Set values (of the Python types that fit), all or none; the node's reason if it refuses.
+        """Set parameters of a node, all or none of them.
 
-        The outcome says what the node answers when it is asked for them afterwards.
+        Args:
+            node: The full name of the node.
+            values: The values by name, of the Python types that fit.
+            gate: The last check before the request is sent.
+
+        Returns:
+            The values that the node reports afterwards, or its reason for a refusal.
+
+        Raises:
+            Void: A STOP was read after the request was typed.
         """
         before = self._texts(node, values)
         try:
@@ -193,18 +216,22 @@ class Parameters:
         for name, value in zip(names, got.values if got is not None else (), strict=False):
             self._take(node, name, as_python(value))
         now = self._texts(node, values)
-        said = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in names)
-        return Outcome(Code.DONE, said)
+        text = ", ".join(f"{name} is {now[name]}, was {before[name]}" for name in names)
+        return Outcome(Code.DONE, text)
 
     def _texts(self, node: str, names: Iterable[str]) -> dict[str, str]:
-        """Return the values as events have them."""
+        """Return the known values as texts for events, without secrets."""
         known = self._secrets.masked({name: self._value(node, name) for name in names})
         return {name: text_of(value) for name, value in known.items()}
 
     def _message(self, node: str, name: str, value: Any) -> Any:
-        """A parameter with a value of the type that it has here. Raises ValueError."""
+        """Return the message that sets a parameter, with its declared type.
+
+        Raises:
+            ValueError: The value does not fit.
+        """
         known = self._by_node.get(node, {}).get(name)
-        if value == [] and known is not None:  # of any type, and only the declared one is taken
+        if value == [] and known is not None:  # An empty list alone does not tell its type.
             number = next((number for number, kind in TYPES.items() if kind == known.type), 0)
         else:
             number = RosParameter(name, value=value).type_.value
@@ -223,22 +250,22 @@ class Parameters:
         for message in event.changed_parameters:
             old, new = self._value(event.node, message.name), as_python(message.value)
             if old is not None and not same(old, new):
-                self._told(event.node, message.name, old, new)
+                self._tell_event(event.node, message.name, old, new)
         for message in (*event.new_parameters, *event.changed_parameters):
             self._take(event.node, message.name, as_python(message.value))
         for message in event.deleted_parameters:
             if self._by_node.get(event.node, {}).pop(message.name, None) is not None:
-                self._changed()
+                self._on_change()
 
     def _take(self, node: str, name: str, value: Any) -> None:
         known = self._by_node.get(node, {}).get(name)
         if known is None:
             if node in self._by_node and node not in self._loading:
-                self._by_node.pop(node)  # declared later: load the whole node
+                self._by_node.pop(node)  # Declared later: the next poll loads the whole node.
         elif not same(known.value, value):
             self._by_node[node][name] = known._replace(value=value)
-            self._changed()
-            self._set_anew(node, known.value, value)
+            self._on_change()
+            self._on_new_value(node, known.value, value)
 
 
 def without_secrets(message: ParameterEvent, secrets: SecretNames) -> ParameterEvent:
@@ -249,8 +276,10 @@ def without_secrets(message: ParameterEvent, secrets: SecretNames) -> ParameterE
     masked = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=MASK)
     new, changed, deleted = (
         [
-            ParameterMessage(name=one.name, value=masked) if secrets.fit(one.name) else one
-            for one in part
+            ParameterMessage(name=parameter.name, value=masked)
+            if secrets.fit(parameter.name)
+            else parameter
+            for parameter in part
         ]
         for part in parts
     )

@@ -1,50 +1,60 @@
-"""How often something is heard, measured, so that a slow robot is not called lost."""
+"""The measured periods of messages, by which silence is judged: a slow robot is not lost."""
 
 from __future__ import annotations
 
 from typing import NamedTuple, TypeGuard
 
-_MEASURED = 5  # intervals, of which the median is the period
-LEAST_SILENCE = 2.5  # s
-UNMEASURED = 90.0  # s of silence before the period is known: longer than that of most topics
-LONGEST_SET = 10.0  # s; a longer period that a parameter seems to be is not believed
-_ALIKE = 0.1  # of a parameter's value by which a period may differ from it
-_SMOOTHING = 0.2  # weight of the newest interval in a pace
-_MAYBE_A_BURST = 15.0  # s of silence behind it; longer than between most bursts
-_FEW = 3  # intervals that may be a burst
-_DENSE = LEAST_SILENCE / 3  # s; intervals up to that make no difference to LEAST_SILENCE
-_LEARNT = 10.0  # s of messages at least, by which it is known what is typical of a topic
-_MOST = 20  # longer intervals by which it is known at the latest
-_LONGER = 1.25  # times as long as another interval is no chance
-_GROWING = 3  # intervals in a row, each longer than the one before: the link grows slower
-_REGULAR = 3  # silences in a row that are as long as each other, until they are typical
-_NOTED = 0.1  # s between two messages that are noted, once the period is learnt
-_AS_LONG = 1.1  # times as long as the shortest of them the longest may be
+# All of them our choice; times are in seconds.
+LEAST_SILENCE = 2.5  # A shorter silence is never judged.
+UNMEASURED = 90.0  # Silence allowed before the period is known: longer than most topics' periods.
+LONGEST_SET = 10.0  # A parameter with a larger value is not taken for a period.
+_MEASURED = 5  # Intervals, of which the median is the period.
+_ALIKE = 0.1  # A period that differs from a parameter by less than this share may be set by it.
+_SMOOTHING = 0.2  # The weight of the newest interval in a rate.
+_MAYBE_A_BURST = 15.0  # Silence allowed after a few quick messages, longer than most bursts' gaps.
+_FEW = 3  # So many intervals may be one burst.
+_DENSE = LEAST_SILENCE / 3  # Shorter intervals allow no less silence than LEAST_SILENCE.
+_LEARNT = 10.0  # Messages for at least so long are needed to know a topic's typical interval.
+_MAX_GAPS = 20  # After so many longer intervals it is known in any case.
+_LONGER = 1.25  # An interval that is so many times as long as another is not so by chance.
+_GROWING = 3  # So many intervals in a row, each longer than the last: the link becomes slower.
+_REGULAR = 3  # So many silences in a row of about the same length become typical.
+_AS_LONG = 1.1  # The longest of them may be so many times as long as the shortest.
+_NOTED = 0.1  # Messages that follow faster are not recorded, once the period is learnt.
 
 
 class Period(NamedTuple):
-    """The intervals (s) between the first messages, and when the last of them came (monotonic s).
+    """The measured period of one topic; immutable.
 
-    It stays as it was measured: of a link that grows slower and slower the silence must be seen.
+    Once measured it does not grow: the silence of a link that becomes slower must be noticed.
+
+    Attributes:
+        intervals: The first intervals between messages, in seconds.
+        last: When the last message came, in monotonic seconds; None before the first.
+        known: The period in seconds from before, which holds until it is measured; or None.
+        dense: The sum of all intervals up to `_DENSE`, in seconds.
+        gaps: The longer intervals, in seconds.
+        learnt: The typical interval in seconds; None while it is being learnt.
+        silences: The last intervals that were longer than is typical, in seconds.
     """
 
     intervals: tuple[float, ...] = ()
     last: float | None = None
-    known: float | None = None  # the period (s) that holds until it is measured
-    dense: float = 0.0  # s in all of the intervals up to _DENSE
-    gaps: tuple[float, ...] = ()  # s; the longer intervals
-    learnt: float | None = None  # what is typical, in s; None: that is being learnt
-    silences: tuple[float, ...] = ()  # s; the last intervals that were longer than is typical
+    known: float | None = None
+    dense: float = 0.0
+    gaps: tuple[float, ...] = ()
+    learnt: float | None = None
+    silences: tuple[float, ...] = ()
 
     def measured_again(self, old: object, new: object) -> Period:
-        """Return the period to be measured anew, because a parameter has changed.
+        """Return a period that is measured again, because a parameter has changed.
 
-        What is known stays until then. Where the parameter was the period itself, that is its new
-        value if that is longer: the publisher may wait for the end of the old one.
+        Until then the present one holds. If the parameter seems to be the period itself, its new
+        value holds if it is longer: the publisher may first wait for the end of the old period.
 
         Args:
-            old: What the parameter was; None: it is of another node than the publisher.
-            new: What it is.
+            old: The parameter's value before; None if it is of another node than the publisher.
+            new: Its present value.
         """
         seconds = self.typical or self.seconds
         if seconds is None or not (is_number(old) and is_number(new)):
@@ -54,12 +64,12 @@ class Period(NamedTuple):
         return Period(known=seconds)
 
     def heard(self, now: float) -> Period:
-        """Return the period with one more message at `now` (monotonic s)."""
+        """Return the period with one more message at `now`, in monotonic seconds."""
         if self.last is None:
             return self._replace(last=now)
         interval = now - self.last
         if self.learnt is not None:
-            # Of messages that come fast not each is noted: of silences that is not missed.
+            # Fast messages are not all recorded: that makes no difference to a silence.
             return self if interval < _NOTED else self._with_typical(interval, now)
         intervals = (*self.intervals, interval)[:_MEASURED]
         learning = self._replace(intervals=intervals, last=now)
@@ -72,9 +82,9 @@ class Period(NamedTuple):
         return learning._replace(learnt=learning._middle)._with_typical(interval, now)
 
     def _with_typical(self, interval: float, now: float) -> Period:
-        """Return the period with a message, when it is known what is typical.
+        """Return the period with one more message, after the typical interval was learnt.
 
-        Silences that come regularly become typical, as those between long bursts.
+        Silences that recur regularly, as between long bursts, become typical.
         """
         assert self.learnt is not None
         if interval <= max(3 * self.learnt, LEAST_SILENCE):
@@ -86,8 +96,8 @@ class Period(NamedTuple):
 
     @property
     def _is_sure(self) -> bool:
-        """Return whether enough was heard to know what is typical: one long gap is a hiccup."""
-        if len(self.gaps) >= _MOST:
+        """True if enough was received to tell the typical interval, despite a single long gap."""
+        if len(self.gaps) >= _MAX_GAPS:
             return True
         if self._span < _LEARNT or len(self.intervals) < _MEASURED:
             return False
@@ -96,14 +106,14 @@ class Period(NamedTuple):
 
     @property
     def _span(self) -> float:
-        """The time from the first message to the last, in s."""
+        """The seconds from the first message to the last."""
         return self.dense + sum(self.gaps)
 
     @property
     def _middle(self) -> float:
-        """The interval in s in which the middle of the time lies; so a burst counts as one message.
+        """The interval in seconds, in order of length, that contains half of the whole time.
 
-        The last intervals do not count while they grow.
+        In this way a burst counts as one message. The last intervals do not count while they grow.
         """
         gaps = list(self.gaps)
         grown = 0
@@ -118,21 +128,21 @@ class Period(NamedTuple):
             passed += gap
             if passed >= half:
                 return gap
-        # not the mean, which differs with each message: that would be news
+        # The mean would change with each message, and each change would be shown.
         return min(self.seconds or 0.0, _DENSE)
 
     @property
     def seconds(self) -> float | None:
-        """The period in s, of two in the middle the longer; before two messages what is known."""
+        """The median of the first intervals in seconds; before two messages, `known`."""
         if not self.intervals:
             return self.known
         return sorted(self.intervals)[len(self.intervals) // 2]
 
     @property
     def typical(self) -> float | None:
-        """The interval in s by which silence is judged: that in which the middle of the time lies.
+        """The interval in seconds by which silence is judged; None if none is known.
 
-        The first messages may be a burst, and say nothing yet: what is known holds; None: nothing.
+        The first messages may be one burst and do not tell it yet: until then `known` holds.
         """
         if self.learnt is not None:
             return self.learnt
@@ -140,43 +150,54 @@ class Period(NamedTuple):
 
     @property
     def grace(self) -> float:
-        """The silence in s that is allowed while nothing is typical yet.
+        """The silence in seconds that is allowed before the typical interval is known.
 
-        Several messages at once are a burst, or the first words of a robot that then died.
+        Several quick messages are a burst, or the first messages of a robot that then died.
         """
         return _MAYBE_A_BURST if len(self.intervals) >= _FEW else UNMEASURED
 
 
 class Pause(NamedTuple):
-    """Whether this process stood still, as one that was suspended: it could hear nobody then.
+    """The pauses of this process, as when it is suspended: it can receive nothing then.
 
-    One that stands still again and again has one such pause: it is not to stay silent.
+    Pauses that follow each other count as one, or a process that pauses again and again would never
+    notice a silence.
+
+    Attributes:
+        checked: When `look` was called last, in monotonic seconds; None if never.
+        is_over: True unless the last call ended a pause.
+        resumed: The end of the last pause, in monotonic seconds; silence counts from then.
     """
 
-    looked: float | None = None  # the last time, monotonic s
+    checked: float | None = None
     is_over: bool = True
-    resumed: float = float("-inf")  # behind a pause, of which silence says nothing; monotonic s
+    resumed: float = float("-inf")
 
     def look(self, now: float) -> Pause:
-        """Return what is known at that time, given that somebody looks every second or so."""
-        paused = self.looked is not None and now - self.looked > LEAST_SILENCE
+        """Return the pauses up to `now` (monotonic seconds); call it about once a second."""
+        paused = self.checked is not None and now - self.checked > LEAST_SILENCE
         resumed = now if paused and self.is_over else self.resumed
         return Pause(now, not paused, resumed)
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Return whether it is a number, and no truth value."""
+    """Return True for a number that is no bool."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
 class Pace(NamedTuple):
-    """How often something is heard now; starts over after a silence."""
+    """The present rate of messages, measured from the start again after a silence.
 
-    heard: float  # the last time, monotonic s
-    interval: float | None = None  # s, smoothed; None before two messages
+    Attributes:
+        heard: When the last message came, in monotonic seconds.
+        interval: The smoothed interval in seconds; None before two messages.
+    """
+
+    heard: float
+    interval: float | None = None
 
     def again(self, now: float) -> Pace:
-        """With one more message."""
+        """Return the rate with one more message at `now`, in monotonic seconds."""
         if self.is_silent(now):
             return Pace(now)
         since = now - self.heard
@@ -187,20 +208,24 @@ class Pace(NamedTuple):
 
     @property
     def rate(self) -> float | None:
-        """In Hz."""
+        """The rate in Hz; None before two messages."""
         return 1 / self.interval if self.interval else None
 
     def is_silent(self, now: float) -> bool:
-        """True when nothing was heard for three intervals, at least 2.5 s; one was not: no."""
+        """Return True after a silence of three intervals, at least 2.5 s, if two messages came."""
         return is_silent(self.heard, self.interval, now, None)
 
 
 def is_silent(
     received: float | None, period: float | None, now: float, grace: float | None
 ) -> bool:
-    """True when nothing was heard for three periods, at least 2.5 s.
+    """Return True if no message came for three periods, at least 2.5 s.
 
-    Before the period is known: for `grace` s; None: it is not judged.
+    Args:
+        received: When the last message came; None if none has: that is no silence.
+        period: The period in seconds; None if it is not known.
+        now: Monotonic time in seconds, as `received`.
+        grace: The silence in seconds that is allowed without a period; None for any.
     """
     if received is None:
         return False
