@@ -185,7 +185,7 @@ FAULTS = [
     Fault("station/alarm_conditions.py", "    return is_below or battery_health(snapshot) == \"low\"", "    return battery_health(snapshot) == \"low\"", "tests/station/test_alarms.py"),
     Fault("station/station.py", "            self._record(self._board.acknowledge(alarm, self.clock.now()))", "            self._board.acknowledge(alarm, self.clock.now())", "tests/station/test_journal.py"),
     Fault("robot/telemetry.py", "wanted.setdefault((topic, kind), []).append(reader)", "wanted[topic, kind] = [reader]", ROBOT + "/test_one_subscription.py"),
-    Fault("robot/telemetry.py", "= LEAST_SILENCE  # nobody is there to say more", "= UNMEASURED", ROBOT + "/test_silence.py"),
+    Fault("robot/telemetry.py", "= LEAST_SILENCE  # Nobody is left to send more.", "= UNMEASURED", ROBOT + "/test_silence.py"),
     Fault("robot/telemetry.py", "None if _is_latched(publishers) else UNMEASURED", "UNMEASURED", ROBOT + "/test_silence.py"),
     Fault("robot/period.py", "max(3 * period, LEAST_SILENCE)", "60.0", ROBOT + " " + CONSOLE + "/test_operating.py"),
     Fault("robot/state.py", "self.remaining * took / driven", "self.remaining * driven / took", ROBOT + "/test_tracked_goal.py"),
@@ -237,7 +237,7 @@ FAULTS = [
     # robots, the goals of others, the queue
     Fault("robot/readings.py", "return value * field.scale + field.offset", "return value", "tests/robots"),
     Fault("robot/interface_checks.py", "if message_classes.fields(srv_type.Request) != set(values):\n            return None,", "if False:\n            return None,", ROBOT),
-    Fault("robot/telemetry.py", 'said = next(filter(None, lacking.values()), "")', 'said = ""', "tests/robots"),
+    Fault("robot/telemetry.py", 'fault = next(filter(None, lacking.values()), "")', 'fault = ""', "tests/robots"),
     Fault("robot/forms.py", "if low is not None and not value >= low:", "if False:", "tests/robots " + CONSOLE + "/test_goals.py"),
     Fault("commands/keymap.py", " and not c.gives_way}", "}", "tests/commands/test_keymap.py"),
     Fault("commands/keymap.py", " and command.id not in lines]", "]", "tests/commands/test_keymap.py"),

@@ -86,7 +86,7 @@ class ReplayState:
         self._topics = RecordedTopics(types, namespace)
         node = cast("Any", self._topics)
         self._telemetry = Telemetry(node, file, self._clock, self._on_reading, lambda _: None)
-        self._telemetry.look()
+        self._telemetry.resubscribe()
         self._feedback = {
             self._topics.resolve_topic_name(f"{kind.action}/_action/feedback"): kind
             for kind in file.goals

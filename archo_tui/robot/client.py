@@ -682,7 +682,7 @@ class Robot:
         self._unexplained_changes.author = CONSOLE if self._graph.mute else CLIENT
         self._tell_of_consoles()
         self._tell_of_nodes()
-        self._telemetry.look()
+        self._telemetry.resubscribe()
         for said in self._unexplained_changes.take_due(self._clock.monotonic()):
             self._say("PEER", said)
         faults = {**self._telemetry.faults, **self._interface_checks.misfits()}
@@ -723,7 +723,7 @@ class Robot:
 
     def _measure_anew(self, node: str, old: object, new: object) -> None:
         """Measure anew how often topics and feedback come: a parameter of `node` has changed."""
-        self._telemetry.measure_anew(node, old, new)
+        self._telemetry.forget_periods(node, old, new)
         servers = self._graph.servers
         self._goals.forget_periods(old, new, lambda kind: node in servers.get(kind.action, ()))
 

@@ -1,4 +1,4 @@
-"""Hears battery and motor, with the type and QoS that the publishers have. ROS thread only."""
+"""The readings of battery, motion and gauges, as their publishers send them. ROS thread only."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import Gauge, RobotFile, fields_of
 
 _DEPTH = 10
-_SAMPLE_PERIOD = 1.0  # s between two samples of the charge that are kept
+_SAMPLE_PERIOD = 1.0  # Seconds between two samples of the charge that are kept.
 _SAMPLES = 300
-_JUMP = 0.5  # % in the wrong direction that is more than noise
-_MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V, m/s; beyond that it is not a reading
-_MOST = 1e15  # of a gauge without a range: so many digits a double has
+_JUMP = 0.5  # Percent in the wrong direction that are more than noise.
+_MOST_VOLTS, _MOST_SPEED = 1e4, 1e4  # V and m/s; a larger value is no reading.
+_MOST = 1e15  # Of a gauge without a range: a double has so many digits.
 
 _BATTERY = (
     attrgetter("charging", "discharging", "health", "period", "unreadable"),
@@ -37,31 +37,44 @@ _GAUGE = attrgetter("period", "unreadable"), attrgetter("value")
 
 
 class News(Enum):
-    """What a message says that the one before did not."""
+    """The difference between a message and the one before; a larger value weighs more."""
 
-    NONE = auto()  # nothing but its time
-    NUMBERS = auto()  # readings went on, as they do all the time
-    WORDS = auto()  # what a person acts on: that it is stopped, or cannot be read
+    NONE = auto()  # Only its time differs.
+    NUMBERS = auto()  # Readings differ, as they do all the time.
+    WORDS = auto()  # Something on which a person acts: it is stopped, or cannot be read.
 
 
-# Where several readings come from one message, the weightiest news of them is passed on.
+# If one message has several readings, the weightiest difference is passed on.
 _WEIGHT = attrgetter("value")
 
 
 class _Reader(NamedTuple):
-    """What takes a reading from a topic."""
+    """A reading and its topic.
 
-    key: object  # "battery", "motion", or the place of a gauge
-    topic: str  # as in the robot file
-    types: Mapping[str, Mapping[str, Fields]]  # the fields to read, by message type
+    Attributes:
+        key: "battery", "motion", or the index of a gauge.
+        topic: The topic as the robot file names it.
+        types: The fields to read, by message type and name of the value.
+        callback: Called with a message and the fields of its type; returns what is new.
+    """
+
+    key: object
+    topic: str
+    types: Mapping[str, Mapping[str, Fields]]
     callback: Callable[[Any, Mapping[str, Fields]], News]
 
 
 class _Subscription(NamedTuple):
-    """One topic that is listened to."""
+    """A subscription and what it was made for.
 
-    qos: tuple[bool, bool]  # reliable, latched
-    keys: tuple[object, ...]  # of its readers
+    Attributes:
+        qos: True for reliable, and for latched (transient local).
+        keys: The keys of its readers.
+        subscription: rclpy's object.
+    """
+
+    qos: tuple[bool, bool]
+    keys: tuple[object, ...]
     subscription: Any = None
 
 
@@ -75,36 +88,53 @@ Kept = tuple[
 
 
 class Telemetry:
-    """The last readings of battery, motion and gauges, as the robot's file says."""
+    """The last readings, from the topics and fields that the robot file names.
+
+    Attributes:
+        faults: Why a topic or one of its publishers is not read, by topic.
+        battery: The last reading of the battery.
+        motion: The last reading of the motion.
+        gauges: The last readings of the gauges, in the order of the robot file.
+        charge: Samples of the charge: monotonic seconds and percent, at most `_SAMPLES`.
+    """
 
     def __init__(
         self,
         node: Listener,
         robot: RobotFile,
         clock: Clock,
-        heard: Callable[[str, News], None],
+        on_reading: Callable[[str, News], None],
         warn: Callable[[str], None],
     ) -> None:
-        """`heard(topic, news)` is called after each reading, `warn` with what cannot be heard."""
+        """Subscribe to nothing yet.
+
+        Args:
+            node: The console's node.
+            robot: The robot file.
+            clock: The clock of all times.
+            on_reading: Called after each message with the topic and what is new.
+            warn: Called with a line about what cannot be read.
+        """
         self._node, self._robot, self._clock = node, robot, clock
-        self._heard = heard
+        self._on_reading = on_reading
         self._warn = warn
         self._readers = tuple(self._make_readers())
-        self._subscriptions: dict[tuple[str, str], _Subscription] = {}  # by full topic and type
+        # By the full name of the topic, and its type.
+        self._subscriptions: dict[tuple[str, str], _Subscription] = {}
         self._periods: dict[object, Period] = {}
-        self._graces: dict[object, float | None] = {}  # see Battery
-        self._publishers: dict[object, frozenset[str]] = {}  # nodes, fully qualified
-        self.faults: dict[str, str] = {}  # why a topic, or one of its publishers, is not heard
+        self._graces: dict[object, float | None] = {}  # See `Battery.grace`.
+        self._publishers: dict[object, frozenset[str]] = {}  # The full names of the nodes.
+        self.faults: dict[str, str] = {}
         self.battery = Battery()
         self.motion = Motion()
         self.gauges = tuple(Reading(gauge) for gauge in robot.gauges)
-        self.charge: tuple[tuple[float, float], ...] = ()  # (s, %): never more than _SAMPLES
+        self.charge: tuple[tuple[float, float], ...] = ()
 
-    def look(self) -> None:
-        """(Re)subscribe to what is published now."""
+    def resubscribe(self) -> None:
+        """Subscribe to what is published now, with its types and QoS, and update the faults."""
         faults: dict[str, str] = {}
-        wanted: dict[tuple[str, str], list[_Reader]] = {}  # by full topic and type
-        published: dict[str, Sequence[Any]] = {}  # its publishers, by full topic
+        wanted: dict[tuple[str, str], list[_Reader]] = {}  # By full topic and type.
+        published: dict[str, Sequence[Any]] = {}  # The publishers by full topic.
         for reader in self._readers:
             topic = self._node.resolve_topic_name(reader.topic)
             if topic not in published:
@@ -112,7 +142,7 @@ class Telemetry:
             if (kind := self._usable(reader, published[topic], faults)) is not None:
                 wanted.setdefault((topic, kind), []).append(reader)
         for key in [key for key in self._subscriptions if key not in wanted]:
-            # what nobody publishes any more is listened to all the same: it may come back
+            # A topic without publishers keeps its subscription: they may come back.
             if published[key[0]]:
                 self._node.destroy_subscription(self._subscriptions.pop(key).subscription)
         for key, readers in wanted.items():
@@ -139,15 +169,15 @@ class Telemetry:
             types = {gauge.type: {"value": gauge.field}}
             yield _Reader(place, gauge.topic, types, partial(self._on_gauge, place))
 
-    def measure_anew(self, node: str, old: object, new: object) -> None:
-        """Measure every period anew: a parameter has changed, and may be one of them.
+    def forget_periods(self, node: str, old: object, new: object) -> None:
+        """Measure every period again: a parameter has changed, and may set one of them.
 
-        Silence is judged by what was known until then.
+        Until then silence is judged by the periods known so far.
 
         Args:
-            node: The node that has the parameter, fully qualified.
-            old: What it was.
-            new: What it is.
+            node: The full name of the node with the parameter.
+            old: Its value before.
+            new: Its present value.
         """
         for key, period in self._periods.items():
             is_its = node in self._publishers.get(key, ())
@@ -161,51 +191,51 @@ class Telemetry:
         )
 
     def kept(self) -> Kept:
-        """The readings, to be put back."""
+        """Return all readings, for `put_back`."""
         return self.battery, self.motion, self.gauges, self.charge, dict(self._periods)
 
     def put_back(self, kept: Kept) -> None:
-        """As it was when they were kept."""
+        """Restore readings that `kept` returned."""
         self.battery, self.motion, self.gauges, self.charge, periods = kept
         self._periods = dict(periods)
 
     def _usable(
         self, reader: _Reader, publishers: Sequence[Any], faults: dict[str, str]
     ) -> str | None:
-        """Return the type that a reader can read of its topic now; None: there is none.
+        """Return the type on its topic that a reader can read; None if there is none.
 
         Args:
-            reader: Its topic's publishers are noted, and how long it may be silent.
-            publishers: Those of its topic.
-            faults: What is wrong with a topic is put into it.
+            reader: The reader, whose publishers and grace are recorded.
+            publishers: The publishers of its topic.
+            faults: Gets what is wrong, by topic.
         """
         self._publishers[reader.key] = frozenset(
             in_namespace(info.node_namespace, info.node_name) for info in publishers
         )
         if not publishers:
-            self._graces[reader.key] = LEAST_SILENCE  # nobody is there to say more
+            self._graces[reader.key] = LEAST_SILENCE  # Nobody is left to send more.
             return None
         kinds: list[str] = sorted({info.topic_type for info in publishers})
         types = reader.types
         known = {kind: message_classes.load(kind) for kind in kinds if kind in types}
         lacking = {k: _lacking(reader.topic, k, known[k], types[k]) for k in known}
         usable = [kind for kind in known if not lacking[kind]]
-        said = next(filter(None, lacking.values()), "")
-        said = said or mismatch.unexpected_type(reader.topic, kinds, types)
-        if said:
-            faults.setdefault(reader.topic, said)
+        fault = next(filter(None, lacking.values()), "")
+        fault = fault or mismatch.unexpected_type(reader.topic, kinds, types)
+        if fault:
+            faults.setdefault(reader.topic, fault)
         if not usable:
             return None
-        # what is latched may be said once, and holds while its publisher is there
+        # A latched message may be sent once, and holds as long as its publisher is there.
         self._graces[reader.key] = None if _is_latched(publishers) else UNMEASURED
         return usable[0]
 
     def _subscribe(
         self, key: tuple[str, str], readers: Sequence[_Reader], publishers: Sequence[Any]
     ) -> None:
-        """Have one subscription for all readers of a topic and type, with a QoS that fits.
+        """Make one subscription for all readers of a topic and type, with a QoS that fits.
 
-        Two would be recorded twice, and counted twice as often as messages come.
+        With two, each message would be recorded and counted twice.
         """
         topic, kind = key
         latched = _is_latched(publishers)
@@ -221,17 +251,17 @@ class Telemetry:
         qos = QoSProfile(
             depth=_DEPTH,
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            # where the last message is kept; of others a subscriber that asks for it hears nothing
+            # A subscriber that requests latched messages gets none from other publishers.
             durability=(DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE),
         )
 
         def on_message(message: Any) -> None:
-            news: dict[str, News] = {}  # by the topic's name in the robot file
+            news: dict[str, News] = {}  # By the topic's name in the robot file.
             for reader in readers:
-                said = reader.callback(message, reader.types[kind])
-                news[reader.topic] = max(news.get(reader.topic, said), said, key=_WEIGHT)
-            for name, said in news.items():
-                self._heard(name, said)
+                new = reader.callback(message, reader.types[kind])
+                news[reader.topic] = max(news.get(reader.topic, new), new, key=_WEIGHT)
+            for name, new in news.items():
+                self._on_reading(name, new)
 
         subscription = self._node.listen_quietly(message_classes.load(kind), topic, on_message, qos)
         self._subscriptions[key] = made._replace(subscription=subscription)
@@ -293,7 +323,7 @@ class Telemetry:
         return self._periods[key].typical
 
     def _grace(self, key: object) -> float | None:
-        """Return the allowed silence in s of a topic whose period is not known; None: any."""
+        """Return the seconds of silence allowed while a period is not known; None for any."""
         if self._graces.get(key, UNMEASURED) != UNMEASURED:
             return self._graces[key]
         return self._periods.get(key, Period()).grace
@@ -302,9 +332,14 @@ class Telemetry:
         return None if topic is None else topic.period
 
     def _sample(self, now: float, *, turned: bool) -> None:
-        """Keep the charge for its trend; what came before it turned says nothing about it."""
+        """Keep a sample of the charge for its trend.
+
+        Args:
+            now: Monotonic time in seconds.
+            turned: True if charging began or ended: earlier samples are dropped.
+        """
         percentage, kept = self.battery.percentage, self.charge
-        if percentage is not None and kept:  # another battery, or its node was restarted
+        if percentage is not None and kept:  # The battery was changed, or its node restarted.
             rise = percentage - kept[-1][1]
             turned = turned or (-rise if self.battery.charging else rise) > _JUMP
         kept = () if turned else kept
@@ -319,19 +354,19 @@ def _news(last: object, new: object, words: attrgetter[Any], numbers: attrgetter
 
 
 def _is_latched(publishers: Sequence[Any]) -> bool:
-    """Return whether all of them keep their last message for who subscribes later."""
+    """Return True if all publishers keep their last message for later subscribers."""
     return all(
         info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers
     )
 
 
 def _given(fields: Any) -> dict[str, Fields]:
-    """The readings that a message type has, by name."""
+    """Return the fields that a message type has, by the name of the value."""
     return {name: field for name, field in vars(fields).items() if field is not None}
 
 
 def _lacking(topic: str, kind: str, message_class: Any, fields: Mapping[str, Fields]) -> str:
-    """Why a type cannot be read: not installed, or without a field that the robot file names."""
+    """Return why a type cannot be read: not installed, or without a named field; or ""."""
     if message_class is None:
         return mismatch.not_installed(topic, kind)
     named = [field for given in fields.values() for field in fields_of(given)]

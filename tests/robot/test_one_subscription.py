@@ -64,7 +64,7 @@ def test_in_a_replay_both_are_read(file: Path) -> None:
         lambda topic, _: heard.append(topic),
         lambda _: None,
     )
-    telemetry.look()
+    telemetry.resubscribe()
     topics.callbacks["/level"](Float32(data=80.0))
     assert telemetry.battery.percentage == 80.0
     assert telemetry.gauges[0].value == 80.0
