@@ -192,7 +192,7 @@ class Robot:
 
     @property
     def snapshot(self) -> Snapshot:
-        """What is known now."""
+        """The newest snapshot."""
         return self._mailbox.latest
 
     # verbs
@@ -302,7 +302,7 @@ class Robot:
         return await self._do(*self._as_verb(kind, values), title, ros2, go)
 
     async def send_no_more(self) -> None:
-        """The console ends: goals that have not left yet never do."""
+        """Keep goals that have not left yet from leaving: the console ends."""
 
         async def there() -> None:
             self._goals.are_over = True
@@ -376,7 +376,7 @@ class Robot:
         return tell
 
     def form(self, type_name: str) -> tuple[Leaf, ...] | None:
-        """The fields of an action's goal or a service's request; None: it is not installed here."""
+        """Return the fields of a goal or a request by its type; None: that is not installed."""
         found = message_classes.load(type_name)
         if found is None:
             return None
@@ -449,7 +449,7 @@ class Robot:
         )
 
     async def describe(self, node: str) -> NodeInfo | Outcome:
-        """What a node has on the graph, or why that is not known."""
+        """Return what a node has on the graph; an outcome that says why if that is not known."""
         try:
             found = await self._thread.run(lambda: self._nodes.describe(node), _ASKED)
             return found or Outcome(Code.REFUSED, "not on the graph")
@@ -459,7 +459,7 @@ class Robot:
             return Outcome(Code.REFUSED, in_one_line(error))
 
     async def log_level(self, node: str) -> Outcome:
-        """What of its lines a node logs."""
+        """Ask a node for the level of its log; the outcome's text names it."""
         try:
             return await self._thread.run(lambda: self._nodes.level(node), _ASKED)
         except TimeoutError:
@@ -478,7 +478,7 @@ class Robot:
         )
 
     def node_gone(self, served: Sequence[str]) -> None:
-        """The node of this process that served these actions has gone. Any thread."""
+        """End the goals of these actions: the hosted node that served them has gone. Any thread."""
 
         def end() -> None:
             self._goals.node_gone(lambda kind: self._interface_checks.full(kind.action) in served)
@@ -498,7 +498,7 @@ class Robot:
         return self._interface_checks.full(stop.service), stop.request
 
     def told_stop(self, node: str) -> None:
-        """A node that starts here was told of the STOP before anything else. Any thread."""
+        """Take note that a node that starts here was told of the STOP first. Any thread."""
         self._thread.submit(lambda: self._stopping.latch.add_told(node))
 
     def note(
@@ -524,7 +524,7 @@ class Robot:
     def _as_verb(
         self, kind: model.GoalKind, values: Mapping[str, Any]
     ) -> tuple[str, Mapping[str, Any]]:
-        """The verb that sends such a goal, and its arguments."""
+        """Return the verb that sends such a goal, and its arguments."""
         if kind not in self.file.goals:
             return "send_goal", {
                 "action": self._interface_checks.full(kind.action),
@@ -640,7 +640,7 @@ class Robot:
         return any(one.received is not None and not one.is_old(now) for one in told)
 
     def _on_answer(self, turn: int) -> None:
-        """The answer to what an operator sent in that turn."""
+        """Repeat a STOP that left behind the request of that turn, which was answered now."""
         if self._stopping.is_behind(turn):
             self._thread.submit(self._stop_behind)
 
@@ -652,7 +652,7 @@ class Robot:
 
     @property
     def _heard(self) -> Snapshot:
-        """What was heard by now of whether the robot is stopped."""
+        """A snapshot of what is known by now of whether the robot is stopped."""
         return Snapshot(
             file=self.file,
             motion=self._telemetry.motion,
@@ -798,7 +798,7 @@ class Robot:
             self._mark()
 
     def _on_act(self, message: String) -> None:
-        """What a console says that it did; our own comes, too."""
+        """Take in an act that another console reports; this console's own are left out."""
         told = acts.read(message.data)
         if told is None or told.console not in self._graph.consoles:
             return
@@ -824,7 +824,7 @@ class Robot:
         self._say("ERROR", in_one_line(error))
 
     def _tell(self, text: str, act: Act, command: str = "", who: Asker = YOU) -> None:
-        """What this console did, for other consoles as well, and for whoever reads the log."""
+        """Report what this console did: to its events, to other consoles and to the ROS log."""
         text = harmless(text)
         self._node.get_logger().info(text)
         self._acts.publish(String(data=acts.write(self._name, act, text)))
@@ -833,11 +833,11 @@ class Robot:
         self._add_event(Event(now, who.level, who.source, text, command, act=act))
 
     def _tell_of_stop(self, text: str, code: Code) -> None:
-        """What came of a STOP later, whoever asked for it."""
+        """Report an outcome of a STOP that nobody waits for."""
         self._tell(text, Act("stop", {"later": True}, code))
 
     def _goal_ended(self, goal: Goal, text: str) -> None:
-        """How a goal ended; the values of another client's are not on the graph."""
+        """Report how a goal ended; the values of another client's goal are not on the graph."""
         assert goal.code is not None  # it has ended
         act = Act(*self._as_verb(goal.kind, goal.fields), goal.code)
         self._add_event(Event(self._clock.now(), "GOAL", goal.kind.action, text, act=act))
@@ -856,13 +856,13 @@ class Robot:
             self._flusher.reset()
 
     def _mark_stream(self) -> None:
-        """What goes on all the time went on: a snapshot goes up within STREAM_PERIOD."""
+        """Have a snapshot go up within STREAM_PERIOD: only steady streams have changed."""
         if not (self._dirty or self._streams):
             self._streams = True
             self._streamer.reset()
 
     def _flush(self) -> None:
-        """A snapshot goes up now."""
+        """Send a snapshot up now."""
         self._dirty = self._streams = self._unseen = False
         self._flusher.cancel()
         self._streamer.cancel()

@@ -1,4 +1,4 @@
-"""Which nodes are there, what they offer, and when they were last heard. ROS thread only."""
+"""The nodes on the graph, what they offer, and when they were last heard. ROS thread only."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Graph:
     """Looks at the graph when asked to, and keeps when each node last gave a sign of life."""
 
     def __init__(self, node: Node, robot: RobotFile) -> None:
-        """Looks for the names of the robot's file."""
+        """Take the names of the robot file; `look` asks the graph for them."""
         self._node = node
         self._topics = robot.topics
         self._services = robot.services
@@ -143,7 +143,7 @@ class Graph:
         self.action_types[action] = _action_types(infos)
 
     def _look_at_services(self) -> None:
-        """Which services and actions of any kind there may be; those of every node are left out."""
+        """Ask for the names of services and actions, without those that every node has."""
         services = dict(self._node.get_service_names_and_types())
         if services == self.services:
             return
@@ -160,11 +160,11 @@ class Graph:
                 self._named_services[name] = tuple(kinds)
 
     def is_ours(self, name: str) -> bool:
-        """True for a node of the robot's namespace, or below it, that is not hidden."""
+        """Return True for a name in the robot's namespace, or below it, that is not hidden."""
         return name.startswith(self._below) and not is_hidden(name)
 
     def rivals(self, name: str) -> tuple[str, ...]:
-        """The nodes that serve a service or an action, where there are several of them."""
+        """Return the nodes that serve a service or an action; empty if fewer than two do."""
         found = []
         for service in (name, f"{name}{SEND}"):
             count = self._node.count_services(service)
@@ -189,11 +189,11 @@ class Graph:
         return frozenset().union(*by_node.values())
 
     def served_types(self, name: str) -> list[str]:
-        """The types of a service's servers."""
+        """Return the types of a service's servers, sorted."""
         return sorted({kind for _, kinds in self._servers(name) for kind in kinds})
 
     def _servers(self, service: str) -> list[tuple[str, list[str]]]:
-        """The nodes that serve it, and as which types, by asking every node for what it serves."""
+        """Return the nodes that serve a service, with its types, by asking every node."""
         found, full = [], str(self._node.resolve_service_name(service))
         for node, namespace in sorted(set(self._node.get_node_names_and_namespaces())):
             with contextlib.suppress(NodeNameNonExistentError):  # it has left meanwhile
@@ -203,7 +203,7 @@ class Graph:
         return found
 
     def heard_topic(self, topic: str, now: float) -> None:
-        """A message came on one of the console's topics at `now` (s)."""
+        """Take note of a message on one of the console's topics at `now`, in monotonic s."""
         _heard(self._paces_of_topics, topic, now)
         name = self._publisher.get(topic)
         if name is not None:
@@ -211,7 +211,7 @@ class Graph:
             self._heard[name] = now
 
     def heard_log(self, name: str, now: float) -> None:
-        """A log line of that node came at `now` (s)."""
+        """Take note of a log line of a node at `now`, in monotonic s."""
         if name in self.names:
             self._heard[name] = now
 
@@ -228,12 +228,12 @@ class Graph:
 
     @property
     def actions(self) -> Types:
-        """Of every action that is served."""
+        """The types of every action that is served, by its name."""
         return self._resources.actions
 
     @property
     def served(self) -> Types:
-        """Of every service that is served, but ROS's own."""
+        """The types of every service that is served, by its name, without those of every node."""
         return self._resources.services
 
     @property
@@ -242,7 +242,7 @@ class Graph:
         return self._resources.all
 
     def paces(self) -> dict[str, Pace]:
-        """Of the topics that are heard, by their full names."""
+        """Return how often each topic that the console hears comes, by its full name."""
         return {
             topic if topic.startswith("/") else f"{self._below}{topic}": pace
             for topic, pace in self._paces_of_topics.items()
@@ -254,12 +254,12 @@ def _heard(paces: dict[str, Pace], name: str, now: float) -> None:
 
 
 def is_of_every_node(types: Sequence[str]) -> bool:
-    """True for a service that each node has, for its parameters, log and types."""
+    """Return True for a service that each node has: for its parameters, log or types."""
     return types[0].partition("/")[0] in _OF_NODES
 
 
 def is_hidden(name: str) -> bool:
-    """True when a part of it begins with `_`: tools of ROS that come and go."""
+    """Return True if a part of a name begins with `_`, as of ROS's tools that come and go."""
     return "/_" in name
 
 

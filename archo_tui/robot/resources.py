@@ -1,4 +1,4 @@
-"""What is published and served, and by whom. ROS thread only.
+"""The topics, services and actions on the graph, and the nodes that have them. ROS thread only.
 
 To ask for a topic or a service by its name takes rclpy a time that grows with the graph (0.3 ms
 beside 4,000 topics), to ask a node what it has does not (0.03 ms, rclpy 7.1 on Fast DDS). So nodes
@@ -35,7 +35,7 @@ class _Has(NamedTuple):
 
 
 class _Ends(NamedTuple):
-    """What was found when a topic was asked for by its name."""
+    """The ends of a topic, as found by its name."""
 
     publishers: frozenset[str]  # full names of nodes; those that ROS has no name for, too
     mismatches: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""What a screen can show: frozen snapshots of what was heard from the robot.
+"""Frozen snapshots of what was received from the robot: all that a screen can show.
 
 `received`, `sent` and the like are seconds on the monotonic clock of this process; `time` is a
 Unix time. None means: never heard, or not reported by this robot.
@@ -41,13 +41,13 @@ class Battery(NamedTuple):
     discharging: bool | None = None  # None: whenever it does not charge
 
     def is_old(self, now: float) -> bool:
-        """True when nothing was heard for three of its periods."""
+        """Return True if nothing was received for three of its periods."""
         return is_silent(self.received, self.period, now, self.grace)
 
 
 @dataclass(frozen=True)
 class Motion:
-    """How the robot last said that it moves."""
+    """The motion that the robot has reported last."""
 
     count: int | None = None
     speed: float | None = None
@@ -58,7 +58,7 @@ class Motion:
     grace: float | None = UNMEASURED  # s of silence before the period is known; None: any
 
     def is_old(self, now: float) -> bool:
-        """True when nothing was heard for three of its periods."""
+        """Return True if nothing was received for three of its periods."""
         return is_silent(self.received, self.period, now, self.grace)
 
 
@@ -73,7 +73,7 @@ class Reading(NamedTuple):
     grace: float | None = UNMEASURED  # s of silence before the period is known; None: any
 
     def is_old(self, now: float) -> bool:
-        """True when nothing was heard for three of its periods."""
+        """Return True if nothing was received for three of its periods."""
         return is_silent(self.received, self.period, now, self.grace)
 
     @property
@@ -88,7 +88,7 @@ class Reading(NamedTuple):
 
 
 class Phase(Enum):
-    """Where a goal stands; the value is the word on the screen."""
+    """The phase of a goal; the value is the word on the screen."""
 
     SENT = "SENT"
     REFUSED = "REFUSED"
@@ -116,7 +116,7 @@ RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST
 
 
 def values_text(kind: GoalKind, values: Mapping[str, Any]) -> str:
-    """The values of a goal as they are called: `12`, or `x 1.5, y 2`."""
+    """Return the values of a goal for people: `12`, or `x 1.5, y 2`."""
     if len(values) == 1:
         return text_of(*values.values())
     labels = {path: kind.form[path].label or path for path in values if path in kind.form}
@@ -124,7 +124,7 @@ def values_text(kind: GoalKind, values: Mapping[str, Any]) -> str:
 
 
 class Goal(NamedTuple):
-    """One goal, of this console's or of another client."""
+    """A goal of this console or of another client."""
 
     kind: GoalKind
     fields: Mapping[str, Any]  # what was typed, by dotted path
@@ -150,19 +150,19 @@ class Goal(NamedTuple):
 
     @property
     def target(self) -> str:
-        """What was typed: `12`, or `x 1.5, y 2`."""
+        """The values as typed: `12`, or `x 1.5, y 2`."""
         return values_text(self.kind, self.fields)
 
     @property
     def name(self) -> str:
-        """What it is called in a sentence: `shelf 12`, `fibonacci 10`."""
+        """The goal's name in a sentence: `shelf 12`, `fibonacci 10`."""
         if not self.mine:
             return "another client's goal"
         return f"{self.kind.noun or self.kind.title.lower()} {self.target}".rstrip()
 
     @property
     def word(self) -> str:
-        """Its phase; one that leads nowhere runs and succeeds."""
+        """The word for its phase; a goal that leads nowhere runs and succeeds."""
         if self.phase == Phase.GONE:
             return str(Phase.LOST.value)
         words = {} if self.kind.noun else {Phase.MOVING: "RUNNING", Phase.ARRIVED: "SUCCEEDED"}
@@ -170,7 +170,7 @@ class Goal(NamedTuple):
 
     @property
     def code(self) -> Code | None:
-        """How it ended; None while it runs."""
+        """The outcome's code; None while it runs."""
         return _CODES.get(self.phase)
 
     def outcome_at(self, now: float) -> Outcome | None:
@@ -222,7 +222,7 @@ class Goal(NamedTuple):
 
 
 class Leaf(NamedTuple):
-    """One field of a message, not itself a message."""
+    """A field of a message that is itself no message."""
 
     path: str  # dotted
     type: str  # as rclpy names it: int32, double, string<10>, sequence<int32>
@@ -230,7 +230,7 @@ class Leaf(NamedTuple):
 
 
 class Parameter(NamedTuple):
-    """One parameter of one node, as the node reported it."""
+    """A parameter of a node, as the node has reported it."""
 
     node: str  # fully qualified
     name: str
@@ -257,14 +257,14 @@ class Parameter(NamedTuple):
 
 
 class NodeState(NamedTuple):
-    """One node on the graph."""
+    """A node on the graph, and when it was last heard."""
 
     name: str  # fully qualified
     heard: float | None = None
     rate: float | None = None  # Hz of what it publishes for the console
 
     def is_silent(self, now: float) -> bool:
-        """True when what it publishes was not heard for three periods, at least 2.5 s."""
+        """Return True if its topics were not heard for three periods, at least 2.5 s."""
         if self.heard is None or not self.rate:
             return False
         return now - self.heard > max(3 / self.rate, 2.5)
@@ -275,7 +275,7 @@ _WORDS = {number: word for word, number in LEVELS.items() if number}
 
 
 def level_word(number: Any) -> str:
-    """The word of a log message's level; INFO for any other number."""
+    """Return the word for a log message's level; INFO for an unknown number."""
     return _WORDS.get(number, "INFO") if isinstance(number, int) else "INFO"
 
 
@@ -283,7 +283,7 @@ Names = tuple[tuple[str, str], ...]  # each with its type
 
 
 class LogLevel(NamedTuple):
-    """What of its lines a node logs, as words of LEVELS."""
+    """The level of a node's log, as words of LEVELS."""
 
     own: str  # UNSET: it has none of its own
     in_force: str
@@ -296,7 +296,7 @@ class LogLevel(NamedTuple):
 
 
 class NodeInfo(NamedTuple):
-    """What one node has on the graph, without what every node has."""
+    """The topics, services and actions of one node, without those that every node has."""
 
     publishes: Names = ()
     subscribes: Names = ()
@@ -312,7 +312,7 @@ TOPIC, SERVICE, ACTION = "topic", "service", "action"
 
 
 class Resource(NamedTuple):
-    """What nodes have in common on the graph."""
+    """A topic, a service or an action, and the nodes that publish or serve it."""
 
     kind: str  # TOPIC, SERVICE or ACTION
     name: str  # fully qualified
@@ -329,7 +329,7 @@ WATCHING = "watching only: start archo-tui without --watch to operate the robot"
 
 
 class Life(Enum):
-    """How a node that this process hosts is doing."""
+    """The state of a hosted node."""
 
     UP = "up"
     STOPPED = "stopped by you"
@@ -344,7 +344,7 @@ class Life(Enum):
 
 
 class Hosted(NamedTuple):
-    """One node that this process hosts."""
+    """A node that this process hosts."""
 
     name: str  # fully qualified
     life: Life = Life.UP
@@ -359,7 +359,7 @@ class Hosted(NamedTuple):
 
 @dataclass(frozen=True)
 class Event:
-    """One line of the log: from a node, or the console's own. Times are when it was heard."""
+    """A line of the log, of a node or the console's own. Times are when it was received."""
 
     time: float
     level: str  # DEBUG INFO WARN ERROR FATAL, or one of OWN_LEVELS
@@ -373,7 +373,7 @@ class Event:
 
 
 class StopAnswer(Enum):
-    """What came of a STOP that the robot has not confirmed; the value is the word for it."""
+    """The answer so far to a STOP that is not confirmed; the value is the word for it."""
 
     AWAITED = ""
     NONE = "no answer"  # from every server: it is sent again
@@ -391,7 +391,7 @@ class OpenStop(NamedTuple):
 
 
 class Latch(Enum):
-    """What the console knows of the last STOP that the robot confirmed or told of."""
+    """The state of the last STOP that the robot has confirmed or reported."""
 
     NONE = "none"  # there was none, or it was released
     HELD = "held"
@@ -475,7 +475,7 @@ class Snapshot(NamedTuple):
         return name if name.startswith("/") else in_namespace(self.namespace, name)
 
     def unavailable(self, name: str) -> str:
-        """Why a service or action of the robot file cannot be used, or an empty string."""
+        """Return why a service or action of the robot file cannot be used; empty if it can."""
         return self.faults.get(name, "") if name in self.offered else not_offered(name)
 
     @property
@@ -486,7 +486,7 @@ class Snapshot(NamedTuple):
         return frozenset(name for name in names if self.unavailable(name))
 
     def parameter(self, name: str) -> Parameter | None:
-        """The first parameter of that name on any node."""
+        """Return the first parameter of that name on any node; None: there is none."""
         return next((p for p in self.parameters if p.name == name), None)
 
     @property
@@ -499,19 +499,19 @@ class Snapshot(NamedTuple):
 
     @property
     def time_factor(self) -> float | None:
-        """How many simulated seconds pass in a real one; None: as many, or nobody says."""
+        """The simulated seconds in a real one; None: one, or not reported."""
         link = None if self.file.motion is None else self.file.motion.time_factor
         found = None if link is None else linked(self.parameters, self.namespace, link, 0.0)
         return None if found == 1.0 else found
 
     def limit(self, given: Limit) -> float | None:
-        """A limit of what may be typed, as the robot has it now; None: there is none known."""
+        """Return a limit of what may be typed, as the robot has it now; None: none is known."""
         if isinstance(given, ParameterRef):
             return linked(self.parameters, self.namespace, given)
         return given
 
     def form(self, kind: GoalKind) -> Mapping[str, FormField]:
-        """The form of a goal with the limits that hold now."""
+        """Return the form of a goal with the limits that hold now."""
         return {
             path: replace(given, low=self.limit(given.low), high=self.limit(given.high))
             for path, given in kind.form.items()
@@ -519,7 +519,7 @@ class Snapshot(NamedTuple):
 
 
 def not_offered(name: str) -> str:
-    """Of a service or an action."""
+    """Return the text for a service or an action that no node offers."""
     return f"{name} is not offered by any node"
 
 
@@ -529,7 +529,7 @@ def logger_node(logger: str) -> str:
 
 
 def in_namespace(namespace: str, node: str) -> str:
-    """The node's fully qualified name."""
+    """Return the fully qualified name of the node that a parameter reference names."""
     return f"{namespace.rstrip('/')}/{node}"
 
 
@@ -545,7 +545,7 @@ def linked(
     low: float = -_FARTHEST,
     high: float = _FARTHEST,
 ) -> float | None:
-    """The number that a link of the robot file leads to, when it is one within low .. high."""
+    """Return the number that a reference leads to; None if it leads to none within low .. high."""
     wanted = (node_of(link, namespace), link.parameter)
     for parameter in parameters:
         if (parameter.node, parameter.name) == wanted:

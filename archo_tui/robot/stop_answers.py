@@ -16,7 +16,7 @@ _SAYS_NO_MORE = ("", "done", "ok", "stop", "stopped", "success")  # Texts of a p
 
 
 class StopResult(NamedTuple):
-    """What came of one call of STOP.
+    """The result of one call of STOP.
 
     Attributes:
         outcome: For whoever sent it.

@@ -1,4 +1,4 @@
-"""What is known of a confirmed STOP until it is released. ROS thread only.
+"""The memory of a confirmed STOP until it is released. ROS thread only.
 
 The rules, each of which is checked in one method:
 

@@ -203,7 +203,7 @@ class Stopping:
 
     @property
     def obeyed_since(self) -> float | None:
-        """When the last confirmed STOP left, in monotonic s, once the goals from before must end.
+        """The time the last confirmed STOP left, in monotonic s, once goals from before must end.
 
         None: there was none, or the robot still has time to end them.
         """
