@@ -289,11 +289,12 @@ async def test_a_goal_of_a_restarted_server_does_not_run_for_ever(
         assert (await ended(go(it, 3))).ok
         executor = made[0].executor
         assert executor is not None
-        executor.create_task(made[0].leave)
+        leaving = executor.create_task(made[0].leave)
         again: Any = Drive("a", context=made[0].context)
         executor.create_task(executor.add_node, again)
         end = clock.seconds() + 20.0
         if is_cancelled:
+            await until(leaving.done)  # else the cancel may reach the one that knows the goal
             await until(lambda: it.snapshot.several == {})
             assert not (await ended(it.cancel())).ok
             if clock.current is not None:  # on real ROS 2 the answer itself may come late
