@@ -179,7 +179,7 @@ async def test_info_of_ones_own_nodes_is_a_line_of_plain(here: Path) -> None:
     file = here / "talker.py"
     file.write_text(talker("self.get_logger().info('own words')"))
     async with operated(node_files=[file]) as typed:
-        await typed.until("INFO talker: own words\n")
+        await typed.until("INFO talker: own words")
         assert "INFO dashboard" not in typed.said
 
 
