@@ -8,6 +8,7 @@ from typing import Any
 
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
+from archo_tui.robot.state import in_namespace
 from archo_tui.robot_file.model import RobotFile
 
 _QOS = SimpleNamespace(reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
@@ -23,12 +24,12 @@ class RecordedTopics:
             types: The type of each topic, by full names.
             namespace: The robot's namespace.
         """
-        self._types, self._prefix = types, f"{namespace.rstrip('/')}/"
+        self._types, self._namespace = types, namespace
         self.callbacks: dict[str, Callable[[Any], None]] = {}  # By full topic names.
 
     def resolve_topic_name(self, name: str) -> str:
         """Return the full name of a topic."""
-        return name if name.startswith("/") else f"{self._prefix}{name}"
+        return in_namespace(self._namespace, name)
 
     def get_publishers_info_by_topic(self, topic: str) -> list[Any]:
         """Return one publisher of a recorded topic, none of another one."""

@@ -244,7 +244,7 @@ class Graph:
     def paces(self) -> dict[str, Pace]:
         """Return how often each topic that the console hears comes, by its full name."""
         return {
-            topic if topic.startswith("/") else f"{self._below}{topic}": pace
+            in_namespace(self.namespace, topic): pace
             for topic, pace in self._paces_of_topics.items()
         }
 

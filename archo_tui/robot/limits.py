@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from os.path import basename
 
-from archo_tui.robot.state import Parameter, in_namespace, linked, node_of
+from archo_tui.robot.state import Parameter, in_namespace, linked
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import ParameterRef, RobotFile
@@ -69,7 +69,7 @@ def _why(
     namespace: str, nodes: Collection[str], parameters: Iterable[Parameter], link: ParameterRef
 ) -> tuple[str, str]:
     """Return why a reference leads to no number, and the level; "" and "" if it leads to one."""
-    node = node_of(link, namespace)
+    node = in_namespace(namespace, link.node)
     name = node.removeprefix("/")
     own = {parameter.name: parameter for parameter in parameters if parameter.node == node}
     if not node.startswith(in_namespace(namespace, "")):

@@ -472,7 +472,7 @@ class Snapshot(NamedTuple):
 
     def full(self, name: str) -> str:
         """Return the full name of what the robot file names so."""
-        return name if name.startswith("/") else in_namespace(self.namespace, name)
+        return in_namespace(self.namespace, name)
 
     def unavailable(self, name: str) -> str:
         """Return why a service or action of the robot file cannot be used; empty if it can."""
@@ -528,14 +528,9 @@ def logger_node(logger: str) -> str:
     return "/" + logger.replace(".", "/")
 
 
-def in_namespace(namespace: str, node: str) -> str:
-    """Return the fully qualified name of the node that a parameter reference names."""
-    return f"{namespace.rstrip('/')}/{node}"
-
-
-def node_of(link: ParameterRef, namespace: str) -> str:
-    """Return the full name of the node that holds a link's parameter."""
-    return link.node if link.node.startswith("/") else in_namespace(namespace, link.node)
+def in_namespace(namespace: str, name: str) -> str:
+    """Return the full name of a name in a namespace; one that begins with `/` is full already."""
+    return name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"
 
 
 def linked(
@@ -546,7 +541,7 @@ def linked(
     high: float = _FARTHEST,
 ) -> float | None:
     """Return the number that a reference leads to; None if it leads to none within low .. high."""
-    wanted = (node_of(link, namespace), link.parameter)
+    wanted = (in_namespace(namespace, link.node), link.parameter)
     for parameter in parameters:
         if (parameter.node, parameter.name) == wanted:
             found = number(parameter.value, low, high)

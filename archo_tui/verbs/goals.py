@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Sequence
 
 from archo_tui.robot import forms
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Leaf, Phase, Snapshot, node_of
+from archo_tui.robot.state import Leaf, Phase, Snapshot
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.station.ledger import RELEASE
@@ -78,7 +78,7 @@ class Go(Verb):
         limits = [limit for argument in self.arguments for limit in (argument.low, argument.high)]
         # The node with the limits may be found later than its action.
         heard = all(
-            is_reported(station, node_of(limit, snapshot.namespace))
+            is_reported(station, snapshot.full(limit.node))
             for limit in limits
             if isinstance(limit, ParameterRef)
         )
