@@ -326,8 +326,8 @@ class Session:
         Only of a robot that lives on without this process and does not report it itself.
         """
         stop, motion = self.file.stop, self.file.motion
-        reports = motion is not None and any(kind.stopped for kind in motion.types.values())
-        if not self.options.attach or stop is None or not stop.release or reports:
+        reports_stop = motion is not None and motion.reports_stop
+        if not self.options.attach or stop is None or not stop.release or reports_stop:
             return
         since = self.station.clock.now() - _EARLIER
 

@@ -145,7 +145,7 @@ def _may_move(station: Station) -> bool:
 def _is_held(station: Station) -> bool:
     """Return True while the robot reports a stop; if it never does: while a STOP is confirmed."""
     snapshot, described = station.robot.snapshot, station.robot.file.motion
-    if described is not None and any(kind.stopped for kind in described.types.values()):
+    if described is not None and described.reports_stop:
         return snapshot.says_stopped
     return snapshot.latch is Latch.HELD and snapshot.open_stop is None
 

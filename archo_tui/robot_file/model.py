@@ -122,6 +122,11 @@ class MotionTopic:
     period: Annotated[float | None, "s between two messages; measured when left out"] = None
     where: str = _where()
 
+    @property
+    def reports_stop(self) -> bool:
+        """True if a message type of the topic tells whether the robot is stopped."""
+        return any(fields.stopped for fields in self.types.values())
+
 
 @dataclass(frozen=True)
 class FormField:

@@ -49,9 +49,8 @@ class ReleaseStop(Verb):
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True only when the robot has reported its state, or had time enough."""
         stopped, described = station.robot.snapshot.motion.stopped, station.robot.file.motion
-        says = described is not None and any(t.stopped for t in described.types.values())
-        is_said = stopped is not None or not says
-        return super().is_ready(station, values) and is_said
+        is_awaited = stopped is None and described is not None and described.reports_stop
+        return super().is_ready(station, values) and not is_awaited
 
     async def run(self, station: Station, values: Values) -> Outcome:
         return await station.release()
