@@ -24,7 +24,7 @@ from archo_tui.plain.input import Input, TypedLine
 from archo_tui.plain.news import is_event_news, is_goal_news
 from archo_tui.plain.output import Output
 from archo_tui.plain.stop_sender import StopSender
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import SLOW_CALL, Code, Outcome
 from archo_tui.robot.state import Goal, Phase, Snapshot
 from archo_tui.robot.stops import NOT_SENT, Void
 from archo_tui.robot.text import safe
@@ -50,7 +50,6 @@ _PAUSE_BEFORE_ANSWER = 0.3  # Since the line before an answer to an assistant; n
 _READER_PATIENCE = 2.0  # For a slow reader of the output, before the next line is carried out.
 _LAST_WRITE = 0.5  # At the end, for STOPs to be answered and the output to be written.
 _QUICK_ANSWER = 0.2  # For a line's answer before `cancel` overtakes it; nearly all have one then.
-_SLOW_CALL = 2.0  # For a service's answer before the lines behind the call go on.
 
 _YES, _NO = ("y", "yes"), ("n", "no")
 
@@ -245,7 +244,7 @@ class Plain:
         """Carry out a line and wait for its answer, with two exceptions.
 
         Each `cancel` directly behind it is carried out meanwhile. A `call` whose service has not
-        answered after `_SLOW_CALL` goes on beside the later lines.
+        answered after SLOW_CALL goes on beside the later lines.
         """
         with self._robot.stops.typed_at(line.stops_before):
             running = asyncio.ensure_future(self._execute(line))
@@ -253,7 +252,7 @@ class Plain:
         is_call = line.text.split()[:1] == ["call"]
         try:
             await self._conditions.wait_at_most(running.done, _QUICK_ANSWER)
-            slow_at = self._clock.monotonic() + _SLOW_CALL
+            slow_at = self._clock.monotonic() + SLOW_CALL
 
             def is_slow() -> bool:
                 return is_call and not self._is_asking and self._clock.monotonic() >= slow_at

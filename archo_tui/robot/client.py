@@ -37,7 +37,7 @@ from archo_tui.robot.limits import Limits
 from archo_tui.robot.listener import Heard, Listener
 from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
-from archo_tui.robot.outcome import CALL_WAIT, Answer, Code, Outcome, answer_of
+from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
 from archo_tui.robot.resources import SEND
 from archo_tui.robot.secret_names import MASK, SecretNames
@@ -157,7 +157,8 @@ class Robot:
         )
         node.listen_quietly(Log, "/rosout", self._on_log, 1000)
         node.listen_quietly(String, acts.TOPIC, self._on_act, _ACTS)
-        steady = RosClock(clock_type=ClockType.STEADY_TIME)  # whatever the robot's time does
+        # whatever the robot's time does
+        steady = self._steady = RosClock(clock_type=ClockType.STEADY_TIME)
         self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
         self._flusher.cancel()
         self._streamer = node.create_timer(STREAM_PERIOD, self._flush, clock=steady)
@@ -332,20 +333,18 @@ class Robot:
         except ValueError as error:
             return Outcome(Code.MISUSE, str(error))
 
-        who, told = asking(), list[bool]()
-
-        def tell_running() -> None:  # once: the timer goes on until the call has ended
-            if not told:
-                told.append(True)
-                text = f"{title}: running, no answer yet (waited for up to {wait:g} s)"
-                self._add_event(Event(self._clock.now(), who.level, who.source, text))
+        who = asking()
 
         async def work(gate: Gate) -> Outcome:
             def on_late(answer: Any) -> None:
                 late(_answer_of_call(answer))
 
-            steady = RosClock(clock_type=ClockType.STEADY_TIME)
-            slow = self._node.create_timer(services.DEADLINE, tell_running, clock=steady)
+            def tell_running() -> None:
+                slow.cancel()  # Once.
+                text = f"{title}: running, no answer yet (waited for up to {wait:g} s)"
+                self._add_event(Event(self._clock.now(), who.level, who.source, text))
+
+            slow = self._node.create_timer(SLOW_CALL, tell_running, clock=self._steady)
             try:
                 answer = await self._services.call(
                     srv_type, service, request, gate=gate, wait=wait, late=on_late

@@ -5,6 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import Any, NamedTuple
 
+SLOW_CALL = 2.0  # Seconds after which a call without an answer is reported as running.
 CALL_WAIT = 30.0  # Seconds to wait for the answer to `call SERVICE`.
 # The text for a request for which nobody waits any more.
 NOT_TAKEN_BACK = "waiting no longer: the robot may still do it"
