@@ -7,11 +7,25 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 FAST = "motor_controller:\n  ros__parameters:\n    max_speed: 9.0\n"
 OUT = "Invalid parameter value (9.0) for parameter. Reason: Parameter max_speed out of range"
+
+
+def refused(*words: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    """Start the console on ROS 2, with options of `subprocess.run`, and return how it ended."""
+    return subprocess.run(
+        [sys.executable, "-m", "archo_tui", "--engine", "ros2", *words],
+        capture_output=True,
+        text=True,
+        check=False,
+        stdin=subprocess.DEVNULL,
+        timeout=60,
+        **options,
+    )
 
 
 @pytest.mark.parametrize(
@@ -27,15 +41,7 @@ OUT = "Invalid parameter value (9.0) for parameter. Reason: Parameter max_speed 
 )
 def test_it_is_said_in_one_line(words: str, said: str, tmp_path: Path) -> None:
     (tmp_path / "fast.yaml").write_text(FAST)
-    done = subprocess.run(
-        [sys.executable, "-m", "archo_tui", "--engine", "ros2", *words.split()],
-        capture_output=True,
-        text=True,
-        check=False,
-        stdin=subprocess.DEVNULL,
-        timeout=60,
-        cwd=tmp_path,
-    )
+    done = refused(*words.split(), cwd=tmp_path)
     ours = [line for line in done.stderr.splitlines() if "[rcl]" not in line]  # rcl logs it too
     assert len(ours) == 1, done.stderr
     assert ours[0].startswith(f"archo-tui: {said}")
@@ -50,15 +56,7 @@ def test_a_second_type_of_a_topic_in_one_process_is_named(tmp_path: Path) -> Non
         "        super().__init__('battery_monitor')\n"
         "        self.create_publisher(Float32, 'battery_level', 10)\n"
     )
-    done = subprocess.run(
-        [*(sys.executable, "-m", "archo_tui", "--engine", "ros2", "--plain"), "--node=battery.py"],
-        capture_output=True,
-        text=True,
-        check=False,
-        stdin=subprocess.DEVNULL,
-        timeout=60,
-        cwd=tmp_path,
-    )
+    done = refused("--plain", "--node=battery.py", cwd=tmp_path)
     # what rcl itself prints comes first
     assert done.stderr.splitlines()[-1] == (
         "archo-tui: dashboard: Failed to create subscription: another node of this process has the "
@@ -69,15 +67,7 @@ def test_a_second_type_of_a_topic_in_one_process_is_named(tmp_path: Path) -> Non
 
 @pytest.mark.parametrize("words", ["--plain", "--attach --plain", "status"])
 def test_a_middleware_that_is_not_installed_is_one_line_too(words: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "archo_tui", "--engine", "ros2", *words.split()],
-        capture_output=True,
-        text=True,
-        check=False,
-        stdin=subprocess.DEVNULL,
-        timeout=60,
-        env=os.environ | {"RMW_IMPLEMENTATION": "rmw_nosuch_cpp"},
-    )
+    done = refused(*words.split(), env=os.environ | {"RMW_IMPLEMENTATION": "rmw_nosuch_cpp"})
     assert done.stderr.startswith(
         "archo-tui: RMW_IMPLEMENTATION names rmw_nosuch_cpp, which is not installed"
     )
