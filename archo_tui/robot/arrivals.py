@@ -24,9 +24,7 @@ class Arrivals:
         self._settles = now + SETTLED
         self._came: list[str] = []  # Without a line yet, as those below.
         self._left: list[str] = []
-        self._line_times: deque[float] = deque(
-            maxlen=_LINES
-        )  # Of the last lines; monotonic seconds.
+        self._line_times: deque[float] = deque(maxlen=_LINES)  # Monotonic seconds.
 
     def compare(self, names: Iterable[str], own: Collection[str], now: float) -> list[str]:
         """Return the lines that are due.

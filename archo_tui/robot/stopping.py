@@ -53,7 +53,7 @@ class Stopping:
         clock: Clock,
         pending: Services,
         graph: Graph,
-        offers: InterfaceChecks,
+        checks: InterfaceChecks,
         on_change: Callable[[], None],
         tell: Callable[[str, Code], None],
     ) -> None:
@@ -65,12 +65,12 @@ class Stopping:
             clock: The console's clock.
             pending: Makes the calls.
             graph: Tells which services are offered.
-            offers: Tells the types of services.
+            checks: Tell the types of services.
             on_change: Called when `open` or `latch` has changed.
             tell: Called with the text and code of an outcome that nobody waits for.
         """
         self._node, self._stop, self._clock = node, stop, clock
-        self._services, self._graph, self._offers = pending, graph, offers
+        self._services, self._graph, self._checks = pending, graph, checks
         self._on_change, self._tell = on_change, tell
         self._begun = clock.monotonic()
         self.open: OpenStop | None = None
@@ -231,8 +231,8 @@ class Stopping:
         """
         name = stop.service
         if name not in self._graph.offered:
-            return not_sent(Code.NOT_OFFERED, not_offered(self._offers.full(name)))
-        srv_type, reason = self._offers.fitting(name, stop.request)
+            return not_sent(Code.NOT_OFFERED, not_offered(self._checks.full(name)))
+        srv_type, reason = self._checks.fitting(name, stop.request)
         if srv_type is None:
             return not_sent(Code.REFUSED, reason)
         request = filled(srv_type.Request(), stop.request)

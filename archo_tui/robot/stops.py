@@ -36,7 +36,7 @@ class Stops:
     """A counter of the STOPs that were read. Any thread may use it.
 
     Attributes:
-        count: STOPs read by this console, from whatever mouth.
+        count: STOPs read by this console, whoever sent them.
         answered: The value of `count` for which the last answer came, or the wait for it ended.
         sent_elsewhere: STOPs that other consoles reported.
         superseded: True if something other than a STOP was requested since the last STOP left.

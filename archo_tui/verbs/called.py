@@ -38,9 +38,7 @@ def choose_verb(
     own = verbs_by_service(verbs, snapshot)
     service = full_name(snapshot, service, {*snapshot.services, *own})
     _refuse_part_of_action(verbs, snapshot, service)
-    if service not in own or fields == [
-        "--help"
-    ]:  # `call` itself refuses --help, and calls nothing.
+    if service not in own or fields == ["--help"]:  # `call` itself refuses it, and calls nothing.
         return verb, rest
     meant = _pick(own[service], service, fields)
     return meant, [YES] if meant.may_ask and YES in rest else []
