@@ -578,9 +578,8 @@ def _safe(text: str) -> str:
     """Return one line on which no terminal acts."""
     if text.isascii() and text.isprintable():
         return text
-    from archo_tui.robot.text import (
-        safe,  # Imports Rich, which takes most of the time of a short command.
-    )
+    # It imports Rich, which takes most of the time of a short command.
+    from archo_tui.robot.text import safe
 
     return safe(text)
 
