@@ -280,7 +280,7 @@ def _stop(
         ended = finder.stop(selection, _complain)
     except Unreached as error:
         ended, unreached = [], str(error)
-    if attach is not None and "--to" not in given.values:  # which acts where a console only watches
+    if attach is not None and "--to" not in given.values:  # It acts where a console only watches.
         ended = [one for one in ended if one.code != WATCHING]
     for one in ended:
         text = one.text if len(ended) == 1 and one.code == "done" else f"{one.console}: {one.text}"

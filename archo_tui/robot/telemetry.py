@@ -14,7 +14,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from archo_tui.clock import Clock
 from archo_tui.robot import message_classes, messages
 from archo_tui.robot.listener import Listener
-from archo_tui.robot.period import LEAST_SILENCE, UNMEASURED, Period
+from archo_tui.robot.period import LEAST_SILENCE, Period
 from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read
 from archo_tui.robot.state import Battery, Motion, Reading, in_namespace
 from archo_tui.robot.text import harmless
@@ -122,7 +122,8 @@ class Telemetry:
         # By the full name of the topic, and its type.
         self._subscriptions: dict[tuple[str, str], _Subscription] = {}
         self._periods: dict[object, Period] = {}
-        self._graces: dict[object, float | None] = {}  # See `Battery.grace`.
+        # See `Battery.grace`; of a reading that is not here its period decides.
+        self._graces: dict[object, float | None] = {}
         self._publishers: dict[object, frozenset[str]] = {}  # The full names of the nodes.
         self.faults: dict[str, str] = {}
         self.battery = Battery()
@@ -227,7 +228,10 @@ class Telemetry:
         if not usable:
             return None
         # A latched message may be sent once, and holds as long as its publisher is there.
-        self._graces[reader.key] = None if _is_latched(publishers) else UNMEASURED
+        if _is_latched(publishers):
+            self._graces[reader.key] = None
+        else:
+            self._graces.pop(reader.key, None)
         return usable[0]
 
     def _subscribe(
@@ -324,7 +328,7 @@ class Telemetry:
 
     def _grace(self, key: object) -> float | None:
         """Return the seconds of silence allowed while a period is not known; None for any."""
-        if self._graces.get(key, UNMEASURED) != UNMEASURED:
+        if key in self._graces:
             return self._graces[key]
         return self._periods.get(key, Period()).grace
 
