@@ -13,7 +13,8 @@ from zipfile import ZipFile
 import pytest
 
 from archo_tui import __version__, shutdown
-from archo_tui.cli import main, split_ros_args
+from archo_tui.cli import main
+from archo_tui.cli.options import split_ros_args
 from archo_tui.robot_file.load import default_path
 from archo_tui.verbs import verbs
 from tests.support import chosen, warm
@@ -79,7 +80,7 @@ def test_it_begins_again_as_it_was_begun(
         with ZipFile(program, "a") as file:
             file.writestr("__main__.py", "")
     monkeypatch.setattr(sys, "argv", [str(program), "--node", "a.py"])
-    monkeypatch.setattr("archo_tui.cli._obey", lambda *_: shutdown.RESTART)
+    monkeypatch.setattr("archo_tui.cli.run_words", lambda *_: shutdown.RESTART)
     monkeypatch.setattr(os, "execv", lambda _, words: begun.append(words))
     main()
     itself = [str(program)] if is_zip else ["-m", "archo_tui"]
@@ -157,7 +158,7 @@ def test_a_wrong_robot_file_is_one_line_before_the_terminal_is_touched(
 ) -> None:
     file = tmp_path / "robot.yaml"
     file.write_text("name: x\nbatery: none\n")
-    monkeypatch.setattr("archo_tui.cli._need_terminal", lambda: None)
+    monkeypatch.setattr("archo_tui.cli.console.require_terminal", lambda: None)
     assert main(["--robot", str(file), *mode]) == 2
     said = capsys.readouterr().err
     assert said == f"archo-tui: {file}:2: unknown key batery (nearest: battery)\n"
@@ -185,7 +186,7 @@ def test_a_key_that_is_taken_is_one_line_in_each_face(
     beep = f"  - {{id: beep, title: Beep, service: beep, key: {key}}}\n"
     blink = "  - {id: blink, title: Blink, service: blink, key: b}\n"
     file.write_text(f"commands:\n{blink}{beep}")
-    monkeypatch.setattr("archo_tui.cli._need_terminal", lambda _: None)
+    monkeypatch.setattr("archo_tui.cli.console.require_terminal", lambda _: None)
     hosted = [] if mode == ["keys"] else ["--engine", chosen.ENGINE, "--only"]
     words = [*hosted, "--robot", str(file), *mode]
     assert main(words) == 2

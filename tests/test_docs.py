@@ -15,6 +15,8 @@ import jsonschema
 import pytest
 
 from archo_tui import cli
+from archo_tui.cli.options import SUBCOMMANDS, console_parser, split_ros_args
+from archo_tui.cli.parser import OneLineErrorParser
 from archo_tui.commands import keymap, registry
 from archo_tui.commands.keymap import readable_key
 from archo_tui.commands.replay import replay_commands
@@ -154,11 +156,11 @@ def commands(page: Path) -> Iterator[list[str]]:
 
 def parse_command(words: list[str]) -> None:
     """Raises, or exits with another code than 0, for words that the command line does not take."""
-    own, _ = cli.split_ros_args(words)
-    name, *rest = cli.parser().parse_args(own).command or [""]
-    if name in cli.SUBCOMMANDS:
-        made = cli._Parser(name, "")
-        cli.SUBCOMMANDS[name][1](made)
+    own, _ = split_ros_args(words)
+    name, *rest = console_parser().parse_args(own).command or [""]
+    if name in SUBCOMMANDS:
+        made = OneLineErrorParser(name, "")
+        SUBCOMMANDS[name][1](made)
         made.parse_intermixed_args(rest)
     elif name and name not in ("VERB", "COMMAND"):
         parse_verb(verbs_from_shells._CommandLine([name, *rest]).rest)
@@ -193,9 +195,9 @@ def test_what_is_installed_launched_or_run_by_python_exists(page: Path) -> None:
 
 
 def options() -> set[str]:
-    made: list[Any] = [cli.parser()]
-    for _, add_options, _ in cli.SUBCOMMANDS.values():
-        made.append(cli._Parser("", ""))
+    made: list[Any] = [console_parser()]
+    for _, add_options in SUBCOMMANDS.values():
+        made.append(OneLineErrorParser("", ""))
         add_options(made[-1])
     found = {option for parser in made for option in parser._option_string_actions}
     found |= {argument.name for verb in VERBS.values() for argument in verb.arguments}
@@ -292,7 +294,7 @@ def test_every_configuration_starts_a_command_that_is_one(page: Path) -> None:
         assert begun
         for program in begun:
             assert program["command"] == "archo-tui"
-            assert program["args"][0] in cli.SUBCOMMANDS
+            assert program["args"][0] in SUBCOMMANDS
             parse_command(program["args"])
 
 

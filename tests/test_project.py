@@ -18,7 +18,8 @@ ROOT = Path(__file__).parent.parent
 
 def test_the_command_line_starts_light() -> None:
     code = (
-        "import sys, archo_tui.cli as cli; cli.parser().format_help();"
+        "import sys, archo_tui.cli as cli; from archo_tui.cli.options import console_parser;"
+        "console_parser().format_help();"
         "cli.main(['--version']); cli.main(['journal']);"
         "heavy = {'textual', 'rclpy', 'rich', 'asyncio'} & set(sys.modules);"
         "sys.exit(f'imported: {heavy}' if heavy else 0)"

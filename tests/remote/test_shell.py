@@ -15,7 +15,7 @@ from unittest.mock import patch
 
 import pytest
 
-from archo_tui.cli import SUBCOMMANDS
+from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.remote import shell
 from archo_tui.robot.state import Phase
 from tests.support import script, warm

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from archo_tui.cli import SUBCOMMANDS
+from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.commands import registry
 from archo_tui.errors import ArchoError
 from archo_tui.plain.plain import help_text

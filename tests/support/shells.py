@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 from unittest.mock import patch
 
-from archo_tui.cli import SUBCOMMANDS
+from archo_tui.cli.options import SUBCOMMANDS
 from archo_tui.remote import shell, socket_files
 from tests.support.plain import Typed, operated
 from tests.support.waiting import DEADLINE, Waited

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from archo_tui import cli
+from archo_tui.cli.terminal import require_terminal
 from archo_tui.errors import ArchoError
 from archo_tui.paths import journal_file
 from tests.support.night import corners
@@ -396,7 +396,7 @@ def test_a_terminal_that_cannot_show_a_screen_is_refused(terminals: list[Termina
 def test_so_is_one_without_a_name(term: str, said: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TERM", term)
     with pytest.raises(ArchoError, match=said):
-        cli._need_terminal(None)
+        require_terminal(None)
 
 
 def test_the_third_failure_of_the_screen_cancels_the_goal(terminals: list[Terminal]) -> None:

@@ -1,0 +1,73 @@
+"""The command line of `archo-tui`, which imports rclpy and Textual only when it must."""
+
+from __future__ import annotations
+
+import errno
+import gc
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from io import TextIOWrapper
+
+from archo_tui.cli.dispatch import run_words
+from archo_tui.cli.options import split_ros_args
+from archo_tui.cli.output import FAILED, MISUSED, ClosedOutput, complain
+from archo_tui.collector import ShortPauses
+from archo_tui.errors import ArchoError
+
+_AGAIN = 100  # shutdown.RESTART, which is not imported for --help.
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the program.
+
+    Args:
+        argv: The words of the command line; None means the program's own.
+
+    Returns:
+        The exit code: 0; 1 if the console failed; 2 for a user's mistake; one of docs/shell.md
+        for a verb; 128 and the number of the signal that ended the console.
+    """
+    if signal.getsignal(signal.SIGINT) == signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # Until heed_signals there is nothing to undo.
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # None if it is closed.
+            stream.reconfigure(errors="backslashreplace")
+    given = sys.argv[1:] if argv is None else argv
+    words, ros_args = split_ros_args(given)
+    try:
+        with ShortPauses():
+            code = run_words(words, ros_args)
+        if code == _AGAIN:
+            os.execv(sys.executable, [sys.executable, *_itself(), *given])
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except ArchoError as error:
+        complain(str(error))
+        return MISUSED
+    except OSError as error:
+        closed = isinstance(sys.stdout, ClosedOutput)
+        written = error.errno in (errno.ENOSPC, errno.EPIPE, errno.EIO) or closed
+        if not written or sys.stdout is None:
+            raise
+        if not closed:  # Python flushes once more at its end.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # A reader that ends early, such as `head`, needs no message.
+        if error.errno != errno.EPIPE:
+            complain(f"cannot write to standard output: {error.strerror}")
+        return FAILED
+    finally:
+        if isinstance(sys.stdout, ClosedOutput):
+            sys.stdout = None
+        gc.enable()
+        if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+    return code
+
+
+def _itself() -> list[str]:
+    """Return the arguments with which Python runs this program: a zip file, or the module."""
+    from zipfile import is_zipfile
+
+    return [sys.argv[0]] if is_zipfile(sys.argv[0]) else ["-m", "archo_tui"]

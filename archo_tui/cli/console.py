@@ -1,0 +1,166 @@
+"""The run of a console, with a screen or with `--plain`, from its options to its exit code."""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+from argparse import Namespace
+from io import StringIO
+
+from archo_tui import __version__
+from archo_tui.cli.output import FAILED, complain, safe_line
+from archo_tui.cli.terminal import require_terminal
+from archo_tui.errors import ArchoError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import TextIO
+
+    from archo_tui.session import Session
+
+_MOST_FAILURES = 3  # Crashes of the screen after which the program ends.
+
+
+def run_console(options: Namespace, ros_args: list[str]) -> int:
+    """Run a console until it is left.
+
+    Args:
+        options: The options of the command line.
+        ros_args: The words that stood behind `--ros-args`.
+
+    Returns:
+        The exit code: FAILED also if a node did not stop, or if `--record` lost something.
+    """
+    if options.version:
+        return _print_version(options.engine)
+    from pathlib import Path
+
+    if options.node:
+        # With Python's 5 ms a callback that never waits would delay the drawing after a key.
+        sys.setswitchinterval(0.0002)
+    gc.disable()  # Everything made at the start stays; TerminalApp enables it again.
+    from archo_tui.hosting.node_output import HarmlessOutput
+    from archo_tui.session import Options, Session
+    from archo_tui.shutdown import ignore_signals
+
+    if options.plain and sys.stdout is None:
+        raise ArchoError("--plain needs a standard output, and it is closed")
+    stdin, sys.stdin = sys.stdin, StringIO()  # A node that asks for input gets none.
+    if sys.stderr is not None:
+        sys.stderr = HarmlessOutput(sys.stderr)
+    session = Session(
+        Options(
+            engine=options.engine,
+            params_files=[*map(Path, options.params_file)],
+            use_sim=options.use_sim,
+            namespace=options.namespace,
+            node_files=options.node,
+            only=options.only,
+            robot=Path(options.robot) if options.robot else None,
+            interfaces=[Path(folder) for folder in options.interfaces],
+            watch=options.watch,
+            ros_args=ros_args,
+            attach=options.attach,
+            on_disconnect=options.on_disconnect,
+            quiet_alarms=options.quiet_alarms,
+            recordings_limit=options.recordings_limit * 1_000_000,
+            record=Path(options.record) if options.record is not None else None,
+            remote=not options.no_remote,
+        )
+    )
+    stuck: list[str] = []
+    try:
+        is_plain = options.plain
+        code = _run_plain(session, options, stdin) if is_plain else _run_screen(session, stdin)
+    finally:
+        ignore_signals()
+        stuck = session.close()
+    if session.unrecorded:
+        complain(session.unrecorded)
+    for name in stuck:
+        complain(f"{name} did not stop: its callback does not return")
+    lost = options.record is not None and session.unrecorded  # Only --record makes it a failure.
+    return code or (FAILED if stuck or lost else 0)
+
+
+def _run_plain(session: Session, options: Namespace, stdin: TextIO | None) -> int:
+    """Take commands line by line from `stdin`, until its end or `quit`; return the exit code."""
+    from archo_tui.hosting.node_output import NodeOutput
+    from archo_tui.imports import OF_ALL, import_the_rest
+    from archo_tui.plain import plain
+    from archo_tui.shutdown import heed_signals
+
+    if options.robot:  # Keys are not used here, but a wrong one is an error as elsewhere.
+        from archo_tui.commands import keymap, registry
+
+        keymap.default_keys(registry(session.file))
+    heed_signals()
+    sys.stdout.flush()  # Later a reader that stalls would block.
+    sys.stdout = NodeOutput(sys.stdout, session.robot.note)
+    session.start()
+    import_the_rest(OF_ALL)
+    gc.enable()
+    # None if it is closed: its descriptor may belong to another file now.
+    return plain.run(session.station, None if stdin is None else stdin.fileno())
+
+
+def _run_screen(session: Session, stdin: TextIO | None) -> int:
+    """Show the screen, again after a crash of it, and return the exit code."""
+    require_terminal(stdin)
+    import asyncio
+
+    from archo_tui.app import ArchoApp
+    from archo_tui.commands import keymap, registry
+    from archo_tui.paths import config_file
+    from archo_tui.shutdown import heed_signals, let_go
+    from archo_tui.terminal import themes
+    from archo_tui.terminal.stderr import guarded_stderr, log_file
+
+    station, clock = session.station, session.station.clock
+    commands = registry(session.file)
+    keys, others = keymap.load_keymap(config_file("keymap.yaml"), commands)
+    heed_signals()
+    session.start()
+    if others:
+        station.robot.note("WARN", "console", others)
+    failed, failures = "", 0
+    while True:
+        app = ArchoApp(station, keys=keys, theme=themes.remembered_theme(), failed=failed)
+        with guarded_stderr(log_file()):
+            app.run()
+        if not app.failure:
+            return app.return_code or 0
+        failed, failures = app.failure, failures + 1
+        last = failed.strip().splitlines()[-1]
+        station.robot.note("ERROR", "console", f"the screen crashed: {last}")
+        session.journal.write(clock.now(), "screen failure", text=last, traceback=failed)
+        if failures == _MOST_FAILURES:
+            why = "the screen keeps crashing"
+            asyncio.run(let_go(station.robot, clock, station.on_disconnect, why))
+            complain(f"the screen keeps crashing: {last}")
+            return FAILED
+
+
+def _print_version(engine: str) -> int:
+    """Print what a bug report should say."""
+    python, term = sys.version.split()[0], os.environ.get("TERM", "not set")
+    print(f"archo-tui {__version__}")
+    print(safe_line(f"Python {python}, Textual {_textual_version()}, engine {engine}, TERM {term}"))
+    return 0
+
+
+def _textual_version() -> str:
+    """Return Textual's version, by the name of the folder that its installation left.
+
+    importlib.metadata reads the same there, and takes longer to load than all the rest.
+    """
+    for folder in sys.path:
+        try:
+            names = os.listdir(folder or ".")
+        except OSError:
+            continue
+        for name in names:
+            if name.startswith("textual-") and name.endswith(".dist-info"):
+                return name.removeprefix("textual-").removesuffix(".dist-info")
+    return "not installed by its package"

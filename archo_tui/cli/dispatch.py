@@ -1,0 +1,81 @@
+"""The choice of what the words of a command line run: the console, a subcommand or a verb."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Callable
+
+from archo_tui.cli import subcommands
+from archo_tui.cli.completions import print_completions
+from archo_tui.cli.console import run_console
+from archo_tui.cli.options import SUBCOMMANDS, console_parser
+from archo_tui.cli.output import complain, report_lost_output
+from archo_tui.cli.parser import OneLineErrorParser
+from archo_tui.cli.replay import replay
+from archo_tui.cli.verb import send_verb
+from archo_tui.errors import ArchoError
+from archo_tui.plain.lines import is_stop_text
+
+_RUN: dict[str, Callable[[Namespace], int]] = {
+    "check": subcommands.check,
+    "keys": subcommands.print_keys,
+    "completions": print_completions,
+    "consoles": subcommands.list_consoles,
+    "mcp": subcommands.serve_assistant,
+    "recordings": subcommands.recordings,
+    "replay": replay,
+    "journal": subcommands.print_journal_path,
+}
+
+
+def run_words(words: list[str], ros_args: list[str]) -> int:
+    """Run the subcommand or the verb that the words name, else the console.
+
+    Args:
+        words: The words of the command line, without ROS's own.
+        ros_args: The words that stood behind `--ros-args`.
+
+    Returns:
+        The exit code of the program.
+
+    Raises:
+        ArchoError: The words are no command line of this program, and none of them is a STOP.
+    """
+    if words[:1] == ["help"]:  # No further word is passed on: a `stop` would stop.
+        words = [*words[1:2], "--help"]
+    is_verb = words and words[0][:1] != "-" and words[0] not in SUBCOMMANDS
+    if is_verb or is_stop_text(" ".join(words)):
+        from archo_tui.remote import shell  # Runs quickly, since a prompt may call it.
+
+        report_lost_output()
+        return shell.run(words, SUBCOMMANDS)
+    try:
+        options = console_parser().parse_args(words)
+        if options.verb_options and not options.command:
+            raise ArchoError(
+                f"{options.verb_options[0]} is for a verb: archo-tui VERB --help says which"
+            )
+    except ArchoError as error:
+        at = next((number for number, word in enumerate(words) if is_stop_text(word)), None)
+        if at is None:
+            raise
+        from archo_tui.remote import shell
+
+        report_lost_output()
+        complain(f"{error}: STOP is sent anyway")
+        return shell.run(words[at:], SUBCOMMANDS)
+    if not options.command:
+        return run_console(options, ros_args)
+    name, *rest = options.command
+    if name != "mcp":  # mcp uses standard output for its protocol.
+        report_lost_output()
+    if name not in SUBCOMMANDS:
+        return send_verb(options, words)
+    what, add_options = SUBCOMMANDS[name]
+    parser = OneLineErrorParser(f"archo-tui {name}", f"{what[0].upper()}{what[1:]}.")
+    add_options(parser)
+    # Some of the console's options are the subcommand's too.
+    before = words[: -len(options.command)]
+    if ros_args:
+        raise ArchoError(f"--ros-args is for the console, not for {name}")
+    return _RUN[name](parser.parse_intermixed_args([*before, *rest]))

@@ -1,0 +1,285 @@
+"""The options of the console and of each subcommand."""
+
+from __future__ import annotations
+
+import argparse
+from argparse import Namespace
+from collections.abc import Callable, Sequence
+
+from archo_tui.cli.parser import OneLineErrorParser
+from archo_tui.robot_file.reserved import VERB_FLAGS, VERB_VALUES, VERBS
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+_DESCRIPTION = """\
+Operate the warehouse robot ARCHO from a terminal.
+
+examples:
+  archo-tui                         ARCHO, without ROS
+  archo-tui --engine ros2 --attach  a robot on ROS 2
+  archo-tui go 12 --wait            a verb, from any shell
+
+commands (archo-tui COMMAND --help says more):
+"""
+
+
+def console_parser(*, takes_command: bool = True) -> argparse.ArgumentParser:
+    """Return the parser of the console's options; `split_ros_args` takes off ROS's own before.
+
+    Args:
+        takes_command: If True, a command and the words behind it are taken, too.
+    """
+    commands = "".join(f"  {name:<10} {what}\n" for name, (what, _) in SUBCOMMANDS.items())
+    parser = OneLineErrorParser(
+        "archo-tui",
+        _DESCRIPTION + commands,
+        usage="archo-tui [option ...]\n       archo-tui COMMAND ...\n       archo-tui VERB ...",
+        epilog="A stop from here is a software stop: it does not replace the hardware one. "
+        "What libraries print while the screen is shown goes to stderr.log, beside the journal.",
+        add_help=False,  # it stands in the last group
+    )
+    if takes_command:
+        _command_words(parser)
+    parser.add_argument_group(
+        "verbs (archo-tui VERB --help says more)",
+        f"{', '.join((*VERBS, 'wait'))}; a robot file adds its own; a console must run",
+    )
+    _node_options(parser.add_argument_group("your own nodes"))
+    _robot_options(parser.add_argument_group("the robot"))
+    _ros_options(parser.add_argument_group("ROS 2"))
+    _operation_options(parser.add_argument_group("how it is operated"))
+    _about_options(parser.add_argument_group("about"))
+    return parser
+
+
+def _command_words(parser: argparse._ActionsContainer) -> None:
+    """Take a command with the words behind it, and options of verbs that stand before it."""
+    parser.add_argument("command", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    for name in (*VERB_VALUES, *VERB_FLAGS):
+        parser.add_argument(
+            name,
+            action=_VerbOption,
+            nargs=0 if name in VERB_FLAGS else None,
+            dest="verb_options",
+            default=[],
+            help=argparse.SUPPRESS,
+        )
+
+
+def _node_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--node",
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="host the rclpy nodes that a Python file (or package.module) defines, in place of the "
+        "robot's own of the same name, else beside them; they are restarted whenever the file is "
+        "saved; can be given several times",
+    )
+    group.add_argument("--only", action="store_true", help="host none of the robot's own nodes")
+    _interfaces_option(group, "; everything restarts when one is saved")
+
+
+def _robot_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--use-sim", action="store_true", help="also start fake_battery_drain (2 %% a second)"
+    )
+    group.add_argument(
+        "--params-file",
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="ROS parameter file for the nodes; can be given several times, the last one wins",
+    )
+    _robot_option(group)
+
+
+def _ros_options(group: argparse._ArgumentGroup) -> None:
+    _engine_option(group)
+    group.add_argument(
+        "--attach",
+        action="store_true",
+        help="host no nodes: operate the robot on the ROS 2 graph",
+    )
+    group.add_argument(
+        "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
+    )
+    group.add_argument(
+        "--ros-args",
+        metavar="...",
+        help="ROS arguments for all nodes: -r from:=to, -p [node:]name:=value, --params-file FILE",
+    )
+
+
+def _operation_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--plain",
+        action="store_true",
+        help="no screen: commands on standard input (help lists them), an event a line on standard "
+        "output; the exit code is 0 only when every goal arrived and every line succeeded",
+    )
+    group.add_argument(
+        "--watch", action="store_true", help="show everything and send no command, not even STOP"
+    )
+    group.add_argument(
+        "--no-remote",
+        action="store_true",
+        help="no socket: no other program reaches this console (archo-tui VERB, connect())",
+    )
+    group.add_argument(
+        "--record",
+        metavar="PATH",
+        help="record everything that is heard, until the end, as a ROS bag there; every ten "
+        "minutes another one is begun, with a number behind its name",
+    )
+    group.add_argument(
+        "--recordings-limit",
+        metavar="MB",
+        type=_megabytes,
+        default=1000,
+        help="what all recordings may take; then the oldest are deleted (default: 1000)",
+    )
+    group.add_argument(
+        "--quiet-alarms",
+        action="store_true",
+        help="no bell and no desktop notice for new alarms",
+    )
+    group.add_argument(
+        "--on-disconnect",
+        choices=("cancel", "leave"),
+        default="cancel",
+        help="what happens to a running goal when the terminal is lost or a signal ends the "
+        "console: cancel it (default), or, with --attach, leave it running",
+    )
+
+
+def _about_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("-h", "--help", action="help", help="show this help message and exit")
+    group.add_argument(
+        "--version",
+        action="store_true",
+        help="print the versions, the engine and TERM, for reports",
+    )
+
+
+class _VerbOption(argparse.Action):
+    """An option of a verb that stands before the verb: `verb_options` collects it as typed."""
+
+    def __call__(self, _: Any, options: Namespace, value: Any, option: str | None = None) -> None:
+        given = [value] if isinstance(value, str) else []
+        options.verb_options = [*options.verb_options, str(option), *given]
+
+
+def _megabytes(text: str) -> int:
+    """Return a number of megabytes for recordings, 1 to a million."""
+    if not text.isdecimal() or not 1 <= int(text[:9]) <= 1_000_000 or len(text) > 7:
+        raise argparse.ArgumentTypeError(f"{text} is not 1 to 1000000 MB")
+    return int(text)
+
+
+def _engine_option(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "--engine",
+        default="embedded",
+        help="what `import rclpy` means: embedded (default, no ROS needed) or ros2 (the real one)",
+    )
+
+
+def _interfaces_option(parser: argparse._ActionsContainer, then: str = "") -> None:
+    parser.add_argument(
+        "--interfaces",
+        metavar="DIR",
+        action="append",
+        default=[],
+        help="an interface package, or a workspace's src/, whose files are taken before the "
+        f"built-in ones{then}; may be repeated (embedded engine only)",
+    )
+
+
+def _robot_option(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "--robot",
+        metavar="FILE",
+        help="what the robot offers and what it means, instead of ARCHO's config/robots/archo.yaml",
+    )
+
+
+def _check_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "files",
+        metavar="FILE",
+        nargs="+",
+        help="a Python file (or package.module) of rclpy nodes; it prints a line per check "
+        "(TAP), with a hint where one fails",
+    )
+    _engine_option(parser)
+    _interfaces_option(parser)
+
+
+def _completions_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"), help="for which shell")
+
+
+def _consoles_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
+
+
+def _recordings_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
+    parser.add_argument("--delete", metavar="NAME", nargs="+", default=[], help="delete these")
+
+
+def _replay_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "recording",
+        metavar="RECORDING",
+        nargs="?",
+        default="",
+        help="its name, or the path of a ROS bag (MCAP); the newest recording when none is given",
+    )
+    parser.add_argument("--text", action="store_true", help="print what happened, line by line")
+    _robot_option(parser)
+    _interfaces_option(parser)
+
+
+def _mcp_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "--allow",
+        choices=("goals",),
+        help="also let it ask for goals, each of which a person at the console allows or denies; "
+        "else it can look and STOP, and nothing more",
+    )
+    parser.add_argument(
+        "--to",
+        metavar="CONSOLE",
+        default="",
+        help="the process or the namespace of the console, where several run here",
+    )
+
+
+def split_ros_args(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """Return the words that are ours, and those between `--ros-args` and `--`."""
+    own: list[str] = []
+    ros: list[str] = []
+    inside = False
+    for word in words:
+        if word in ("--ros-args", "--") and inside != (word == "--ros-args"):
+            inside = not inside
+        else:
+            (ros if inside else own).append(word)
+    return own, ros
+
+
+# The help and the options of each subcommand; dispatch.py has the function that runs it.
+SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
+    "check": ("ask nodes what the textbook's chapter asks", _check_options),
+    "keys": ("print every key, in the form of keymap.yaml", _robot_option),
+    "completions": ("print the completions for a shell", _completions_options),
+    "consoles": ("list the consoles that run here", _consoles_options),
+    "mcp": ("let an assistant ask at the console (MCP)", _mcp_options),
+    "recordings": ("list the recordings", _recordings_options),
+    "replay": ("play a recording back on the screen", _replay_options),
+    "journal": ("print the path of the journal, in JSON lines", lambda _: None),
+}

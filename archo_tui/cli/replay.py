@@ -1,0 +1,61 @@
+"""`archo-tui replay`: a recording on the screen, or as text."""
+
+from __future__ import annotations
+
+import sys
+from argparse import Namespace
+
+from archo_tui.cli.output import complain, safe_line
+from archo_tui.cli.terminal import require_terminal
+from archo_tui.errors import ArchoError
+
+
+def replay(options: Namespace) -> int:
+    """Show a recording on the screen, or as text."""
+    from pathlib import Path
+
+    from archo_tui import engine
+    from archo_tui.hosting import own_interfaces
+
+    if not options.text:
+        try:
+            require_terminal(sys.stdin)
+        except ArchoError as error:  # Without a terminal a replay offers --text.
+            raise ArchoError(str(error).replace("--plain", "--text")) from None
+    given = [Path(folder) for folder in options.interfaces]
+    own, mistakes = own_interfaces.find_all(given, "embedded")
+    for line in mistakes:
+        complain(f"not read: {line}")
+    engine.activate("embedded", own=own)
+    from archo_tui.clock import Clock
+    from archo_tui.replay.resolve import load_robot_file, open_bag
+
+    bag = open_bag(options.recording)
+    robot = load_robot_file(bag, options.robot)
+    if options.text:
+        from archo_tui.replay.report import report_lines
+
+        for line in report_lines(bag, robot):
+            print(safe_line(line))
+        return 0
+    from archo_tui.commands import keymap, registry
+    from archo_tui.imports import OF_THE_SCREEN, import_the_rest
+    from archo_tui.paths import config_file
+    from archo_tui.replay.player import Player
+    from archo_tui.replay.recorded_station import RecordedStation
+    from archo_tui.replay_app import ReplayApp
+    from archo_tui.shutdown import heed_signals
+    from archo_tui.terminal import themes
+    from archo_tui.terminal.stderr import guarded_stderr, log_file
+
+    keys, _ = keymap.load_keymap(config_file("keymap.yaml"), registry(robot))
+    heed_signals()
+    import_the_rest(OF_THE_SCREEN)
+    clock = Clock()
+    station = RecordedStation(Player(bag, robot, clock), clock)
+    app = ReplayApp(station, keys, themes.remembered_theme())
+    with guarded_stderr(log_file()):
+        app.run()
+    if app.failure:
+        complain(f"the screen crashed: {app.failure.strip().splitlines()[-1]}")
+    return app.return_code or 0

@@ -1,0 +1,99 @@
+"""The subcommands that take a few lines: check, keys, consoles, mcp, recordings, journal."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from argparse import Namespace
+
+from archo_tui.cli.output import FAILED, complain, safe_line
+from archo_tui.errors import ArchoError
+
+
+def check(options: Namespace) -> int:
+    """Run the checks of the textbook's chapter."""
+    from pathlib import Path
+
+    from archo_tui.chapter.run import run
+
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # So that temporary files are removed.
+    out = sys.stdout
+    try:
+        return run(
+            options.files,
+            options.engine,
+            [Path(folder) for folder in options.interfaces],
+            lambda line: print(line, file=out, flush=True),
+        )
+    except KeyboardInterrupt:
+        complain("interrupted: not all was checked")
+        return FAILED
+
+
+def print_keys(options: Namespace) -> int:
+    """Print the current keymap, in the form of its file."""
+    from pathlib import Path
+
+    from archo_tui.commands import keymap, registry
+    from archo_tui.paths import config_file
+    from archo_tui.robot_file import load
+
+    path = config_file("keymap.yaml")
+    robot = load.load(Path(options.robot) if options.robot else load.default_path())
+    commands = registry(robot)
+    keys, others = keymap.load_keymap(path, commands)
+    print(safe_line(f"# {path}"))
+    for command in commands:
+        key, place = keys[command.id], command.where_text
+        line = f"{command.id}: {key}" if key else f"# {command.id}:"
+        if not key:
+            place = "in the palette only"
+            taker = keymap.key_owner(command, command.key, keys, commands)
+            place += f", {command.key} is the key of {taker}" if taker else ""
+        print(safe_line(f"{line:<{len(command.id) + 18}} # {place}: {command.help}"))
+    if others:
+        complain(others)
+    return 0
+
+
+def list_consoles(options: Namespace) -> int:
+    """List the consoles that can be reached."""
+    from archo_tui.remote.shell import consoles
+
+    return consoles(["--json"] if options.json else [])
+
+
+def serve_assistant(options: Namespace) -> int:
+    """Serve an assistant on standard input and output."""
+    try:
+        from archo_tui.assistant.server import serve
+    except ImportError:  # The SDK is missing or too old.
+        text = "mcp needs another package: pip install '.[mcp]' in a clone of archo-tui"
+        raise ArchoError(text) from None
+    if sys.stdin is None or sys.stdout is None:
+        raise ArchoError("mcp needs a standard input and output, and one is closed")
+    if sys.stdin.isatty():
+        complain("mcp is started by an assistant's program, which speaks on standard input")
+    serve(goals=options.allow == "goals", to=options.to)
+    return 0
+
+
+def recordings(options: Namespace) -> int:
+    """List or delete the recordings of the black box."""
+    from archo_tui.recording.listing import delete_named, list_recordings
+
+    if options.delete:
+        for line in delete_named(options.delete):
+            print(safe_line(line))
+        return 0
+    for line in list_recordings(as_json=options.json):
+        print(safe_line(line))
+    return 0
+
+
+def print_journal_path(_options: Namespace) -> int:
+    """Print where the journal is."""
+    from archo_tui.paths import journal_file
+
+    print(safe_line(str(journal_file())))
+    return 0

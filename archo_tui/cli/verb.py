@@ -1,0 +1,79 @@
+"""A verb that is typed behind options of the console, such as `archo-tui --engine ros2 go 12`."""
+
+from __future__ import annotations
+
+import os
+from argparse import Namespace
+from collections.abc import Sequence
+
+from archo_tui.cli.options import SUBCOMMANDS, console_parser
+from archo_tui.cli.output import complain
+from archo_tui.errors import ArchoError
+from archo_tui.plain.lines import is_stop_text
+
+
+def send_verb(options: Namespace, words: Sequence[str]) -> int:
+    """Send a verb that stands after options of the console.
+
+    Only `--engine` and `--namespace` are allowed there, which say where a console is looked for,
+    and with `--engine ros2` also `--robot`, since the verb then needs no console.
+
+    Args:
+        options: The options of the whole command line, with the verb in `command`.
+        words: The words of the whole command line.
+
+    Returns:
+        The exit code of the verb.
+
+    Raises:
+        ArchoError: An option of the console is given that a verb does not take. A STOP is sent
+            all the same.
+    """
+    from pathlib import Path
+
+    from archo_tui.remote.shell import run
+
+    typed = [*options.command, *options.verb_options]
+    of_the_console = _options_of_the_console(options)
+    parser = console_parser()
+    parser.set_defaults(engine="", namespace="")
+    without_defaults = parser.parse_args(words)
+    meant = {"engine": without_defaults.engine, "to": without_defaults.namespace}
+    wrong = (
+        f"--{of_the_console[0]} is for the console, not for {typed[0]}" if of_the_console else ""
+    )
+    if options.engine not in ("embedded", "ros2"):
+        wrong = f"--engine {options.engine}: there are embedded and ros2"
+        meant["engine"] = ""
+    if wrong and not is_stop_text(typed[0]):
+        raise ArchoError(wrong)
+    if wrong:
+        complain(f"{wrong}: STOP is sent anyway")
+    if options.engine != "ros2":
+        return run(typed, SUBCOMMANDS, meant=meant)
+    from archo_tui.remote.without_console import attached
+    from archo_tui.session import Options, Session
+
+    robot = Path(options.robot) if options.robot else None
+    there = Options(engine="ros2", namespace=options.namespace, attach=True, robot=robot)
+    attach = lambda: attached(lambda: Session(there))  # noqa: E731
+    return run(typed, SUBCOMMANDS, attach, {**meant, "domain": _domain()}, robot)
+
+
+def _options_of_the_console(options: Namespace) -> list[str]:
+    """Return the names of the given options that a verb does not take."""
+    allowed = ["command", "verb_options", "namespace", "engine"]
+    if options.engine == "ros2":
+        allowed.append("robot")
+    defaults = console_parser().parse_args([])
+    return [
+        name.replace("_", "-")
+        for name, value in vars(options).items()
+        if name not in allowed and value != getattr(defaults, name)
+    ]
+
+
+def _domain() -> int:
+    """Return the ROS 2 domain of this process; ROS 2 itself refuses what is no number."""
+    text = os.environ.get("ROS_DOMAIN_ID", "").strip()
+    return int(text) if text.isdecimal() else 0
