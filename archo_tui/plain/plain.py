@@ -504,7 +504,7 @@ class Plain:
             if request.number not in self._requests_shown_at:
                 self._requests_shown_at[request.number] = self._clock.monotonic()
                 ways = f"allow {request.number} or deny {request.number}, within {LIFETIME:g} s"
-                self._print_timed(f"{request.asker.source} wants: {request.text} ({ways})")
+                self._print_timed(f"{request.requester.source} wants: {request.text} ({ways})")
 
     def _print_failure(self, text: str) -> None:
         """Print that something failed, and have the exit code be 1."""

@@ -8,9 +8,9 @@ from typing import Any
 from archo_tui.remote.protocol import words_of
 from archo_tui.remote.waits import RanOut, timeout_of, wait_for
 from archo_tui.robot import forms
-from archo_tui.robot.asker import Asker
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import typed_text
+from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import WATCHING, values_text
 from archo_tui.robot.text import harmless, hides
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
@@ -22,7 +22,7 @@ from archo_tui.verbs.goals import GOALS, Go
 from archo_tui.verbs.parse import parse, schema
 
 # Waits until a condition holds, the assistant has left, or so many seconds have passed.
-Until = Callable[[Asker, Callable[[], object], float], Awaitable[None]]
+Until = Callable[[Requester, Callable[[], object], float], Awaitable[None]]
 _LOOKS = ("status", "events", "history", "params", "get")
 _LONGEST_TEXT = 300  # Characters of a goal that a person has to read.
 _LONGEST_WAIT = 50.0  # Seconds: tools give up after a minute.
@@ -45,7 +45,7 @@ class Assistants:
         """
         self._station, self._verbs, self._until = station, verbs, until
 
-    async def obey(self, asker: Asker, request: dict[str, Any]) -> dict[str, Any]:
+    async def obey(self, requester: Requester, request: dict[str, Any]) -> dict[str, Any]:
         """Carry out a request of an assistant, and return the result.
 
         Raises:
@@ -54,14 +54,14 @@ class Assistants:
         """
         number = request.get("id")
         if "ask" in request:
-            return {"id": number, **await self._ask(asker, request["ask"])}
+            return {"id": number, **await self._ask(requester, request["ask"])}
         word, *rest = words_of(request)
         if word == "goals" and not rest:
             return {"id": number, "code": "done", "text": "", "data": self._goals()}
         if word == "wait" and rest[:1] == ["request"]:
-            return {"id": number, **await self._wait(asker, rest[1:], request)}
+            return {"id": number, **await self._wait(requester, rest[1:], request)}
         if word == "cancel" and not rest:
-            outcome = await self._cancel(asker)
+            outcome = await self._cancel(requester)
             return {"id": number, "code": outcome.code.value, "text": outcome.text}
         if word not in _LOOKS:
             said = f"an assistant has no {word[:40]}: a person does that at the console"
@@ -87,7 +87,7 @@ class Assistants:
                 found.append({"kind": verb.id, "title": verb.title, "schema": said})
         return found
 
-    async def _ask(self, asker: Asker, wanted: Any) -> dict[str, Any]:
+    async def _ask(self, requester: Requester, wanted: Any) -> dict[str, Any]:
         """Ask a person for a goal; the result tells the number of that approval request."""
         kind = wanted.get("kind") if isinstance(wanted, dict) else None
         verb = self._verbs.get(kind) if isinstance(kind, str) else None
@@ -99,7 +99,7 @@ class Assistants:
         values = self._values(verb, wanted.get("values"))
         goals = {GOALS: [values]}
         left = PATIENCE - self._station.age
-        await self._until(asker, lambda: verb.is_ready(self._station, goals), left)
+        await self._until(requester, lambda: verb.is_ready(self._station, goals), left)
         await verb.prepare(self._station, goals)
         refusal = verb.refusal(self._station)
         if refusal:
@@ -151,15 +151,15 @@ class Assistants:
         return forms.parse_all(leaves, verb.kind.form, texts)
 
     async def _wait(
-        self, asker: Asker, words: list[str], request: Mapping[str, Any]
+        self, requester: Requester, words: list[str], request: Mapping[str, Any]
     ) -> dict[str, Any]:
         """Wait until a person has decided, and an allowed goal has ended."""
-        one = self._own(asker, words)
+        one = self._own(requester, words)
         timeout = timeout_of(request)
         seconds = _LONGEST_WAIT if timeout is None else min(timeout, _LONGEST_WAIT)
 
         def over() -> Outcome | None:
-            now = self._own(asker, words)
+            now = self._own(requester, words)
             if now.status == ApprovalStatus.WAITING:
                 return None
             if now.status == ApprovalStatus.ALLOWED:
@@ -173,8 +173,8 @@ class Assistants:
         try:
             outcome = await wait_for(self._station, self._verbs, [], {"timeout": seconds}, over)
         except RanOut:
-            raise RanOut(self._progress_text(self._own(asker, words))) from None
-        one = self._own(asker, words)
+            raise RanOut(self._progress_text(self._own(requester, words))) from None
+        one = self._own(requester, words)
         if one.status != ApprovalStatus.ALLOWED:
             text = f"request {one.number} is {one.status.value}: {one.reason}".removesuffix(": ")
             return {"code": one.status.name.lower(), "text": text}
@@ -194,7 +194,7 @@ class Assistants:
     def _now(self) -> float:
         return self._station.clock.monotonic()
 
-    def _own(self, asker: Asker, words: list[str]) -> ApprovalRequest:
+    def _own(self, requester: Requester, words: list[str]) -> ApprovalRequest:
         """Return the assistant's approval request whose number is typed.
 
         Raises:
@@ -203,15 +203,15 @@ class Assistants:
         number = words[0] if len(words) == 1 else ""
         is_number = number.isascii() and number.isdecimal() and len(number) < 10
         one = self._station.requests.get(int(number)) if is_number else None
-        if one is None or one.asker is not asker:
+        if one is None or one.requester is not requester:
             raise ValueError(f"no request {number[:20]!r} of this assistant")
         return one
 
-    async def _cancel(self, asker: Asker) -> Outcome:
-        withdrawn = self._station.withdraw_requests(asker)
+    async def _cancel(self, requester: Requester) -> Outcome:
+        withdrawn = self._station.withdraw_requests(requester)
         if withdrawn:
             return Outcome(Code.DONE, f"withdrawn: {withdrawn}")
-        if all(end.done() for end in asker.ends):
+        if all(end.done() for end in requester.ends):
             said = "no goal of this assistant runs; say stop to stop the robot"
             return Outcome(Code.REFUSED, said)
         return await self._station.cancel()  # While its goal waits or runs, no other goal does.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NoReturn
 
-from archo_tui.robot.asker import Asker
+from archo_tui.robot.requester import Requester
 from archo_tui.station.station import Station
 from archo_tui.verbs.as_data import event, goal, state
 
@@ -35,19 +35,19 @@ async def follow(station: Station, tell: Callable[[dict[str, Any]], None], numbe
 
 
 async def follow_goal(
-    station: Station, asker: Asker, tell: Callable[[dict[str, Any]], None], number: Any
+    station: Station, requester: Requester, tell: Callable[[dict[str, Any]], None], number: Any
 ) -> NoReturn:
-    """Send the state of the goal that is driven for `asker` whenever it has changed.
+    """Send the state of the goal that is driven for `requester` whenever it has changed.
 
     Args:
         station: The station that drives it.
-        asker: The client that waits for its goals.
+        requester: The client that waits for its goals.
         tell: Sends a message to that client.
         number: The `id` of its request.
     """
     shown = None
     while True:
-        found = station.goal_of(asker)
+        found = station.goal_of(requester)
         if found is not None and found != shown:
             shown = found
             tell({"id": number, "goal": goal(found, station.clock.monotonic())})

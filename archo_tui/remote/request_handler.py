@@ -17,8 +17,8 @@ from archo_tui.remote.protocol import GONE, LOST, is_stop, words_of
 from archo_tui.remote.server import ClientSession
 from archo_tui.remote.waits import LOOK, RanOut, timeout_of, wait_for
 from archo_tui.robot import messages
-from archo_tui.robot.asker import ASSISTANT, Asker, asked_by
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Code, Outcome, answer_of
+from archo_tui.robot.requester import ASSISTANT, Requester, on_behalf_of
 from archo_tui.robot.stops import NOT_SENT, RateLimit, Void
 from archo_tui.station.station import CALLED_OFF, Station
 from archo_tui.verbs import as_data, verbs
@@ -94,7 +94,7 @@ class RequestHandler:
                 return
             self._rate_limit.record(clock.monotonic())
             self._station.close_questions()
-            with asked_by(self._asker(*now[0][::2])):
+            with on_behalf_of(self._requester(*now[0][::2])):
                 outcome = await self._send_stop()
         except asyncio.CancelledError:  # The screen ends: the next one sends it and answers.
             self._stops.extendleft(reversed(now))
@@ -104,9 +104,9 @@ class RequestHandler:
         for client, number, _ in now:
             client.tell(_result(number, outcome))
 
-    def _asker(self, client: ClientSession, is_assistant: bool) -> Asker:
+    def _requester(self, client: ClientSession, is_assistant: bool) -> Requester:
         session = self._clients.get(client)
-        return _asker(client, assistant=is_assistant) if session is None else session.asker
+        return _requester(client, assistant=is_assistant) if session is None else session.requester
 
     async def _send_stop(self) -> Outcome:
         try:
@@ -121,7 +121,9 @@ class RequestHandler:
         return self._clients[client]
 
     def _list_clients(self) -> None:
-        self._station.clients = tuple(session.asker.source for session in self._clients.values())
+        self._station.clients = tuple(
+            session.requester.source for session in self._clients.values()
+        )
         self._station.refresh()
 
     async def _on_client_gone(self, client: ClientSession) -> None:
@@ -147,8 +149,8 @@ class RequestHandler:
         elif session.is_waiting and not session.leaves:
             ends_with_it = True
         if ends_with_it:
-            session.asker.has_left = True
-            await self._station.call_off(session.asker)
+            session.requester.has_left = True
+            await self._station.call_off(session.requester)
 
     async def _on_answer(self, client: ClientSession, answer: dict[str, Any]) -> None:
         """Pass on the answer to a question, or call the client's request off at a `give_up`."""
@@ -156,9 +158,9 @@ class RequestHandler:
         if answer.get("give_up") and session.task is None:
             client.tell(_result(None, Outcome(Code.DONE, "it had ended")))
         elif answer.get("give_up"):
-            asker = session.asker
-            if not (asker.ends or session.is_assistant):  # Nothing was sent; nothing will be.
-                asker.has_left = True
+            requester = session.requester
+            if not (requester.ends or session.is_assistant):  # Nothing was sent; nothing will be.
+                requester.has_left = True
             await self._call_off(session)
             # Nothing takes back a request that a service has: only the waiting ends.
             if session.calls and session.task is not None:
@@ -174,7 +176,7 @@ class RequestHandler:
             self._list_clients()
         session.task = asyncio.current_task()
         try:
-            with self._robot.stops.typed_at(stops), asked_by(session.asker):
+            with self._robot.stops.typed_at(stops), on_behalf_of(session.requester):
                 result = await self._obey_in_time(session, request)
         except Void:
             result = _result(number, Outcome(Code.CANCELLED, NOT_SENT))
@@ -186,7 +188,7 @@ class RequestHandler:
             result = _result(number, Outcome(Code.MISUSE, str(error)))
         except Exception as error:  # Whatever failed, the console goes on.
             said = in_one_line(error)
-            self._robot.note("ERROR", "console", f"{session.asker.source}: {said}")
+            self._robot.note("ERROR", "console", f"{session.requester.source}: {said}")
             result = _result(number, Outcome(Code.REFUSED, said))
         except asyncio.CancelledError:
             said = NOT_TAKEN_BACK if session.calls else CALLED_OFF
@@ -236,7 +238,7 @@ class RequestHandler:
         Raises:
             RanOut: The work did not end well; the text is `over`, and how it ended.
         """
-        session.is_waiting = session.asker.has_left = True
+        session.is_waiting = session.requester.has_left = True
         cancel = asyncio.ensure_future(self._call_off(session))
         self._late_cancels.add(cancel)  # The loop holds tasks weakly.
         cancel.add_done_callback(self._late_cancels.discard)
@@ -254,7 +256,7 @@ class RequestHandler:
         """Carry out a request, however long it takes, and return the result."""
         number = request.get("id")
         if session.is_assistant:
-            return await self._assistants.obey(session.asker, request)
+            return await self._assistants.obey(session.requester, request)
         if request.get("follow"):
             if words_of(request) != ["events"]:
                 raise ValueError("only events, and nothing behind it, can be followed")
@@ -278,12 +280,12 @@ class RequestHandler:
             values = {**values, TIMEOUT: timeout_of(request)}
         person = request.get("person") is True
         ask = None if yes else partial(self._ask, session, number, person)
-        asker = session.asker
-        outcome = await speak(self._station, verb, values, partial(self._until, asker), ask)
+        requester = session.requester
+        outcome = await speak(self._station, verb, values, partial(self._until, requester), ask)
         self._station.refresh()
-        if asker.ends:
-            session.sent = asker.ends
-        if session.is_waiting and outcome.ok and asker.ends:
+        if requester.ends:
+            session.sent = requester.ends
+        if session.is_waiting and outcome.ok and requester.ends:
             session.client.tell({"id": number, "said": outcome.text})
             feedback = request.get("feedback") is True
             outcome = await self._wait_for_ends(session, number, feedback=feedback)
@@ -292,21 +294,21 @@ class RequestHandler:
         answer = answer_of(outcome)
         if answer is not None and word == "call":
             told = await in_daemon(messages.as_data, answer)  # A map has a million values.
-        if session.is_waiting and asker.goal is not None:
-            told = as_data.goal(asker.goal, self._station.clock.monotonic())
-            if isinstance(verb, SendGoal) and asker.goal.result is not None:
-                told["result"] = await in_daemon(messages.as_data, asker.goal.result)
+        if session.is_waiting and requester.goal is not None:
+            told = as_data.goal(requester.goal, self._station.clock.monotonic())
+            if isinstance(verb, SendGoal) and requester.goal.result is not None:
+                told["result"] = await in_daemon(messages.as_data, requester.goal.result)
                 result["tells"] = True
         return result if told is None else {**result, "data": told}
 
     async def _wait_for_ends(self, session: _ClientWork, number: Any, *, feedback: bool) -> Outcome:
         """Wait until all goals of a client have ended; with `feedback`, tell it their states."""
         if not feedback:
-            return await _ended(session.asker.ends)
-        work = follow_goal(self._station, session.asker, session.client.tell, number)
+            return await _ended(session.requester.ends)
+        work = follow_goal(self._station, session.requester, session.client.tell, number)
         following = asyncio.ensure_future(work)
         try:
-            return await _ended(session.asker.ends)
+            return await _ended(session.requester.ends)
         finally:
             following.cancel()
 
@@ -344,11 +346,13 @@ class RequestHandler:
         if not answer:
             raise _Declined(question.safe.lower())
 
-    async def _until(self, asker: Asker, holds: Callable[[], object], seconds: float) -> None:
+    async def _until(
+        self, requester: Requester, holds: Callable[[], object], seconds: float
+    ) -> None:
         """Wait until `holds()` is true, the client has left, or so many seconds have passed."""
         clock = self._station.clock
         end = clock.monotonic() + seconds
-        while not (holds() or asker.has_left) and clock.monotonic() < end:
+        while not (holds() or requester.has_left) and clock.monotonic() < end:
             await clock.sleep(LOOK)
 
 
@@ -363,7 +367,7 @@ class _ClientWork:
         sent: The futures of the outcomes of the goals that it sent last.
         asked: The future of the person's answer to a question; None while none is asked.
         task: The task that carries out its request; None between requests.
-        asker: The client as events and goals name it.
+        requester: The client as events and goals name it.
         is_assistant: True from the first request on that says so.
         has_gone: True once it has left.
         is_waiting: True while it waits for the end of its goals.
@@ -386,11 +390,11 @@ class _ClientWork:
         words = request.get("words")
         if not self.is_assistant:
             self.is_assistant = request.get("assistant") is True
-            self.asker = _asker(self.client, assistant=self.is_assistant)
+            self.requester = _requester(self.client, assistant=self.is_assistant)
         # Before its goals are sent: it may have left by then.
         self.is_waiting = request.get("wait") is True
         self.leaves = request.get("leave") is True
-        self.asker.waits = self.is_assistant or (self.is_waiting and not self.leaves)
+        self.requester.waits = self.is_assistant or (self.is_waiting and not self.leaves)
         waits = isinstance(words, list) and words[:1] in (["wait"], ["keep"])
         self.calls = False
         self.only_looks = waits or bool(request.get("follow"))
@@ -403,9 +407,13 @@ def _retrieve_exception(work: asyncio.Future[Any]) -> None:
         work.exception()
 
 
-def _asker(client: ClientSession, *, assistant: bool = False) -> Asker:
+def _requester(client: ClientSession, *, assistant: bool = False) -> Requester:
     number = str(client.pid) if client.pid else "unknown"
-    return Asker("AI", f"{ASSISTANT} {number}") if assistant else Asker("SHELL", f"pid {number}")
+    return (
+        Requester("AI", f"{ASSISTANT} {number}")
+        if assistant
+        else Requester("SHELL", f"pid {number}")
+    )
 
 
 async def _ended(ends: list[asyncio.Future[Outcome]]) -> Outcome:

@@ -26,7 +26,6 @@ from archo_tui.errors import in_one_line
 from archo_tui.robot import acts, message_classes, messages, ros2_command, services
 from archo_tui.robot.acts import Act
 from archo_tui.robot.arrivals import Arrivals
-from archo_tui.robot.asker import YOU, Asker, asking
 from archo_tui.robot.consoles import author, own_name
 from archo_tui.robot.events import ROUTINE, EventLog
 from archo_tui.robot.fields import filled
@@ -39,6 +38,7 @@ from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
 from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
+from archo_tui.robot.requester import YOU, Requester, current_requester
 from archo_tui.robot.resources import SEND
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
@@ -333,7 +333,7 @@ class Robot:
         except ValueError as error:
             return Outcome(Code.MISUSE, str(error))
 
-        who = asking()
+        who = current_requester()
 
         async def work(gate: Gate) -> Outcome:
             def on_late(answer: Any) -> None:
@@ -366,7 +366,7 @@ class Robot:
         self, title: str, verb: str, arguments: Mapping[str, Any] | None = None
     ) -> Callable[[Outcome], None]:
         """Return what tells of an answer that comes when nobody waits for it any more."""
-        who = asking()
+        who = current_requester()
 
         def tell(outcome: Outcome) -> None:
             act = Act(verb, arguments or {}, outcome.code)
@@ -505,7 +505,7 @@ class Robot:
     ) -> None:
         """Add a line to the events, from any thread; other consoles are not told of it."""
         if (level, source) == (YOU.level, YOU.source):
-            level, source = asking().level, asking().source
+            level, source = current_requester().level, current_requester().source
         event = Event(self._clock.now(), level, source, text, command, act=act)
         self._thread.submit(lambda: self._add_event(event))
 
@@ -595,7 +595,7 @@ class Robot:
         if self.watching:
             return Outcome(Code.WATCHING, WATCHING)
         self.stops.superseded |= verb != "stop"
-        gate, who = self.stops.gate(), asking()
+        gate, who = self.stops.gate(), current_requester()
 
         def log(outcome: Outcome) -> Outcome:
             answer, outcome = answer_of(outcome), Outcome(outcome.code, harmless(outcome.text))
@@ -822,7 +822,7 @@ class Robot:
     def _on_error(self, error: Exception) -> None:
         self._say("ERROR", in_one_line(error))
 
-    def _tell(self, text: str, act: Act, command: str = "", who: Asker = YOU) -> None:
+    def _tell(self, text: str, act: Act, command: str = "", who: Requester = YOU) -> None:
         """Report what this console did: to its events, to other consoles and to the ROS log."""
         text = harmless(text)
         self._node.get_logger().info(text)

@@ -124,7 +124,7 @@ class AnswerRequest(Dialog[None]):
         request, view = self._request, self._view
         values = [f"  {name}: {quoted(value)}" for name, value in request.goal.values.items()]
         lines = [
-            f"{request.asker.source} wants: {request.text}",
+            f"{request.requester.source} wants: {request.text}",
             *values,
             "",
             f"battery: {line_by_line.battery_text(view.snapshot, view.now)}",

@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from enum import Enum
 from typing import Any, NamedTuple
 
-from archo_tui.robot.asker import Asker
 from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import Goal
 from archo_tui.robot.values import text_of
 from archo_tui.station.queue import QueuedGoal
@@ -47,7 +47,7 @@ class ApprovalRequest(NamedTuple):
 
     Attributes:
         number: Counts from 1; persons and assistants name the request by it.
-        asker: The assistant.
+        requester: The assistant.
         goal: What is sent if a person allows it.
         text: The goal in words, as `go to shelf 12`.
         requested: When it was made, in monotonic seconds.
@@ -59,7 +59,7 @@ class ApprovalRequest(NamedTuple):
     """
 
     number: int
-    asker: Asker
+    requester: Requester
     goal: QueuedGoal
     text: str
     requested: float
@@ -99,12 +99,12 @@ class ApprovalRequests:
         return self._all.get(number)
 
     def add(
-        self, asker: Asker, goal: QueuedGoal, text: str, now: float, stop_count: int
+        self, requester: Requester, goal: QueuedGoal, text: str, now: float, stop_count: int
     ) -> ApprovalRequest:
         """Make a request that waits for a person.
 
         Args:
-            asker: The assistant.
+            requester: The assistant.
             goal: What is sent if a person allows it.
             text: The goal in words.
             now: Monotonic time in seconds.
@@ -121,7 +121,7 @@ class ApprovalRequests:
             raise ValueError(f"{MAX_WAITING} requests wait for a person already")
         self._last_number += 1
         number = self._last_number
-        self._all[number] = ApprovalRequest(number, asker, goal, text, now, stop_count)
+        self._all[number] = ApprovalRequest(number, requester, goal, text, now, stop_count)
         self._forget_oldest()
         return self._all[number]
 
@@ -195,7 +195,7 @@ class ApprovalRequests:
         for request in self.waiting:
             if request.stop_count != stop_count:
                 yield self.close(request.number, ApprovalStatus.VOID, "a STOP came")
-            elif request.asker.has_left:
+            elif request.requester.has_left:
                 yield self.close(request.number, ApprovalStatus.VOID, "the assistant has left")
             elif busy_reason:
                 yield self.close(request.number, ApprovalStatus.VOID, busy_reason)

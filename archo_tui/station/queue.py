@@ -6,8 +6,8 @@ from asyncio import Future
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from archo_tui.robot.asker import YOU, Asker
 from archo_tui.robot.outcome import Outcome
+from archo_tui.robot.requester import YOU, Requester
 from archo_tui.robot.state import Phase, Snapshot, values_text
 from archo_tui.robot_file.model import GoalKind
 from archo_tui.station.alarms import BATTERY_EMPTY, CONTACT_LOST, LOW_BATTERY, Alarm, AlarmState
@@ -24,14 +24,14 @@ class QueuedGoal(NamedTuple):
         kind: The robot file's entry for it.
         values: What is sent, by dotted path in the goal message.
         stop_count: STOPs that had been read when it was typed, or when the queue was resumed.
-        asker: Who requested it.
+        requester: Who requested it.
         end: Set to the goal's outcome when it has ended; None if nobody waits for that.
     """
 
     kind: GoalKind
     values: Mapping[str, Any]
     stop_count: int = 0
-    asker: Asker = YOU
+    requester: Requester = YOU
     end: Future[Outcome] | None = None
 
     @property
@@ -100,10 +100,10 @@ class GoalQueue:
         """Remove the next goal and return it."""
         return self.waiting.pop(0)
 
-    def remove_requested_by(self, asker: Asker) -> list[QueuedGoal]:
-        """Remove the goals that `asker` requested and return them."""
-        removed = [goal for goal in self.waiting if goal.asker is asker]
-        self.waiting = [goal for goal in self.waiting if goal.asker is not asker]
+    def remove_requested_by(self, requester: Requester) -> list[QueuedGoal]:
+        """Remove the goals that `requester` requested and return them."""
+        removed = [goal for goal in self.waiting if goal.requester is requester]
+        self.waiting = [goal for goal in self.waiting if goal.requester is not requester]
         return removed
 
     def hold(self, reason: str) -> None:

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from archo_tui.clock import Clock
 from archo_tui.robot import forms
 from archo_tui.robot.acts import Act
-from archo_tui.robot.asker import YOU, Asker, asked_by, asking
 from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.state import Goal, Hosted, Snapshot
 from archo_tui.robot.stops import NEVER_LEFT, NOT_SENT
 from archo_tui.station.alarm_conditions import conditions
@@ -333,27 +333,27 @@ class Station:
         self.recorder.on_view(self.view, changed)
         return changed
 
-    async def call_off(self, asker: Asker) -> None:
+    async def call_off(self, requester: Requester) -> None:
         """Remove the goals of a requester that has left from the queue, and cancel its running one.
 
         If the goal cannot be cancelled, an event says that it may still run.
         """
-        for goal in self.queue.remove_requested_by(asker):
+        for goal in self.queue.remove_requested_by(requester):
             _set_outcome(goal, Outcome(Code.CANCELLED, f"taken out of the queue: {goal.text}"))
         self.refresh()
         for _ in range(_CANCEL_ATTEMPTS):
-            if not self._has_goal_underway(asker):
+            if not self._has_goal_underway(requester):
                 return
-            with asked_by(asker):
+            with on_behalf_of(requester):
                 outcome = await self.cancel()
             if outcome.ok:
                 return
-        if self._has_goal_underway(asker):
-            text = f"the goal of {asker.source}, which has left, may still run: {outcome.text}"
+        if self._has_goal_underway(requester):
+            text = f"the goal of {requester.source}, which has left, may still run: {outcome.text}"
             self.robot.note("ERROR", "console", text)
 
-    def _has_goal_underway(self, asker: Asker) -> bool:
-        return any(goal.asker is asker for goal, _ in self._underway)
+    def _has_goal_underway(self, requester: Requester) -> bool:
+        return any(goal.requester is requester for goal, _ in self._underway)
 
     @property
     def _busy_reason(self) -> str:
@@ -387,24 +387,24 @@ class Station:
             raise ValueError("nobody can allow it: this console has no screen and no terminal")
         if self._busy_reason:
             raise ValueError(f"{self._busy_reason}: wait until it has ended")
-        asker, stop_count = asking(), self.robot.stops.count_when_typed
-        if asker.has_left or self.robot.stops.is_void(stop_count):
+        requester, stop_count = current_requester(), self.robot.stops.count_when_typed
+        if requester.has_left or self.robot.stops.is_void(stop_count):
             raise ValueError(NOT_SENT)
         stop_count += self.robot.stops.sent_elsewhere
-        request = self.requests.add(asker, goal, text, self.clock.monotonic(), stop_count)
+        request = self.requests.add(requester, goal, text, self.clock.monotonic(), stop_count)
         act = Act("request", {"request": request.number, "values": goal.values}, Code.ACCEPTED)
         asked = f"asks: {text} (request {request.number})"
-        self.robot.note(asker.level, asker.source, asked, act=act)
+        self.robot.note(requester.level, requester.source, asked, act=act)
         self.refresh()
         return request
 
-    def withdraw_requests(self, asker: Asker) -> str:
+    def withdraw_requests(self, requester: Requester) -> str:
         """Close the requests of an assistant that wait for a person.
 
         Returns:
             Their goals in words; "" if there was none.
         """
-        withdrawn = [request for request in self.requests.waiting if request.asker is asker]
+        withdrawn = [request for request in self.requests.waiting if request.requester is requester]
         for request in withdrawn:
             reason = "the assistant has withdrawn it"
             self.requests.close(request.number, ApprovalStatus.VOID, reason)
@@ -439,12 +439,12 @@ class Station:
             self.requests.deny(number, self.clock.monotonic())
         verb, word = ("allow", "allowed") if allowed else ("deny", "denied")
         act = Act(verb, {"request": number}, Code.DONE)
-        text = f"{word} request {number} of {request.asker.source}: {request.text}"
+        text = f"{word} request {number} of {request.requester.source}: {request.text}"
         self.robot.note(YOU.level, YOU.source, text, act=act)
         if allowed:
             # The ends of its earlier goals are in the hands of those that wait for them.
-            ends = request.asker.ends = []
-            with asked_by(request.asker):
+            ends = request.requester.ends = []
+            with on_behalf_of(request.requester):
                 answer = self.drive([request.goal])
             self.requests.on_sent(number, ends[0] if ends else answer)
         self.refresh()
@@ -459,9 +459,9 @@ class Station:
             return str(error)
         return ""
 
-    def goal_of(self, asker: Asker) -> Goal | None:
-        """Return the goal underway that `asker` requested, as it is now; None if there is none."""
-        befores = [before for goal, before in self._underway if goal.asker is asker]
+    def goal_of(self, requester: Requester) -> Goal | None:
+        """Return the present state of the goal underway of a requester; None if it has none."""
+        befores = [before for goal, before in self._underway if goal.requester is requester]
         return self._goal_after(befores[0]) if befores else None
 
     def _goal_after(self, before: int) -> Goal | None:
@@ -478,7 +478,7 @@ class Station:
             outcome = None if goal is None else goal.outcome_at(self.clock.monotonic())
             if goal is not None and outcome is not None:
                 self._underway.remove((queued, before))
-                queued.asker.goal = goal
+                queued.requester.goal = goal
                 self.requests.on_goal_ended(queued.end, goal)
                 _set_outcome(queued, outcome)
 
@@ -498,7 +498,7 @@ class Station:
     def drive(self, goals: Sequence[QueuedGoal]) -> asyncio.Future[Outcome]:
         """Send goals one after the other, behind a goal that runs or is being sent.
 
-        They belong to whoever asks now (see robot/asker.py). Call it on the event loop.
+        They belong to whoever asks now (see robot/requester.py). Call it on the event loop.
 
         Args:
             goals: At least one.
@@ -509,17 +509,17 @@ class Station:
         """
         loop = asyncio.get_running_loop()
         answer: asyncio.Future[Outcome] = loop.create_future()
-        if asking().has_left:
+        if current_requester().has_left:
             answer.set_result(Outcome(Code.CANCELLED, CALLED_OFF))
             return answer
         if len(self.queue.waiting) + len(goals) > MAX_QUEUED_GOALS:
             text = f"more than {MAX_QUEUED_GOALS} goals would wait"
             answer.set_result(Outcome(Code.REFUSED, text))
             return answer
-        stop_count, asker = self.robot.stops.count_when_typed, asking()
-        if asker is not YOU:
-            goals = [goal._replace(asker=asker, end=loop.create_future()) for goal in goals]
-            asker.ends += [goal.end for goal in goals if goal.end is not None]
+        stop_count, requester = self.robot.stops.count_when_typed, current_requester()
+        if requester is not YOU:
+            goals = [goal._replace(requester=requester, end=loop.create_future()) for goal in goals]
+            requester.ends += [goal.end for goal in goals if goal.end is not None]
         goals = [goal._replace(stop_count=stop_count) for goal in goals]
         first = self.queue.submit(goals, self._snapshot)
         if first is None:
@@ -590,7 +590,7 @@ class Station:
         else:
             self.ledger.is_handed_over = True
             try:
-                with self.robot.stops.typed_at(goal.stop_count), asked_by(goal.asker):
+                with self.robot.stops.typed_at(goal.stop_count), on_behalf_of(goal.requester):
                     outcome = await self.robot.send(goal.kind, goal.values, queued=is_queued)
             except asyncio.CancelledError:
                 # The screen ends. The next one learns of the goal by its snapshot.
@@ -604,17 +604,17 @@ class Station:
             if outcome.ok:
                 self._underway.append((goal, before))
                 self._settle_ended_goals()
-                if goal.asker.has_left:  # While the goal was being sent.
-                    await self.call_off(goal.asker)
+                if goal.requester.has_left:  # While the goal was being sent.
+                    await self.call_off(goal.requester)
             else:
                 _set_outcome(goal, outcome)
         if answer is None:
             frontend.on_goal_answered(goal, outcome)
         elif not answer.done():
             answer.set_result(outcome)
-        if outcome.code == Code.TIMEOUT and (goal.asker.waits or goal.asker.has_left):
+        if outcome.code == Code.TIMEOUT and (goal.requester.waits or goal.requester.has_left):
             # The robot may still accept the goal, and nobody would wait for its end then.
-            with asked_by(goal.asker):
+            with on_behalf_of(goal.requester):
                 await self.cancel()
 
     async def cancel(self, *, another: bool = False) -> Outcome:
@@ -707,7 +707,7 @@ def _with_pending_end(goal: QueuedGoal) -> QueuedGoal:
     if goal.end is None or not goal.end.done():
         return goal
     pending = goal.end.get_loop().create_future()
-    ends = goal.asker.ends
+    ends = goal.requester.ends
     ends[:] = [pending if end is goal.end else end for end in ends]
     return goal._replace(end=pending)
 

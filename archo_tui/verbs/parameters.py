@@ -13,9 +13,9 @@ from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.parameters import save_load
 from archo_tui.robot.acts import Act
-from archo_tui.robot.asker import asking
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import parse, range_text
+from archo_tui.robot.requester import current_requester
 from archo_tui.robot.state import Parameter
 from archo_tui.robot.text import safe
 from archo_tui.robot.values import text_of
@@ -86,11 +86,11 @@ class Get(_OfParameter):
         parameter = self.found(station, values)
         if parameter is None:
             return self.missing_outcome(station, values)
-        return Outcome(Code.DONE, line(_for_asker(parameter)))
+        return Outcome(Code.DONE, line(_for_requester(parameter)))
 
     def data(self, station: Station, values: Values) -> Any:
         parameter = self.found(station, values)
-        return None if parameter is None else as_data.parameter(_for_asker(parameter))
+        return None if parameter is None else as_data.parameter(_for_requester(parameter))
 
 
 class Set(_OfParameter):
@@ -160,17 +160,17 @@ class Params(Verb):
         return are_reported(station)
 
     async def run(self, station: Station, values: Values) -> Outcome:
-        shown = map(_for_asker, station.robot.snapshot.parameters)
+        shown = map(_for_requester, station.robot.snapshot.parameters)
         return Outcome(Code.DONE, "\n".join(map(line, shown)))
 
     def data(self, station: Station, values: Values) -> Any:
-        shown = map(_for_asker, station.robot.snapshot.parameters)
+        shown = map(_for_requester, station.robot.snapshot.parameters)
         return [as_data.parameter(found) for found in shown]
 
 
-def _for_asker(parameter: Parameter) -> Parameter:
+def _for_requester(parameter: Parameter) -> Parameter:
     """Return the parameter as whoever asks may see it: an assistant sees no secret."""
-    return parameter.masked if asking().is_assistant else parameter
+    return parameter.masked if current_requester().is_assistant else parameter
 
 
 _LONGEST = 500  # Characters of a value in a line; --json has all of them.

@@ -11,7 +11,7 @@ from rich.cells import cell_len
 from textual.content import Content
 
 from archo_tui.clock import time_of_day
-from archo_tui.robot.asker import ASSISTANT
+from archo_tui.robot.requester import ASSISTANT
 from archo_tui.robot.state import Battery, Latch, Motion, Phase
 from archo_tui.robot.text import harmless
 from archo_tui.station.alarms import (
@@ -138,7 +138,7 @@ def _request_banner(view: ScreenState, alarms: list[Alarm], width: int) -> Conte
     more += "".join(f"   {alarm.priority.glyph} {alarm.name}" for alarm in alarms[:1])
     hint = f"({key} answer, {request.seconds_left(view.now):.0f} s)"
     room = width - cell_len(f" ?    {hint}{more}")
-    question = crop(harmless(f"{request.asker.source} asks: {request.text}"), max(room, 1))
+    question = crop(harmless(f"{request.requester.source} asks: {request.text}"), max(room, 1))
     answer = _clickable(hint, "alarms")
     return Content.assemble((f" ? {question}", "bold $warn"), "   ", answer, more)
 

@@ -12,8 +12,8 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from archo_tui.robot import state
-from archo_tui.robot.asker import Asker, asked_by
 from archo_tui.robot.outcome import Code
+from archo_tui.robot.requester import Requester, on_behalf_of
 from archo_tui.robot.state import Phase
 from archo_tui.station.alarms import GOAL_SILENT
 from archo_tui.station.queue import QueuedGoal
@@ -117,9 +117,9 @@ async def test_who_waits_for_its_end_is_told_that_it_is_lost(
     monkeypatch.setattr(state, "GIVEN_UP", 5.0)  # s
     made: list[Any] = []
     async with operated(Base, making(made, Planner)) as typed:
-        station, shell = typed._plain._station, Asker("SHELL", "pid 1")
+        station, shell = typed._plain._station, Requester("SHELL", "pid 1")
         await until(lambda: "move_to_shelf" in station.robot.snapshot.offered)
-        with asked_by(shell):
+        with on_behalf_of(shell):
             assert (await ended(station.drive([QueuedGoal(SHELF, {"shelf_number": 3})]))).ok
         await typed.until("9.0 m left")
         await while_passes(2)  # its period is known by then

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from archo_tui.app import ArchoApp
-from archo_tui.robot.asker import Asker
+from archo_tui.robot.requester import Requester
 from archo_tui.robot.state import Hosted, Life, Phase, Snapshot
 from archo_tui.station.alarms import AlarmBoard
 from archo_tui.station.history import History
@@ -353,10 +353,10 @@ async def test_what_an_assistant_asks_looks_as_accepted(
     async with app.run_test(size=SIZES[size]):
         quiet = Quiet(app)
         await outside(lambda: not app.has_sent, "what was sent before: nothing")
-        asker = Asker("AI", "assistant 4711")
+        requester = Requester("AI", "assistant 4711")
         goal = QueuedGoal(SHELF, {"shelf_number": 12})
         app.station._frontend = app
-        app.station.requests.add(asker, goal, "go to shelf 12", NOW, 0)
+        app.station.requests.add(requester, goal, "go to shelf 12", NOW, 0)
         app.update_screen()
         await rest(app, quiet)
         if name == "request opened":

@@ -13,7 +13,7 @@ from archo_tui.robot.state import Goal
 ASSISTANT = "assistant"  # The beginning of an assistant's source.
 
 
-class Asker:
+class Requester:
     """A person or a program that requests something, as events and journal name it.
 
     Attributes:
@@ -39,20 +39,20 @@ class Asker:
         return self.source.startswith(ASSISTANT)
 
 
-YOU = Asker("YOU", "console")
-_asking: ContextVar[Asker] = ContextVar("asking", default=YOU)
+YOU = Requester("YOU", "console")
+_current: ContextVar[Requester] = ContextVar("current_requester", default=YOU)
 
 
-def asking() -> Asker:
+def current_requester() -> Requester:
     """Return the requester of the present work; the person at the console by default."""
-    return _asking.get()
+    return _current.get()
 
 
 @contextmanager
-def asked_by(asker: Asker) -> Iterator[None]:
+def on_behalf_of(requester: Requester) -> Iterator[None]:
     """Carry out work for a requester; tasks that begin inside inherit it."""
-    token = _asking.set(asker)
+    token = _current.set(requester)
     try:
         yield
     finally:
-        _asking.reset(token)
+        _current.reset(token)
