@@ -439,7 +439,7 @@ FAULTS = [
     Fault("widgets/board.py", 'Binding("enter", "take"', 'Binding("f12", "take"', "tests/widgets/test_board.py"),
     Fault("verbs/goals.py", "forms.check_ranges(self._leaves or (), form, goal)", "pass", "tests/verbs"),
     Fault("verbs/goals.py", " and heard\n", "\n", "tests/verbs"),
-    Fault("verbs/speak.py", " if acts else verb.blocked(station)", "", "tests/verbs"),
+    Fault("verbs/speak.py", " if acts else verb.disabled_reason(station)", "", "tests/verbs"),
     Fault("robot/limits.py", " and text not in self._reported:", ":", ROBOT + "/test_limits.py"),
     Fault("robot/state.py", "low=self.limit(given.low), high=self.limit(given.high)", "low=None, high=None", "tests/widgets/test_board.py"),
     Fault("robot/nodes.py", ", _request(name, level), gate=gate", ", _request(name, level)", "tests/widgets/test_node_dialog.py"),

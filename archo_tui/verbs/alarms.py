@@ -69,7 +69,7 @@ class Acknowledge(_OfAlarm):
     help = "Acknowledge the alarm that comes first, another by its name, or all"
     arguments = (Argument("alarm", rest=True, optional=True),)
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         unseen = any(not alarm.acknowledged for alarm in station.view.alarms)
         return "" if unseen else "no alarm to acknowledge"
 
@@ -90,7 +90,7 @@ class Shelve(_OfAlarm):
     help = f"Silence an alarm for {SHELF_TIME / 60:.0f} min and say why; of a shelved one: end that"
     arguments = (Argument("alarm"), Argument("reason", rest=True, optional=True))
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         return "" if station.view.alarms else "no alarm to shelve"
 
     async def run(self, station: Station, values: Values) -> Outcome:

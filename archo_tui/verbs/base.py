@@ -117,9 +117,9 @@ class Verb:
         """Return why the verb cannot run now, or ""; nothing else decides that."""
         if self.acts and station.robot.watching:
             return WATCHING
-        return self.blocked(station)
+        return self.disabled_reason(station)
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         """Return why the verb cannot run for an operator who may act, or ""."""
         return station.robot.snapshot.unavailable(self.service) if self.service else ""
 

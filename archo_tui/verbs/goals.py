@@ -109,7 +109,7 @@ class SendGoal(Verb):
     arguments = (Argument("action"), Argument("field=value", many=True, optional=True))
     acts = moves = has_goals = True
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.actions else "no action is on the graph"
 
     def is_ready(self, station: Station, values: Values) -> bool:
@@ -180,7 +180,7 @@ class ContinueQueue(Verb):
     help = "Continue the queue of goals that is held"
     acts = moves = True
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         if station.ledger.is_pending(RELEASE):
             return "the release has no answer yet"
         return "" if station.queue.hold_reason else "no queue is held"
@@ -202,7 +202,7 @@ class SkipGoal(Verb):
     help = "Leave out the next goal of the queue"
     acts = survives_stop = True
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         return "" if station.queue.waiting else "no goal waits in the queue"
 
     async def run(self, station: Station, values: Values) -> Outcome:

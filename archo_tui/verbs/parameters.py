@@ -127,7 +127,7 @@ class Undo(Verb):
     help = "Undo your last change of a parameter"
     acts = may_ask = True
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         return station.edits.disabled_reason(station.robot.snapshot)
 
     def is_answered(self, station: Station) -> bool:
@@ -200,7 +200,7 @@ class _File(Verb):
     arguments = (_FILE,)
     may_ask = True
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.parameters else NOBODY
 
     def is_ready(self, station: Station, values: Values) -> bool:

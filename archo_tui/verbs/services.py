@@ -57,7 +57,7 @@ class Call(Verb):
     arguments = (Argument("service"), Argument("field=value", many=True, optional=True))
     acts = moves = tells = True
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         return "" if station.robot.snapshot.services else "no service is on the graph"
 
     def is_ready(self, station: Station, values: Values) -> bool:

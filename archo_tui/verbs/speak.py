@@ -50,7 +50,7 @@ async def speak(
         await until(is_answered, ANSWERS)
         if is_void:
             gate()
-    refusal = verb.refusal(station) if acts else verb.blocked(station)
+    refusal = verb.refusal(station) if acts else verb.disabled_reason(station)
     if refusal:
         return Outcome(Code.WATCHING if station.robot.watching else Code.REFUSED, refusal)
     values = await verb.prepare(station, values)

@@ -37,14 +37,14 @@ class ReleaseStop(Verb):
         self.service = "" if stop is None else stop.release
         self.request = {} if stop is None else stop.release_request
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         snapshot = station.robot.snapshot
         if not self.service:
             return f"{snapshot.file.name} has no service to release a stop"
         released = snapshot.motion.stopped is False  # None if the robot does not report it.
         asked = snapshot.open_stop is not None or not station.robot.stops.are_answered
         released = released and not asked and snapshot.latch is Latch.NONE
-        return super().blocked(station) or ("the robot is not stopped" if released else "")
+        return super().disabled_reason(station) or ("the robot is not stopped" if released else "")
 
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True only when the robot has reported its state, or had time enough."""
@@ -65,7 +65,7 @@ class GiveUpStop(Verb):
     help = "Give up a STOP that the robot does not confirm; it is sent no more (asks first)"
     acts = may_ask = True
 
-    def blocked(self, station: Station) -> str:
+    def disabled_reason(self, station: Station) -> str:
         stop = station.robot.snapshot.open_stop
         return "" if stop is not None else "no STOP is waiting to be confirmed"
 
