@@ -8,6 +8,7 @@ from collections.abc import Callable
 from archo_tui.cli import subcommands
 from archo_tui.cli.completions import print_completions
 from archo_tui.cli.console import run_console
+from archo_tui.cli.describe import describe_robot
 from archo_tui.cli.options import SUBCOMMANDS, console_parser
 from archo_tui.cli.output import complain, report_lost_output
 from archo_tui.cli.parser import OneLineErrorParser
@@ -25,6 +26,7 @@ _RUN: dict[str, Callable[[Namespace], int]] = {
     "recordings": subcommands.recordings,
     "replay": replay,
     "journal": subcommands.print_journal_path,
+    "robot": describe_robot,
 }
 
 

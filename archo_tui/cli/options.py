@@ -187,6 +187,12 @@ def _engine_option(parser: argparse._ActionsContainer) -> None:
     )
 
 
+def _namespace_option(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "--namespace", metavar="NS", default="/", help="namespace of the nodes (default: /)"
+    )
+
+
 def _interfaces_option(parser: argparse._ActionsContainer, then: str = "") -> None:
     parser.add_argument(
         "--interfaces",
@@ -216,6 +222,14 @@ def _check_options(parser: argparse._ActionsContainer) -> None:
     )
     _engine_option(parser)
     _interfaces_option(parser)
+
+
+def _describe_options(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument(
+        "--out", metavar="FILE", help="write the robot file there; else it is printed"
+    )
+    _namespace_option(parser)
+    parser.add_argument("--engine", default="ros2", help=argparse.SUPPRESS)
 
 
 def _completions_options(parser: argparse._ActionsContainer) -> None:
@@ -280,6 +294,7 @@ SUBCOMMANDS: dict[str, tuple[str, Callable[[OneLineErrorParser], None]]] = {
     "consoles": ("list the consoles that run here", _consoles_options),
     "mcp": ("let an assistant ask at the console (MCP)", _mcp_options),
     "recordings": ("list the recordings", _recordings_options),
+    "robot": ("write a robot file for the robot that is on the ROS 2 graph", _describe_options),
     "replay": ("play a recording back on the screen", _replay_options),
     "journal": ("print the path of the journal, in JSON lines", lambda _: None),
 }

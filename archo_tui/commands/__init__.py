@@ -58,6 +58,7 @@ def registry(described: RobotFile, spoken: Mapping[str, Verb] | None = None) -> 
         generic.AnyGoal(verbs["send_goal"]),
         generic.AnyService(verbs["call"]),
         generic.WriteRobotFile(),
+        generic.DescribeRobot(),
         console.AcknowledgeKey(verbs["ack"]),
         console.ShowAlarms(),
         *(console.PanelKey(number, title) for number, title in enumerate(titles, 1)),

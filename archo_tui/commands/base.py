@@ -121,14 +121,16 @@ class Console(Protocol):
         """End the console when every command has its answer."""
 
 
-def write_file(console: Console, text: str, what: str) -> Callable[[Path], Awaitable[str]]:
+def write_file(
+    console: Console, text: str | Callable[[], Awaitable[str]], what: str
+) -> Callable[[Path], Awaitable[str]]:
     """Return the function with which a file dialog saves a text.
 
     It asks before it replaces a file, and returns "" or what to show instead of closing the dialog.
 
     Args:
         console: The console.
-        text: The text to save.
+        text: The text to save, or a function that makes it; the error to show is an ArchoError.
         what: The action, for the event that tells of it.
     """
     warned: set[Path] = set()  # Existing files that the operator was warned about.
@@ -138,7 +140,8 @@ def write_file(console: Console, text: str, what: str) -> Callable[[Path], Await
             warned.add(path)
             return f"{path} already exists: press enter again to overwrite"
         try:
-            await in_daemon(save_load.write_atomically, path, text)
+            content = text if isinstance(text, str) else await text()
+            await in_daemon(save_load.write_atomically, path, content)
         except ArchoError as error:
             return str(error)
         console.station.robot.note("YOU", "console", f"{what}: saved to {path}")

@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING, Any
 from archo_tui.commands.base import Command, Console, VerbCommand, Work, write_file
 from archo_tui.commands.robot import FormGoalKey
 from archo_tui.daemon_threads import in_daemon
+from archo_tui.errors import ArchoError
 from archo_tui.robot.outcome import Outcome
 from archo_tui.robot_file.dump import dump, without
 from archo_tui.robot_file.mismatch import not_installed
 from archo_tui.robot_file.model import CommandService, FormField, GoalKind
+from archo_tui.robot_file.proposal import SeveralRobots
 from archo_tui.robot_file.reserved import unused_word
 from archo_tui.verbs.anything import type_of
 from archo_tui.verbs.base import Verb
 from archo_tui.verbs.called import verbs_by_service
+from archo_tui.verbs.describe import LISTENING, robot_file_text
 from archo_tui.verbs.goals import GOALS, KIND, Go, kind_of
 
 if TYPE_CHECKING:
@@ -180,3 +183,25 @@ class WriteRobotFile(Command):
             used = without(used, station.robot.snapshot.absent)
         write = write_file(console, dump(used), "keep as robot file")
         console.open(AskPath("Keep as robot file", "Robot file", "robot.yaml", write))
+
+
+class DescribeRobot(Command):
+    """The command that writes a robot file for what is on the graph."""
+
+    id = "describe_robot"
+    help = "Describe this robot: write a robot file for what is on the graph"
+
+    def run(self, console: Console) -> None:
+        from archo_tui.screens.ask_path import AskPath
+
+        async def text() -> str:
+            try:
+                return await robot_file_text(console.station)
+            except SeveralRobots as error:
+                raise ArchoError(f"{error}: start with --namespace for one of them") from None
+            except TimeoutError:
+                raise ArchoError("the console's own node does not answer") from None
+
+        write = write_file(console, text, "describe this robot")
+        listens = f"Robot file (listens for {LISTENING:g} s first)"
+        console.open(AskPath("Describe this robot", listens, "robot.yaml", write))

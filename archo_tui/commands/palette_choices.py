@@ -28,6 +28,7 @@ _SEARCH_WORDS = {
     "send_goal": "action",
     "call": "request",
     "keep_robot": "export write yaml",
+    "describe_robot": "robot file new discover yaml",
     "ack": "confirm seen",
     "alarms": "warnings errors problems",
     "edit": "set change value parameter",

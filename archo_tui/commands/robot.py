@@ -174,7 +174,8 @@ class GiveKey(VerbCommand):
 
     def _ask_which_way(self, console: Console, reading: str, off: services.Give) -> None:
         title = self._on.given.title
-        question = f"The robot does not report {reading}: {title} or {off.title}?"
+        why = "" if reading == "ask" else f"The robot does not report {reading}: "
+        question = f"{why}{title} or {off.title}?"
         answers = {verb.title: partial(console.run_verb, verb, {}) for verb in (self._on, off)}
         console.confirm(title, question, "Leave it", answers)
 
@@ -184,8 +185,10 @@ def _reading(console: Console, name: str) -> bool | None:
 
     Args:
         console: Shows what was received last.
-        name: `battery.charging`, `motion.moving` or `motion.stopped`.
+        name: `battery.charging`, `motion.moving`, `motion.stopped`, or `ask` for none.
     """
+    if name == "ask":
+        return None
     topic, _, reading = name.partition(".")
     found: bool | None = getattr(getattr(console.view.snapshot, topic), reading)
     return found

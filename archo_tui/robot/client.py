@@ -40,6 +40,7 @@ from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, Answer, Code, Outcome,
 from archo_tui.robot.parameters import Parameters, without_secrets
 from archo_tui.robot.requester import YOU, Requester, current_requester
 from archo_tui.robot.resources import SEND
+from archo_tui.robot.sampling import Sample, Sampling
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import (
@@ -400,6 +401,27 @@ class Robot:
             return await self._thread.run(there, _ASKED)
         except TimeoutError:
             return ()
+
+    async def sample(self, topics: Mapping[str, Any], seconds: float) -> Mapping[str, Sample]:
+        """Listen to topics for a while, and return what came by topic.
+
+        Args:
+            topics: Message classes by the full name of the topic.
+            seconds: How long to listen.
+
+        Raises:
+            TimeoutError: The ROS thread does not answer.
+        """
+
+        async def begin() -> Sampling:
+            return Sampling(self._node, self._clock, topics)
+
+        sampling = await self._thread.run(begin, _ASKED)
+        try:
+            await self._clock.sleep(seconds)
+        finally:
+            self._thread.submit(sampling.end)
+        return sampling.samples
 
     async def give_up_stop(self) -> Outcome:
         """Ask no more for a STOP that the robot does not confirm."""

@@ -1,11 +1,11 @@
-"""Publishers and subscriptions of a topic that do not fit each other. No input or output."""
+"""The QoS of a topic's ends: what fits its publishers, and which ends do not fit. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from archo_tui.robot.state import in_namespace
 
@@ -19,6 +19,30 @@ _HEARS_NOTHING = "{} hears nothing of {} on {}: {}"
 _MISREADS = "{} may misread {} on {}: {}"
 _SHOWN = 8  # Digits of a type hash; enough to tell two versions of a type apart.
 _OWN = "this console"
+_DEPTH = 10  # Messages that wait, as in rclpy's examples.
+
+
+def is_latched(publishers: Sequence[Any]) -> bool:
+    """Return True if every publisher, given by rclpy's info of it, keeps its last message."""
+    durable = DurabilityPolicy.TRANSIENT_LOCAL
+    return bool(publishers) and all(p.qos_profile.durability == durable for p in publishers)
+
+
+def fitting_qos(publishers: Sequence[Any]) -> QoSProfile:
+    """Return the QoS with which a subscription gets the messages of all publishers.
+
+    A subscriber that requests latched or reliable messages gets none from other publishers.
+
+    Args:
+        publishers: rclpy's `TopicEndpointInfo` of each.
+    """
+    latched = is_latched(publishers)
+    reliable = all(p.qos_profile.reliability == ReliabilityPolicy.RELIABLE for p in publishers)
+    return QoSProfile(
+        depth=_DEPTH,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )
 
 
 def mismatches(

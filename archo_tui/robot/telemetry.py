@@ -9,10 +9,11 @@ from functools import partial
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 
 from archo_tui.clock import Clock
 from archo_tui.robot import message_classes, messages
+from archo_tui.robot.endpoints import fitting_qos, is_latched
 from archo_tui.robot.listener import Listener
 from archo_tui.robot.period import LEAST_SILENCE, Period
 from archo_tui.robot.readings import Fields, as_received, flag, integer, number, read
@@ -21,7 +22,6 @@ from archo_tui.robot.text import harmless
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import Gauge, RobotFile, fields_of
 
-_DEPTH = 10
 _SAMPLE_PERIOD = 1.0  # Seconds between two samples of the charge that are kept.
 _SAMPLES = 300
 _JUMP = 0.5  # Percent in the wrong direction that are more than noise.
@@ -68,12 +68,12 @@ class _Subscription(NamedTuple):
     """A subscription and what it was made for.
 
     Attributes:
-        qos: True for reliable, and for latched (transient local).
+        qos: Its reliability and its durability.
         keys: The keys of its readers.
         subscription: rclpy's object.
     """
 
-    qos: tuple[bool, bool]
+    qos: tuple[ReliabilityPolicy, DurabilityPolicy]
     keys: tuple[object, ...]
     subscription: Any = None
 
@@ -228,7 +228,7 @@ class Telemetry:
         if not usable:
             return None
         # A latched message may be sent once, and holds as long as its publisher is there.
-        if _is_latched(publishers):
+        if is_latched(publishers):
             self._graces[reader.key] = None
         else:
             self._graces.pop(reader.key, None)
@@ -242,22 +242,15 @@ class Telemetry:
         With two, each message would be recorded and counted twice.
         """
         topic, kind = key
-        latched = _is_latched(publishers)
-        reliable = all(
-            info.qos_profile.reliability == ReliabilityPolicy.RELIABLE for info in publishers
+        qos = fitting_qos(publishers)
+        made = _Subscription(
+            (qos.reliability, qos.durability), tuple(reader.key for reader in readers)
         )
-        made = _Subscription((reliable, latched), tuple(reader.key for reader in readers))
         old = self._subscriptions.get(key)
         if old is not None and old[:2] == made[:2]:
             return
         if old is not None:
             self._node.destroy_subscription(old.subscription)
-        qos = QoSProfile(
-            depth=_DEPTH,
-            reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            # A subscriber that requests latched messages gets none from other publishers.
-            durability=(DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE),
-        )
 
         def on_message(message: Any) -> None:
             news: dict[str, News] = {}  # By the topic's name in the robot file.
@@ -355,13 +348,6 @@ def _news(last: object, new: object, words: attrgetter[Any], numbers: attrgetter
     if words(last) != words(new):
         return News.WORDS
     return News.NONE if numbers(last) == numbers(new) else News.NUMBERS
-
-
-def _is_latched(publishers: Sequence[Any]) -> bool:
-    """Return True if all publishers keep their last message for later subscribers."""
-    return all(
-        info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in publishers
-    )
 
 
 def _given(fields: Any) -> dict[str, Fields]:

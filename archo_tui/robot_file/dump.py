@@ -14,7 +14,7 @@ _HEAD = "# Written by archo-tui. What the words mean: docs/own_robot.md.\n"
 
 def dump(robot: RobotFile) -> str:
     """Return YAML text from which `load` makes an equal robot."""
-    return _HEAD + yaml_dump.block({"version": robot.version, **_plain(robot)})
+    return _HEAD + yaml_dump.block({"version": robot.version, **plain(robot)})
 
 
 def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
@@ -39,7 +39,8 @@ def without(robot: RobotFile, names: Collection[str]) -> RobotFile:
     return kept if kept == robot else replace(kept, name=RobotFile.name)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """Return a dataclass of a robot file as mappings and lists, without what is a default."""
     if is_dataclass(value):
         found = {}
         for item in fields(value):
@@ -48,8 +49,8 @@ def _plain(value: Any) -> Any:
             if item.default_factory is not MISSING:
                 default = item.default_factory()
             if item.name != "where" and given != default:
-                found[item.name] = _plain(given)
+                found[item.name] = plain(given)
         return next(iter(found.values())) if list(found) == ["field"] else found
     if isinstance(value, Mapping):
-        return {name: _plain(item) for name, item in value.items()}
-    return [_plain(item) for item in value] if isinstance(value, tuple) else value
+        return {name: plain(item) for name, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, tuple) else value

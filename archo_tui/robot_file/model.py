@@ -225,7 +225,7 @@ class CommandService:
     toggle: Annotated[
         Mapping[str, str],
         "the request's bool, and the reading that it inverts: "
-        "`battery.charging`, `motion.moving` or `motion.stopped`",
+        "`battery.charging`, `motion.moving` or `motion.stopped`; or `ask`: the key asks on or off",
     ] = field(default_factory=dict, metadata={"filled": True})  # `toggle: {}` is refused.
     off: Annotated[
         str,

@@ -23,9 +23,9 @@ RESERVED = frozenset(
         *("help", "quit"),
         # Subcommands of archo-tui.
         *("check", "keys", "journal", "completions", "consoles", "wait", "mcp", "allow", "deny"),
-        *("recordings", "replay", "rewind"),
+        *("recordings", "replay", "rewind", "robot"),
         # Commands that only the screen has, as named in a keymap.
-        *("cancel_all", "keep_robot"),
+        *("cancel_all", "keep_robot", "describe_robot"),
         *(f"panel_{number}" for number in range(1, 9)),
         *("edit", "restore", "switch", "only_changed", "ros_own", "filter"),
         *("start_stop", "details", "resource"),

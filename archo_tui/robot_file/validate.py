@@ -20,7 +20,7 @@ from archo_tui.robot_file.model import (
 _NAME = re.compile(r"/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*", re.ASCII)  # The names that rclpy accepts.
 _TYPE = re.compile(r"\w+/(msg|srv|action)/\w+", re.ASCII)
 _ID = re.compile(r"[a-z][a-z0-9_]*")
-_READINGS = ("battery.charging", "motion.moving", "motion.stopped")
+_READINGS = ("battery.charging", "motion.moving", "motion.stopped", "ask")
 
 Faults = Iterator[tuple[str, str]]  # Pairs of `FILE:LINE` and a sentence.
 

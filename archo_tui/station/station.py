@@ -39,6 +39,11 @@ MAX_QUEUED_GOALS = 1000
 CALLED_OFF = "called off"
 # Attempts to cancel the goal of a requester that has left. Each waits for its answer.
 _CANCEL_ATTEMPTS = 3
+_OFFER_AFTER = 5.0  # Seconds in which ARCHO's nodes may appear.
+_OFFER = (
+    "this robot is not ARCHO, and no --robot names its file: archo-tui robot, "
+    "or Describe this robot in the palette (ctrl+p), writes one"
+)
 
 
 @dataclass(frozen=True)
@@ -214,6 +219,7 @@ class Station:
         self.robot, self.host, self.clock = robot, host, clock
         self.attached, self.on_disconnect = attached, on_disconnect
         self.file_is_default = file_is_default
+        self._may_offer = attached and file_is_default
         self.earlier_stop: float | None = None
         self.edits = UndoList()
         self.ledger = Ledger()
@@ -311,7 +317,16 @@ class Station:
         """
         self._second = self.clock.monotonic()
         self.history.add_sample(self._snapshot, self._second)
+        self._offer_description()
         return self.refresh()
+
+    def _offer_description(self) -> None:
+        """Say once how a robot file is written, if none was given and the robot is not ARCHO."""
+        snapshot = self._snapshot
+        is_other = snapshot.nodes and not snapshot.offered
+        if is_other and self._may_offer and self.age >= _OFFER_AFTER:
+            self._may_offer = False
+            self.robot.note("WARN", "console", _OFFER)
 
     def refresh(self) -> list[Alarm]:
         """Bring alarms, queue, requests and view up to date, and send the goal that is due.

@@ -12,7 +12,7 @@ from typing import Any
 
 import yaml
 
-_NAME = re.compile(r"[A-Za-z_][\w/]*", re.ASCII)
+_NAME = re.compile(r"[A-Za-z_][\w/]*(\.[\w/]+)*", re.ASCII)
 
 
 class _Dumper(yaml.SafeDumper):
@@ -45,7 +45,12 @@ def block(value: Any) -> str:
     return _dump(value, False)
 
 
-def _dump(value: Any, flow_style: bool) -> str:
+def mixed(value: Any) -> str:
+    """Return a value as YAML in blocks, the innermost lists and mappings on a line each."""
+    return _dump(value, None)
+
+
+def _dump(value: Any, flow_style: bool | None) -> str:
     text: str = yaml.dump(
         value,
         Dumper=_Dumper,

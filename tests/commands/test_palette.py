@@ -25,6 +25,7 @@ TYPED = {
     "Send a goal to any action": ("action", "any action", "send goal"),
     "Call any service": ("service", "call", "any service"),
     "Keep as robot file": ("keep", "robot file", "yaml"),
+    "Describe this robot": ("describe", "new robot", "discover"),
     "Acknowledge the alarm": ("ack", "acknowledge", "seen"),
     "List the alarms": ("alarms", "shelve", "warnings"),
     "Go to panel 1, Battery": ("panel 1", "battery panel", "go battery"),

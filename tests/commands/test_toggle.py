@@ -36,9 +36,11 @@ class Lamp(Node):
 
 
 @asynccontextmanager
-async def lamp(folder: Path, ask: str = "never") -> AsyncIterator[tuple[Console, Lamp]]:
+async def lamp(
+    folder: Path, ask: str = "never", reading: str = "battery.charging"
+) -> AsyncIterator[tuple[Console, Lamp]]:
     file, made = folder / "lamp.yaml", list[Lamp]()
-    file.write_text(FILE.replace("ASK", ask))
+    file.write_text(FILE.replace("ASK", ask).replace("battery.charging", reading))
 
     def make(**given: Any) -> Lamp:
         made.append(Lamp(**given))
@@ -59,6 +61,15 @@ async def test_it_is_asked_on_or_off(here: Path, keys: tuple[str, ...], sent: li
         assert node.asked == []
         await op.press(*keys)
         await op.until(lambda: node.asked == sent)
+
+
+async def test_a_toggle_of_no_reading_asks_each_time(here: Path) -> None:
+    async with lamp(here, reading="ask") as (op, node):
+        await op.press("l")
+        await op.until("Light or Light off?")
+        assert "does not report" not in op.text
+        await op.press("right", "enter")
+        await op.until(lambda: node.asked == [True])
 
 
 async def test_the_safe_answer_changes_nothing(here: Path) -> None:

@@ -28,6 +28,11 @@ class Processes:
         self.domain = chosen.next_domain()
         self._running: list[subprocess.Popen[bytes]] = []
 
+    @property
+    def environment(self) -> dict[str, str]:
+        """The variables of a process on the domain."""
+        return {**os.environ, "ROS_DOMAIN_ID": str(self.domain)}
+
     def start(self, module: str, *words: str) -> subprocess.Popen[bytes]:
         """Run a node's main()."""
         return self._start(subprocess.DEVNULL, module, "--ros-args", *words)
@@ -39,7 +44,7 @@ class Processes:
     def _start(self, stdin: int, module: str, *words: str) -> subprocess.Popen[bytes]:
         process = subprocess.Popen(
             [sys.executable, "-m", module, *words],
-            env=os.environ | {"ROS_DOMAIN_ID": str(self.domain)},
+            env=self.environment,
             stdin=stdin,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,

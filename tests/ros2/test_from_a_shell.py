@@ -19,7 +19,7 @@ SLOW = ("-p", "feedback_period:=0.1", "-p", "time_scale:=2.0")
 def begun(processes: Processes, *words: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, "-m", "archo_tui", "--engine", "ros2", *words],
-        env=os.environ | {"ROS_DOMAIN_ID": str(processes.domain)},
+        env=processes.environment,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

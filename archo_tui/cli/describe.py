@@ -1,0 +1,74 @@
+"""The subcommand `robot`, which writes a robot file for the robot that is on the ROS 2 graph."""
+
+from __future__ import annotations
+
+import os.path
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from archo_tui.cli.output import FAILED, complain, safe_line
+from archo_tui.errors import ArchoError
+
+if TYPE_CHECKING:
+    from archo_tui.station.station import Station
+
+_DISCOVERY = 2.0  # Seconds in which further nodes are discovered after the first one.
+_POLLING_PERIOD = 0.05  # Seconds.
+
+
+def describe_robot(options: Namespace) -> int:
+    """Print a robot file for the robot on the graph, or write it where nothing is yet.
+
+    Raises:
+        ArchoError: The file exists or cannot be written, or several robots are on the graph.
+    """
+    import asyncio
+
+    from archo_tui.parameters.save_load import write_atomically
+    from archo_tui.robot_file.proposal import SeveralRobots
+    from archo_tui.session import Options, Session
+
+    if options.engine != "ros2":
+        raise ArchoError("robot looks at a ROS 2 graph, which the embedded engine has not")
+    path = Path(options.out) if options.out else None
+    if path is not None and os.path.lexists(path):
+        raise ArchoError(f"{path} already exists: name another file")
+    try:
+        with Session(
+            Options(engine="ros2", attach=True, watch=True, namespace=options.namespace)
+        ) as session:
+            text = asyncio.run(_text(session.station))
+    except SeveralRobots as error:
+        raise ArchoError(f"{error}: name one with --namespace") from None
+    except TimeoutError:
+        complain("the console's own node does not answer")
+        return FAILED
+    if not text:
+        return FAILED
+    if path is None:
+        print("\n".join(map(safe_line, text.splitlines())))
+    else:
+        write_atomically(path, text)
+        print(safe_line(f"Written to {path}. Check every line: nothing in it was tried."))
+    return 0
+
+
+async def _text(station: Station) -> str:
+    """Return the text once a robot was found; "" and a complaint if there is none."""
+    import asyncio
+
+    from archo_tui.verbs.base import PATIENCE
+    from archo_tui.verbs.describe import robot_file_text
+    from archo_tui.words.state import elsewhere_text
+
+    while not station.robot.snapshot.nodes and station.age < PATIENCE:
+        await asyncio.sleep(_POLLING_PERIOD)
+    snapshot = station.robot.snapshot
+    if not snapshot.nodes:
+        others = elsewhere_text(snapshot)
+        where = f"in namespace {snapshot.namespace}: {others}" if others else station.unseen
+        complain(f"no robot is {where}")
+        return ""
+    await asyncio.sleep(_DISCOVERY)
+    return await robot_file_text(station)

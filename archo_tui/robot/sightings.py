@@ -1,0 +1,74 @@
+"""The view of the graph from which a robot file is proposed: types, fields, rates, messages."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from archo_tui.daemon_threads import in_daemon
+from archo_tui.robot import message_classes, messages
+from archo_tui.robot.client import Robot
+from archo_tui.robot.sampling import Sample
+from archo_tui.robot.state import TOPIC, Resource
+from archo_tui.robot_file.known_types import READ
+from archo_tui.robot_file.proposal import Sighting
+
+
+async def take_sightings(robot: Robot, seconds: float) -> tuple[Sighting, ...]:
+    """Return what is on the graph, after listening to the topics whose types are known.
+
+    Args:
+        robot: Runs, and knows the graph.
+        seconds: How long to listen.
+    """
+    topics = [found for found in robot.snapshot.resources if found.kind == TOPIC]
+    named = {
+        found.name: kind for found in topics for kind in found.types if kind in READ and found.nodes
+    }
+    classes = {name: await in_daemon(message_classes.load, kind) for name, kind in named.items()}
+    installed = {name: found for name, found in classes.items() if found is not None}
+    samples = await robot.sample(installed, seconds)
+    return await in_daemon(_sightings, robot.snapshot.resources, samples)
+
+
+def _sightings(
+    resources: Sequence[Resource], samples: Mapping[str, Sample]
+) -> tuple[Sighting, ...]:
+    return tuple(_sighting(found, samples.get(found.name)) for found in resources)
+
+
+def _sighting(found: Resource, sample: Sample | None) -> Sighting:
+    kind: Any = found.kind
+    if kind == TOPIC:
+        message = None if sample is None else sample.message
+        values = (
+            {}
+            if message is None
+            else {leaf.path: leaf.default for leaf in messages.leaves(message)}
+        )
+        rate = None if sample is None else sample.rate
+        return Sighting(kind, found.name, found.types, found.nodes, rate, values)
+    fields = _fields(found.types[0])
+    return Sighting(
+        kind,
+        found.name,
+        found.types,
+        found.nodes,
+        goal=fields[0],
+        feedback=fields[1] or {},
+        result=fields[2] or {},
+    )
+
+
+def _fields(type_name: str) -> tuple[Mapping[str, str] | None, ...]:
+    """Return the types of the fields of a goal or request, a feedback and a result, by path.
+
+    The first is None if the type is not installed; a service has no others.
+    """
+    interface = message_classes.load(type_name)
+    if interface is None:
+        return None, None, None
+    if hasattr(interface, "Request"):
+        return messages.types(interface.Request()), None, None
+    parts = interface.Goal(), interface.Feedback(), interface.Result()
+    return tuple(messages.types(part) for part in parts)

@@ -1,0 +1,297 @@
+"""The parts of a robot file that fit what is on a graph, each with its reason. Pure functions."""
+
+from __future__ import annotations
+
+import posixpath
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, NamedTuple
+
+from archo_tui.robot_file import known_types
+from archo_tui.robot_file.model import (
+    BatteryTopic,
+    CommandService,
+    MotionTopic,
+    StopServices,
+)
+from archo_tui.robot_file.proposed_goals import propose_goal, title_of, word_of
+from archo_tui.robot_file.reserved import unused_word
+
+Part = Literal["battery", "motion", "goals", "stop", "commands"]
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """A topic, service or action that was seen on the graph.
+
+    Attributes:
+        kind: "topic", "service" or "action".
+        name: Its full name.
+        types: Its types; usually one.
+        nodes: The full names of the nodes that publish or serve it.
+        rate: Messages in a second; None if none came or nobody listened.
+        values: The primitive fields of the last message by dotted path.
+        goal: The types of all fields of the goal or request by dotted path; None if the type is
+            not installed.
+        feedback: The same of an action's feedback.
+        result: The same of an action's result.
+    """
+
+    kind: Literal["topic", "service", "action"]
+    name: str
+    types: tuple[str, ...]
+    nodes: tuple[str, ...] = ()
+    rate: float | None = None
+    values: Mapping[str, Any] = field(default_factory=dict)
+    goal: Mapping[str, str] | None = None
+    feedback: Mapping[str, str] = field(default_factory=dict)
+    result: Mapping[str, str] = field(default_factory=dict)
+
+
+class Entry(NamedTuple):
+    """A part of the file that is proposed.
+
+    Attributes:
+        part: The key of the robot file; of `goals` and `commands` this is one item.
+        value: Its dataclass.
+        reason: Why it is proposed, in a line.
+        is_sure: False for what is written as a comment, for a person to decide.
+    """
+
+    part: Part
+    value: Any
+    reason: str
+    is_sure: bool = True
+
+
+class Proposal(NamedTuple):
+    """A proposed robot file.
+
+    Attributes:
+        namespace: The namespace of the robot, in which the names are.
+        entries: The parts, in the order of the file.
+        unknown: What was seen besides, a line each.
+    """
+
+    namespace: str
+    entries: tuple[Entry, ...]
+    unknown: tuple[str, ...]
+
+
+class SeveralRobots(Exception):
+    """Several robots are on the graph, so that the parts of one cannot be told from another's.
+
+    Attributes:
+        namespaces: Those of the robots.
+    """
+
+    def __init__(self, namespaces: Collection[str]) -> None:
+        """Build the text of the error from the namespaces."""
+        self.namespaces = tuple(sorted(namespaces))
+        super().__init__(f"several robots are here, in {', '.join(self.namespaces)}")
+
+
+def propose(seen: Sequence[Sighting], namespace: str = "/") -> Proposal:
+    """Propose a robot file for what was seen.
+
+    Args:
+        seen: Everything in the namespace or below it.
+        namespace: The namespace that was asked for; "/" also finds the one of a single robot.
+
+    Raises:
+        SeveralRobots: The namespace holds more than one robot.
+    """
+    ordered = sorted(seen, key=lambda sighting: (sighting.name.count("/"), sighting.name))
+    robots = _robots(ordered)
+    if len(robots) > 1:
+        raise SeveralRobots(robots)
+    found = [(entry, sighting) for sighting in ordered for entry in _entries(sighting)]
+    chosen = [*_topics(found, "battery"), *_topics(found, "motion"), *_goals(found)]
+    stops = [sighting for sighting in ordered if _is_stop(sighting)]
+    chosen += [*_stop(stops), *(pair for pair in found if pair[0].part == "commands")]
+    where = _common_namespace(chosen, namespace)
+    used: set[str] = set()
+    entries = tuple(_named(entry, where, used) for entry, _ in chosen)
+    told = {sighting.name for _, sighting in chosen} | {sighting.name for sighting in stops}
+    unknown = tuple(_unknown_line(sighting) for sighting in ordered if sighting.name not in told)
+    return Proposal(where, entries, unknown)
+
+
+def _robots(seen: Iterable[Sighting]) -> set[str]:
+    """Return the namespaces that have the same battery, motion or goal below them, if several do.
+
+    Two topics `/a/odom` and `/b/odom` are of two robots; `/odom` and `/odometry/filtered` are not.
+    """
+    by_rest: dict[tuple[str, str], set[str]] = {}
+    for sighting in seen:
+        first, slash, rest = sighting.name[1:].partition("/")
+        if slash and any(
+            entry.part in ("battery", "motion", "goals") for entry in _entries(sighting)
+        ):
+            by_rest.setdefault((sighting.kind, rest), set()).add(f"/{first}")
+    return set().union(*(names for names in by_rest.values() if len(names) > 1))
+
+
+def _entries(sighting: Sighting) -> Iterator[Entry]:
+    """Yield what one sighting is taken for, with its full name in place of the one in the file."""
+    if sighting.kind == "topic":
+        yield from _battery(sighting)
+        yield from _motion(sighting)
+    elif sighting.kind == "action":
+        goal = propose_goal(
+            sighting.name, sighting.types, sighting.goal, sighting.feedback, sighting.result
+        )
+        if goal is not None:
+            yield Entry("goals", goal, _served_reason(sighting))
+    elif not _is_stop(sighting):
+        yield from _command(sighting)
+
+
+def _battery(sighting: Sighting) -> Iterator[Entry]:
+    for kind in sighting.types:
+        named = known_types.NAMED_BATTERIES.get(kind)
+        is_named = named and any(word in sighting.name.lower() for word in named.words)
+        fields = named.fields if named and is_named else known_types.BATTERIES.get(kind)
+        if fields is None:
+            continue
+        reason = _topic_reason(sighting, kind)
+        value = sighting.values.get(fields.percentage.field)
+        if isinstance(value, float) and value != value:
+            reason += "; its percentage is not a number"
+        elif isinstance(value, float) and value > 1.0 and fields.percentage.scale != 1.0:
+            percentage = replace(fields.percentage, scale=1.0)
+            fields = replace(fields, percentage=percentage)
+            reason += f"; its percentage was {value:g}, so it is not 0 to 1 as its type says"
+        yield Entry(
+            "battery", BatteryTopic(sighting.name, {kind: fields}, low=known_types.LOW), reason
+        )
+        return
+
+
+def _motion(sighting: Sighting) -> Iterator[Entry]:
+    for kind in sighting.types:
+        if kind in known_types.MOTIONS:
+            topic = MotionTopic(sighting.name, {kind: known_types.MOTIONS[kind]})
+            yield Entry("motion", topic, _topic_reason(sighting, kind))
+            return
+
+
+def _command(sighting: Sighting) -> Iterator[Entry]:
+    """Yield the command for a service; whether it moves the robot is not known, so it asks."""
+    name = sighting.name
+    made = CommandService(word_of(name), title_of(name), name, ask="always")
+    toggle = next((known_types.TOGGLES[t] for t in sighting.types if t in known_types.TOGGLES), "")
+    if toggle:
+        made = replace(made, toggle={toggle: "ask"})
+        yield Entry("commands", made, _served_reason(sighting))
+    elif sighting.goal == {} or any(kind in known_types.COMMANDS for kind in sighting.types):
+        yield Entry("commands", made, _served_reason(sighting))
+
+
+Found = tuple[Entry, Sighting]
+
+
+def _topics(found: Iterable[Found], part: Part) -> list[Found]:
+    """Return the topic that was found for a part, and the others as comments.
+
+    The first is one that somebody publishes, of the type that the table names first.
+    """
+    known = [*known_types.BATTERIES, *known_types.NAMED_BATTERIES, *known_types.MOTIONS]
+
+    def rank(pair: Found) -> tuple[bool, int]:
+        entry, sighting = pair
+        return not sighting.nodes, known.index(next(iter(entry.value.types)))
+
+    pairs = sorted((pair for pair in found if pair[0].part == part), key=rank)
+    return [(entry._replace(is_sure=not place), s) for place, (entry, s) in enumerate(pairs)]
+
+
+def _goals(found: Iterable[Found]) -> list[Found]:
+    """Return the goals; first those of the table, then those with a form."""
+    known = list(known_types.GOALS)
+
+    def rank(pair: Found) -> tuple[int, bool]:
+        goal = pair[0].value
+        return known.index(goal.type) if goal.type in known else len(known), not goal.form
+
+    return sorted((pair for pair in found if pair[0].part == "goals"), key=rank)
+
+
+def _is_stop(sighting: Sighting) -> bool:
+    """Return True for a service that may stop the robot, or release a stop, by its name or type."""
+    if sighting.kind != "service":
+        return False
+    words = re.split(r"[^a-z]+", sighting.name.lower())
+    return "irobot_create_msgs/srv/EStop" in sighting.types or any(
+        word in words for word in known_types.STOP_WORDS
+    )
+
+
+def _stop(seen: Sequence[Sighting]) -> Iterator[Found]:
+    """Yield each service that may be the STOP, with what may release it; never as sure."""
+    releases = [s for s in seen if any(w in s.name.lower() for w in known_types.RELEASE_WORDS)]
+    for sighting in seen:
+        if sighting in releases:
+            continue
+        kind = next((t for t in sighting.types if t in known_types.STOPS), "")
+        stop = known_types.STOPS.get(kind, StopServices(""))
+        beside = sighting.name.rpartition("/")[0]
+        release = next((s.name for s in releases if s.name.rpartition("/")[0] == beside), "")
+        if kind:
+            made = replace(stop, service=sighting.name, release=sighting.name)
+        else:
+            made = StopServices(sighting.name, release=release)
+        reason = f"{_served_reason(sighting)}: is this the STOP? Then uncomment it"
+        yield Entry("stop", made, reason, is_sure=False), sighting
+
+
+def _common_namespace(chosen: Sequence[Found], namespace: str) -> str:
+    """Return the namespace that the parts and their nodes have in common, within the given one."""
+    names = [name for _, sighting in chosen for name in (sighting.name, *sighting.nodes)]
+    if not names:
+        return namespace
+    found = posixpath.commonpath([posixpath.dirname(name) for name in names])
+    return found if namespace == "/" else namespace
+
+
+def _named(entry: Entry, namespace: str, used: set[str]) -> Entry:
+    """Return an entry with names as in the robot file, and with an id that no other one has."""
+    value = entry.value
+    for attribute in ("topic", "action", "service", "release"):
+        if name := getattr(value, attribute, ""):
+            value = replace(value, **{attribute: _relative(name, namespace)})
+    if entry.part in ("goals", "commands"):
+        value = replace(value, id=unused_word(value.id, used))
+        used |= {value.id, getattr(value, "off_word", value.id)}
+    return entry._replace(value=value)
+
+
+def _relative(name: str, namespace: str) -> str:
+    """Return a full name as it stands in a robot file for the namespace."""
+    below = f"{namespace.rstrip('/')}/"
+    return name.removeprefix(below) if name.startswith(below) else name
+
+
+def _unknown_line(sighting: Sighting) -> str:
+    lacking = sighting.kind != "topic" and sighting.goal is None
+    why = ", which is not installed here" if lacking else ""
+    return f"{sighting.kind} {sighting.name}: {', '.join(sighting.types)}{why}"
+
+
+def _topic_reason(sighting: Sighting, kind: str) -> str:
+    rate = f", {sighting.rate:.1f} Hz" if sighting.rate else ""
+    rate = rate or (", one message came" if sighting.values else ", no message came")
+    by = f", published by {_nodes(sighting)}" if sighting.nodes else ", which nobody publishes"
+    others = f" (and {len(sighting.types) - 1} other types)" if len(sighting.types) > 1 else ""
+    return f"{sighting.name} is a {kind}{others}{rate if sighting.nodes else ''}{by}"
+
+
+def _served_reason(sighting: Sighting) -> str:
+    twice = ": several serve it, so it is refused" if len(sighting.nodes) > 1 else ""
+    by = f" served by {_nodes(sighting)}" if sighting.nodes else ""
+    return f"{sighting.name} is a {', '.join(sighting.types)}{by}{twice}"
+
+
+def _nodes(sighting: Sighting) -> str:
+    return ", ".join(sighting.nodes)

@@ -1,0 +1,55 @@
+"""Describe this robot: the file that is written from the graph operates the robot."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("depot_interfaces")
+
+from archo_tui.robot_file.load import load
+from archo_tui.verbs import describe
+from tests.robots.cart import Cart
+from tests.robots.test_rover import rover
+from tests.support.console import console
+
+
+@pytest.fixture(autouse=True)
+def _short(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(describe, "LISTENING", 0.3)
+
+
+async def test_the_palette_writes_a_file_that_shows_the_robots_data(here: Path) -> None:
+    cart = Path(__file__).with_name("cart.yaml")
+    async with console(robot=cart, node_makers=[Cart], wait=False) as op:
+        await op.until(lambda: "blink" in op.app.view.snapshot.offered)
+        await op.press("ctrl+p")
+        await op.type("Describe this robot")
+        await op.press("enter")
+        await op.until("listens for")
+        await op.press("enter")
+        await op.until("Saved to robot.yaml.")
+    path = here / "robot.yaml"
+    made = load(path)
+    assert made.battery is not None
+    assert made.battery.topic == "battery_level"
+    assert [goal.action for goal in made.goals] == ["move_to_shelf"]
+    assert [command.service for command in made.commands] == ["blink"]
+    assert made.stop is None
+    assert "# stop: {service: emergency_stop}" in path.read_text()
+    async with console(robot=path, node_makers=[Cart], wait=False) as op:
+        await op.until("Go to shelf")
+        await op.until(lambda: "blink" in op.app.view.snapshot.offered)
+
+
+async def test_goals_of_types_that_it_never_saw_get_their_forms(tmp_path: Path) -> None:
+    async with rover() as (op, _):
+        await op.until(lambda: "/dock" in op.app.view.snapshot.actions)
+        path = tmp_path / "rover.yaml"
+        text = asyncio.create_task(describe.robot_file_text(op.session.station))
+        await op.until(text.done)
+        path.write_text(text.result())
+    made = load(path)
+    assert {goal.action for goal in made.goals} >= {"go_to", "dock", "undock"}

@@ -1,0 +1,204 @@
+"""A robot file proposed from what was seen: which part is taken for what, and what stays open."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from archo_tui.robot_file.load import parse
+from archo_tui.robot_file.model import RobotFile
+from archo_tui.robot_file.proposal import SeveralRobots, Sighting, propose
+from archo_tui.robot_file.proposal_text import text_of
+
+BATTERY = Sighting(
+    "topic",
+    "/tb1/battery_state",
+    ("sensor_msgs/msg/BatteryState",),
+    ("/tb1/base",),
+    1.0,
+    {"percentage": 0.75},
+)
+ODOMETRY = Sighting("topic", "/tb1/odom", ("nav_msgs/msg/Odometry",), ("/tb1/base",), 20.0)
+
+
+def action(name: str, kind: str, **more: object) -> Sighting:
+    return Sighting("action", name, (kind,), ("/tb1/nav",), **more)  # type: ignore[arg-type]
+
+
+def service(name: str, kind: str, *nodes: str, **more: object) -> Sighting:
+    return Sighting("service", name, (kind,), nodes or ("/tb1/base",), **more)  # type: ignore[arg-type]
+
+
+def text(*seen: Sighting, namespace: str = "/") -> str:
+    return text_of(propose(seen, namespace), "Written by a test.")
+
+
+def robot(*seen: Sighting, namespace: str = "/") -> RobotFile:
+    return parse(text(*seen, namespace=namespace), Path("test.yaml"))
+
+
+def test_battery_and_motion_are_read_as_their_types_say() -> None:
+    made = robot(BATTERY, ODOMETRY)
+    assert made.name == "tb1"
+    assert made.battery is not None
+    assert made.battery.topic == "battery_state"
+    assert made.battery.types["sensor_msgs/msg/BatteryState"].percentage.scale == 100
+    assert made.motion is not None
+    assert made.motion.topic == "odom"
+    assert "# /tb1/odom is a nav_msgs/msg/Odometry, 20.0 Hz, published by /tb1/base" in text(
+        ODOMETRY
+    )
+
+
+def test_a_battery_that_sends_percent_is_read_as_percent() -> None:
+    made = robot(BATTERY.__class__(**{**vars(BATTERY), "values": {"percentage": 87.0}}))
+    assert made.battery is not None
+    assert made.battery.types["sensor_msgs/msg/BatteryState"].percentage.scale == 1
+    unknown = BATTERY.__class__(**{**vars(BATTERY), "values": {"percentage": float("nan")}})
+    assert "its percentage is not a number" in text(unknown)
+
+
+def test_a_number_is_a_battery_only_by_the_name_of_its_topic() -> None:
+    level = Sighting("topic", "/battery_level", ("std_msgs/msg/Float32",), ("/bat",), 1.0)
+    assert robot(level).battery is not None
+    other = Sighting("topic", "/height", ("std_msgs/msg/Float32",), ("/bat",), 1.0)
+    assert robot(other).battery is None
+    assert "#   topic /height: std_msgs/msg/Float32" in text(other)
+
+
+def test_of_two_odometries_one_is_read_and_the_other_is_a_comment() -> None:
+    second = Sighting("topic", "/tb1/odometry/filtered", ODOMETRY.types, ("/tb1/ekf",), 30.0)
+    made = robot(second, ODOMETRY)
+    assert made.motion is not None
+    assert made.motion.topic == "odom"
+    assert "# motion:\n#   topic: odometry/filtered" in text(second, ODOMETRY)
+
+
+def test_a_stop_is_never_taken_for_sure_and_never_a_command() -> None:
+    seen = [
+        service("/tb1/e_stop", "irobot_create_msgs/srv/EStop"),
+        service("/tb1/emergency_stop", "std_srvs/srv/Trigger"),
+        service("/tb1/reset_emergency_stop", "std_srvs/srv/Trigger"),
+        service("/tb1/halt", "std_srvs/srv/SetBool"),
+    ]
+    made, written = robot(BATTERY, *seen), text(BATTERY, *seen)
+    assert made.stop is None
+    assert not made.commands
+    assert "# stop: {service: emergency_stop, release: reset_emergency_stop}" in written
+    assert "#   request: {e_stop_on: true}" in written
+    assert "#   release_request: {data: false}" in written
+
+
+def test_a_stop_proposal_works_once_it_is_uncommented() -> None:
+    written = text(BATTERY, service("/tb1/e_stop", "irobot_create_msgs/srv/EStop"))
+    lines = written.splitlines()
+    at = lines.index("# stop:")
+    lines[at : at + 5] = [line.removeprefix("# ") for line in lines[at : at + 5]]
+    stop = parse("\n".join(lines), Path("test.yaml")).stop
+    assert stop is not None
+    assert (stop.service, stop.request) == ("e_stop", {"e_stop_on": True})
+    assert (stop.release, stop.release_request) == ("e_stop", {"e_stop_on": False})
+
+
+def test_without_a_stop_the_file_says_so() -> None:
+    assert "without one, ctrl+x cancels every goal instead" in text(BATTERY)
+
+
+def test_commands_ask_first_since_nobody_knows_what_they_do() -> None:
+    made = robot(
+        service("/tb1/beep", "std_srvs/srv/Empty"),
+        service("/tb1/lamp", "std_srvs/srv/SetBool"),
+        service("/tb1/zero", "own_msgs/srv/Zero", goal={}),
+        service("/tb1/mode", "own_msgs/srv/Mode", goal={"mode": "uint8"}),
+    )
+    assert {command.id: command.ask for command in made.commands} == dict.fromkeys(
+        ("beep", "lamp", "zero"), "always"
+    )
+    lamp = next(command for command in made.commands if command.id == "lamp")
+    assert lamp.toggle == {"data": "ask"}
+
+
+def test_a_known_goal_has_its_form_though_its_type_is_not_installed() -> None:
+    made = robot(action("/tb1/navigate_to_pose", "nav2_msgs/action/NavigateToPose"))
+    (goal,) = made.goals
+    assert (goal.id, goal.action) == ("navigate", "navigate_to_pose")
+    assert [field.label for field in goal.form.values()] == ["x", "y", "yaw"]
+    assert goal.fixed == {"pose.header.frame_id": "map"}
+
+
+def test_a_goal_of_an_own_type_gets_a_form_of_its_fields() -> None:
+    fields = {
+        "target": "geometry_msgs/PoseStamped",
+        "target.header": "std_msgs/Header",
+        "target.header.stamp": "builtin_interfaces/Time",
+        "target.header.stamp.sec": "int32",
+        "target.header.frame_id": "string",
+        "target.pose": "geometry_msgs/Pose",
+        "target.pose.position": "geometry_msgs/Point",
+        "speed": "float",
+        "timeout": "builtin_interfaces/Duration",
+        "timeout.sec": "int32",
+    }
+    found = action(
+        "/tb1/go_home",
+        "own_msgs/action/GoHome",
+        goal=fields,
+        feedback={"distance_left": "float"},
+        result={"message": "string"},
+    )
+    (goal,) = robot(found).goals
+    assert (goal.id, goal.title) == ("go_home", "Go home")
+    assert list(goal.form) == [
+        "target.pose.position.x",
+        "target.pose.position.y",
+        "target.pose.orientation",
+        "speed",
+    ]
+    assert goal.remaining is not None
+    assert (goal.remaining.field, goal.message) == ("distance_left", "message")
+
+
+def test_a_goal_that_needs_a_list_or_an_absent_type_is_listed_only() -> None:
+    path = action(
+        "/tb1/follow_path",
+        "nav2_msgs/action/FollowPath",
+        goal={"path": "nav_msgs/Path", "path.poses": "sequence<geometry_msgs/PoseStamped>"},
+    )
+    other = action("/tb1/wave", "own_msgs/action/Wave")
+    written = text(BATTERY, path, other)
+    assert not robot(BATTERY, path, other).goals
+    assert "#   action /tb1/follow_path: nav2_msgs/action/FollowPath\n" in written
+    assert "#   action /tb1/wave: own_msgs/action/Wave, which is not installed here" in written
+
+
+def test_two_robots_are_not_mixed() -> None:
+    other = Sighting("topic", "/tb2/odom", ODOMETRY.types, ("/tb2/base",), 20.0)
+    with pytest.raises(SeveralRobots, match="several robots are here, in /tb1, /tb2"):
+        propose([BATTERY, ODOMETRY, other])
+    within = robot(BATTERY, ODOMETRY, namespace="/tb1")
+    assert within.motion is not None
+    assert within.motion.topic == "odom"
+
+
+def test_names_outside_of_the_robots_namespace_stay_whole() -> None:
+    made = robot(BATTERY, service("/lamp", "std_srvs/srv/SetBool", "/lamps"))
+    assert made.battery is not None
+    assert made.battery.topic == "tb1/battery_state"  # Root is what both have in common.
+    within = robot(BATTERY, service("/lamp", "std_srvs/srv/SetBool", "/lamps"), namespace="/tb1")
+    assert within.commands[0].service == "/lamp"
+
+
+def test_ids_are_never_the_consoles_own_words_or_the_same_twice() -> None:
+    made = robot(
+        service("/tb1/go", "std_srvs/srv/Trigger"),
+        service("/tb1/a/blink", "std_srvs/srv/Trigger"),
+        service("/tb1/b/blink", "std_srvs/srv/Trigger"),
+    )
+    assert sorted(command.id for command in made.commands) == ["blink", "blink_2", "go_2"]
+
+
+def test_very_many_unknown_names_are_counted() -> None:
+    seen = [Sighting("topic", f"/t{n}", ("own_msgs/msg/X",), ("/n",)) for n in range(500)]
+    written = text(*seen)
+    assert "#   and 300 more" in written
