@@ -304,9 +304,9 @@ class Session:
             }
             if event.command:
                 what["command"] = event.command
-            if event.act is not None:
-                what |= event.act._asdict()
-                if event.act.verb in ("stop", "release"):
+            if event.audit_record is not None:
+                what |= event.audit_record._asdict()
+                if event.audit_record.verb in ("stop", "release"):
                     what["place"] = self._place
             self.journal.write(event.time, kind, **what, count=event.count)
 

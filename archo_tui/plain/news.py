@@ -26,11 +26,11 @@ def is_event_news(
     """
     if event.level not in _PRINTED_LEVELS:
         return event.level == "INFO" and is_of_own_file(event, hosted)
-    act = event.act
-    if event.level == "YOU" and act is not None and not Outcome(act.code, "").ok:
+    record = event.audit_record
+    if event.level == "YOU" and record is not None and not Outcome(record.code, "").ok:
         # `failed: ...` reports what failed of the typed line. There is no such line while the
         # console ends, nor for what fails after the line was answered.
-        return is_ending or "later" in act.arguments
+        return is_ending or "later" in record.arguments
     if goal is None or not goal.mine or not goal.kind.refusals:
         return True
     # The server logs why it refuses a goal, and `failed: ...` repeats that reason.

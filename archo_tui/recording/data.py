@@ -9,7 +9,7 @@ from enum import Enum
 from functools import lru_cache
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
-from archo_tui.robot.acts import bounded
+from archo_tui.robot.audit_records import json_safe
 from archo_tui.robot.text import harmless
 
 _MAX_DEPTH = 4  # Of nested lists.
@@ -29,7 +29,7 @@ def to_data(value: Any) -> Any:
         return sorted(value)
     if isinstance(value, (list, tuple)):
         return [to_data(part) for part in value]
-    return value if value is None or isinstance(value, (str, bool)) else bounded({"": value})[""]
+    return value if value is None or isinstance(value, (str, bool)) else json_safe({"": value})[""]
 
 
 def from_data(kind: Any, data: Any) -> Any:

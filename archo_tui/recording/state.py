@@ -168,7 +168,9 @@ def console_state(view: View, *, with_events: bool) -> ConsoleState:
         queue=tuple(RecordedGoal(_recorded_action(goal.kind), goal.values) for goal in view.queue),
         held=view.held,
         clients=view.clients,
-        events=tuple(replace(event, act=None) for event in snapshot.events) if with_events else (),
+        events=tuple(replace(event, audit_record=None) for event in snapshot.events)
+        if with_events
+        else (),
     )
 
 

@@ -39,8 +39,8 @@ def _has_new_stop_event(old: Snapshot, new: Snapshot) -> bool:
     if new.events is old.events:
         return False
     known = max((event.number for event in old.events), default=0)
-    since = (event.act for event in new.events if event.number > known)
-    return any(act is not None and act.verb == "stop" for act in since)
+    since = (event.audit_record for event in new.events if event.number > known)
+    return any(record is not None and record.verb == "stop" for record in since)
 
 
 def _alarm_reasons(changed: Sequence[Alarm]) -> Iterator[str]:

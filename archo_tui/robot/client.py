@@ -23,9 +23,9 @@ from std_msgs.msg import String
 
 from archo_tui.clock import Clock
 from archo_tui.errors import in_one_line
-from archo_tui.robot import acts, message_classes, messages, ros2_command, services
-from archo_tui.robot.acts import Act
+from archo_tui.robot import audit_records, message_classes, messages, ros2_command, services
 from archo_tui.robot.arrivals import Arrivals
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.consoles import author, own_name
 from archo_tui.robot.events import ROUTINE, EventLog
 from archo_tui.robot.fields import filled
@@ -75,7 +75,7 @@ _EARLY = 0.05  # s that the timer of a look may be early, and the look still be 
 _ASKED = 2 * services.DEADLINE  # s that a question to the graph or a node may take
 _SILENT = f"no answer in {_ASKED:g} s from the console's own node"
 _RESTART = 3.0  # s after its restart in which what a node says differs because of that
-_ACTS = 100  # of other consoles, kept while the thread is busy
+_MAX_RECORDS = 100  # of other consoles, kept while the thread is busy
 
 
 class Robot:
@@ -122,7 +122,7 @@ class Robot:
             own_name(), heard, masks, context=context, start_parameter_services=False
         )
         self._name = author(node.get_name())
-        self._acts = node.create_publisher(String, acts.TOPIC, _ACTS)
+        self._record_publisher = node.create_publisher(String, audit_records.TOPIC, _MAX_RECORDS)
         self._services = Services(node, clock)
         self._telemetry = Telemetry(node, file, clock, self._on_telemetry, self._warn)
         self._goals = Goals(
@@ -157,7 +157,7 @@ class Robot:
             self._tell_of_stop,
         )
         node.listen_quietly(Log, "/rosout", self._on_log, 1000)
-        node.listen_quietly(String, acts.TOPIC, self._on_act, _ACTS)
+        node.listen_quietly(String, audit_records.TOPIC, self._on_audit_record, _MAX_RECORDS)
         # whatever the robot's time does
         steady = self._steady = RosClock(clock_type=ClockType.STEADY_TIME)
         self._flusher = node.create_timer(FLUSH_PERIOD, self._flush, clock=steady)
@@ -370,8 +370,8 @@ class Robot:
         who = current_requester()
 
         def tell(outcome: Outcome) -> None:
-            act = Act(verb, arguments or {}, outcome.code)
-            self._tell(f"{title}, answered late: {harmless(outcome.text)}", act, who=who)
+            record = AuditRecord(verb, arguments or {}, outcome.code)
+            self._tell(f"{title}, answered late: {harmless(outcome.text)}", record, who=who)
 
         return tell
 
@@ -523,12 +523,17 @@ class Robot:
         self._thread.submit(lambda: self._stopping.latch.add_told(node))
 
     def note(
-        self, level: str, source: str, text: str, command: str = "", act: Act | None = None
+        self,
+        level: str,
+        source: str,
+        text: str,
+        command: str = "",
+        audit_record: AuditRecord | None = None,
     ) -> None:
         """Add a line to the events, from any thread; other consoles are not told of it."""
         if (level, source) == (YOU.level, YOU.source):
             level, source = current_requester().level, current_requester().source
-        event = Event(self._clock.now(), level, source, text, command, act=act)
+        event = Event(self._clock.now(), level, source, text, command, audit_record=audit_record)
         self._thread.submit(lambda: self._add_event(event))
 
     async def catch_up(self) -> None:
@@ -621,7 +626,9 @@ class Robot:
 
         def log(outcome: Outcome) -> Outcome:
             answer, outcome = answer_of(outcome), Outcome(outcome.code, harmless(outcome.text))
-            self._tell(f"{title}: {outcome.text}", Act(verb, arguments, outcome.code), command, who)
+            self._tell(
+                f"{title}: {outcome.text}", AuditRecord(verb, arguments, outcome.code), command, who
+            )
             self._flush()
             return outcome if answer is None else Answer.of(outcome, answer)
 
@@ -641,8 +648,8 @@ class Robot:
             outcome = Outcome(
                 Code.TIMEOUT, f"no answer in {deadline:g} s from the console's own node"
             )
-            act = Act(verb, arguments, outcome.code)
-            self.note("YOU", "console", f"{title}: {outcome.text}", command, act)
+            record = AuditRecord(verb, arguments, outcome.code)
+            self.note("YOU", "console", f"{title}: {outcome.text}", command, record)
             return outcome
 
     def _look_again(self) -> None:
@@ -818,20 +825,20 @@ class Robot:
         else:
             self._mark()
 
-    def _on_act(self, message: String) -> None:
-        """Take in an act that another console reports; this console's own are left out."""
-        told = acts.read(message.data)
+    def _on_audit_record(self, message: String) -> None:
+        """Take in a record that another console reports; this console's own are left out."""
+        told = audit_records.read(message.data)
         if told is None or told.console not in self._graph.consoles:
             return
-        self._unexplained_changes.on_act(told.act, self._clock.monotonic())
-        self.stops.sent_elsewhere += told.act.verb == "stop"
-        self.stops.superseded |= told.act.verb != "stop"
-        if told.act.code is Code.DONE and told.act.verb == "stop":
+        self._unexplained_changes.on_audit_record(told.record, self._clock.monotonic())
+        self.stops.sent_elsewhere += told.record.verb == "stop"
+        self.stops.superseded |= told.record.verb != "stop"
+        if told.record.code is Code.DONE and told.record.verb == "stop":
             self._stopping.stopped_elsewhere(told.console)
-        elif told.act.code is Code.DONE and told.act.verb == "release":
+        elif told.record.code is Code.DONE and told.record.verb == "release":
             self._stopping.latch.released_elsewhere(told.console)
         now = self._clock.now()
-        self._add_event(Event(now, "PEER", told.console, told.text, act=told.act))
+        self._add_event(Event(now, "PEER", told.console, told.text, audit_record=told.record))
 
     def _on_change(self, node: str, name: str, old: Any, new: Any) -> None:
         if self._secrets.fit(name):
@@ -844,24 +851,28 @@ class Robot:
     def _on_error(self, error: Exception) -> None:
         self._say("ERROR", in_one_line(error))
 
-    def _tell(self, text: str, act: Act, command: str = "", who: Requester = YOU) -> None:
+    def _tell(
+        self, text: str, record: AuditRecord, command: str = "", who: Requester = YOU
+    ) -> None:
         """Report what this console did: to its events, to other consoles and to the ROS log."""
         text = harmless(text)
         self._node.get_logger().info(text)
-        self._acts.publish(String(data=acts.write(self._name, act, text)))
-        self._unexplained_changes.on_act(act, self._clock.monotonic())
+        self._record_publisher.publish(String(data=audit_records.write(self._name, record, text)))
+        self._unexplained_changes.on_audit_record(record, self._clock.monotonic())
         now = self._clock.now()
-        self._add_event(Event(now, who.level, who.source, text, command, act=act))
+        self._add_event(Event(now, who.level, who.source, text, command, audit_record=record))
 
     def _tell_of_stop(self, text: str, code: Code) -> None:
         """Report an outcome of a STOP that nobody waits for."""
-        self._tell(text, Act("stop", {"later": True}, code))
+        self._tell(text, AuditRecord("stop", {"later": True}, code))
 
     def _goal_ended(self, goal: Goal, text: str) -> None:
         """Report how a goal ended; the values of another client's goal are not on the graph."""
         assert goal.code is not None  # it has ended
-        act = Act(*self._as_verb(goal.kind, goal.fields), goal.code)
-        self._add_event(Event(self._clock.now(), "GOAL", goal.kind.action, text, act=act))
+        record = AuditRecord(*self._as_verb(goal.kind, goal.fields), goal.code)
+        self._add_event(
+            Event(self._clock.now(), "GOAL", goal.kind.action, text, audit_record=record)
+        )
 
     def _say(self, level: str, text: str) -> None:
         self._add_event(Event(self._clock.now(), level, "console", text))

@@ -64,7 +64,7 @@ class EventLog:
             count=1 if known is None else known.count + 1,
             first=event.time if known is None else known.first,
             number=self._count if known is None else known.number,
-            act=None if event.act is None else event.act.bounded(),
+            audit_record=None if event.audit_record is None else event.audit_record.json_safe(),
         )
         kept[key] = self._count, event
         if len(self._own) > _OWN:

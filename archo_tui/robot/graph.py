@@ -11,7 +11,7 @@ from typing import Any
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError  # rclpy has no public name for it
 from rclpy.node import Node
 
-from archo_tui.robot.acts import TOPIC
+from archo_tui.robot.audit_records import TOPIC
 from archo_tui.robot.consoles import author
 from archo_tui.robot.period import Pace
 from archo_tui.robot.resources import SEND, Resources, Types

@@ -15,7 +15,7 @@ from enum import Enum
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from archo_tui.robot.acts import Act
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.period import UNMEASURED, Pace, is_silent
 from archo_tui.robot.readings import number
@@ -369,7 +369,7 @@ class Event:
     count: int = 1  # how many alike it stands for
     first: float = 0.0  # when the first of them was
     number: int = 0  # of the first of them: tells events apart
-    act: Act | None = None  # what was done, where somebody did something
+    audit_record: AuditRecord | None = None  # what was done, where somebody did something
 
 
 class StopAnswer(Enum):

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Mapping
 from typing import Any, NamedTuple
 
-from archo_tui.robot.acts import Act
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion
 from archo_tui.robot.values import text_of
@@ -17,7 +17,7 @@ CLIENT, CONSOLE = "another client", "another console"
 _PATIENCE = 4.0
 _LATE = 20.0  # Seconds in which a request that was not answered in time may still be carried out.
 _GAP = 2.0  # Seconds of silence after which the robot's node may have been restarted.
-_MAX_ACTS = 200  # Reports that are kept.
+_MAX_RECORDS = 200  # Reports that are kept.
 # Codes of requests that did not reach the robot. REFUSED is not among them: the robot may have done
 # a part, as when one of two servers stops.
 _NOT_DONE = (Code.CANCELLED, Code.HELD, Code.NOT_OFFERED, Code.WATCHING, Code.MISUSE)
@@ -64,20 +64,20 @@ class UnexplainedChanges:
                 the same effect. One service may stop and release, depending on its request.
         """
         self._commands, self._services = commands, services
-        self._acts: deque[tuple[Act, float]] = deque(maxlen=_MAX_ACTS)
+        self._records: deque[tuple[AuditRecord, float]] = deque(maxlen=_MAX_RECORDS)
         self._changes: list[_Change] = []
         self._motion = Motion()
         self.author = CLIENT
 
-    def on_act(self, act: Act, now: float) -> None:
+    def on_audit_record(self, record: AuditRecord, now: float) -> None:
         """Record what a console reports.
 
         Args:
-            act: The report.
+            record: The report.
             now: Monotonic time in seconds.
         """
-        if act.code not in _NOT_DONE:
-            self._acts.append((act, now))
+        if record.code not in _NOT_DONE:
+            self._records.append((record, now))
 
     def on_motion(
         self, motion: Motion, now: float, is_restarted: Callable[[], bool] = lambda: False
@@ -122,14 +122,14 @@ class UnexplainedChanges:
 
     def _is_reported(self, change: _Change) -> bool:
         return any(
-            -_PATIENCE <= change.at - at <= (_LATE if act.code == Code.TIMEOUT else _PATIENCE)
-            and change.may_be_by(self._verbs(act), act.arguments)
-            for act, at in self._acts
+            -_PATIENCE <= change.at - at <= (_LATE if record.code == Code.TIMEOUT else _PATIENCE)
+            and change.may_be_by(self._verbs(record), record.arguments)
+            for record, at in self._records
         )
 
-    def _verbs(self, act: Act) -> Collection[str]:
+    def _verbs(self, record: AuditRecord) -> Collection[str]:
         """Return the verb of a report; for `call`, the verbs that call the same service."""
-        service = act.arguments.get("service")
-        if act.verb != "call" or not isinstance(service, str):
-            return (act.verb,)
-        return self._services.get(service, (act.verb,))
+        service = record.arguments.get("service")
+        if record.verb != "call" or not isinstance(service, str):
+            return (record.verb,)
+        return self._services.get(service, (record.verb,))

@@ -1,8 +1,8 @@
 """The operator's log: JSON lines in the state folder, each appended and flushed by itself.
 
 It holds commands, the ends of goals and what other consoles did, each with its text and as data
-(`verb`, `arguments`, `code`, see robot/acts.py), and alarms, warnings and errors. While the disk is
-full or read-only there is an alarm, and each further line tries again.
+(`verb`, `arguments`, `code`, see robot/audit_records.py), and alarms, warnings and errors. While
+the disk is full or read-only there is an alarm, and each further line tries again.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from archo_tui.clock import Clock
 from archo_tui.robot import forms
-from archo_tui.robot.acts import Act
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.requester import YOU, Requester, current_requester, on_behalf_of
 from archo_tui.robot.state import Goal, Hosted, Snapshot
@@ -407,9 +407,11 @@ class Station:
             raise ValueError(NOT_SENT)
         stop_count += self.robot.stops.sent_elsewhere
         request = self.requests.add(requester, goal, text, self.clock.monotonic(), stop_count)
-        act = Act("request", {"request": request.number, "values": goal.values}, Code.ACCEPTED)
+        record = AuditRecord(
+            "request", {"request": request.number, "values": goal.values}, Code.ACCEPTED
+        )
         asked = f"asks: {text} (request {request.number})"
-        self.robot.note(requester.level, requester.source, asked, act=act)
+        self.robot.note(requester.level, requester.source, asked, audit_record=record)
         self.refresh()
         return request
 
@@ -453,9 +455,9 @@ class Station:
         else:
             self.requests.deny(number, self.clock.monotonic())
         verb, word = ("allow", "allowed") if allowed else ("deny", "denied")
-        act = Act(verb, {"request": number}, Code.DONE)
+        record = AuditRecord(verb, {"request": number}, Code.DONE)
         text = f"{word} request {number} of {request.requester.source}: {request.text}"
-        self.robot.note(YOU.level, YOU.source, text, act=act)
+        self.robot.note(YOU.level, YOU.source, text, audit_record=record)
         if allowed:
             # The ends of its earlier goals are in the hands of those that wait for them.
             ends = request.requester.ends = []
@@ -560,8 +562,8 @@ class Station:
             if self.queue.hold_reason:
                 outcome = Outcome(Code.REFUSED, f"still held: {self.queue.hold_reason}")
         more = f": {outcome.text}" if outcome.text else ""
-        act = Act("continue", {}, outcome.code)
-        self.robot.note("YOU", "console", f"continue the queue{more}", act=act)
+        record = AuditRecord("continue", {}, outcome.code)
+        self.robot.note("YOU", "console", f"continue the queue{more}", audit_record=record)
         return outcome
 
     def skip(self) -> Outcome:
@@ -569,7 +571,7 @@ class Station:
         goal = self.queue.skip_next()
         text = f"left out of the queue: {goal.text}"
         _set_outcome(goal, Outcome(Code.CANCELLED, text))
-        self.robot.note("YOU", "console", text, act=Act("skip", {}, Code.DONE))
+        self.robot.note("YOU", "console", text, audit_record=AuditRecord("skip", {}, Code.DONE))
         self.refresh()
         return Outcome(Code.DONE, f"left out: {goal.text}")
 
@@ -642,8 +644,8 @@ class Station:
             return await self.robot.cancel(another=another)
         self.ledger.is_cancelled = True
         outcome = Outcome(Code.ACCEPTED, NEVER_LEFT)
-        act = Act("cancel", {}, outcome.code)
-        self.robot.note("YOU", "console", f"cancel: {outcome.text}", act=act)
+        record = AuditRecord("cancel", {}, outcome.code)
+        self.robot.note("YOU", "console", f"cancel: {outcome.text}", audit_record=record)
         return outcome
 
     async def release(self) -> Outcome:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from archo_tui.robot.acts import bounded
+from archo_tui.robot.audit_records import json_safe
 from archo_tui.robot.state import Event, Goal, Latch, Parameter, Snapshot
 from archo_tui.station.alarms import Priority
 from archo_tui.station.station import Station
@@ -107,7 +107,7 @@ def goal(found: Goal, now: float) -> dict[str, Any]:
     """
     return {
         "kind": found.kind.id,
-        "values": bounded(found.fields),
+        "values": json_safe(found.fields),
         "name": found.name,
         "phase": found.phase.value,
         "code": None if found.code is None else found.code.value,
@@ -121,7 +121,7 @@ def goal(found: Goal, now: float) -> dict[str, Any]:
 
 
 def event(found: Event) -> dict[str, Any]:
-    """Return an event as JSON has it, with the names and values of its act if it records one."""
+    """Return an event as JSON has it, with the names and values of its audit record, if any."""
     told: dict[str, Any] = {
         "time": found.time,
         "level": found.level,
@@ -131,14 +131,14 @@ def event(found: Event) -> dict[str, Any]:
     }
     if found.command:
         told["command"] = found.command
-    if found.act is not None:
-        told |= found.act.bounded()._asdict()
+    if found.audit_record is not None:
+        told |= found.audit_record.json_safe()._asdict()
     return told
 
 
 def parameter(found: Parameter) -> dict[str, Any]:
     """Return a parameter as JSON has it; long values are cut."""
-    values = bounded({"value": found.value, "initial": found.initial})
+    values = json_safe({"value": found.value, "initial": found.initial})
     return {
         "node": found.node,
         "name": found.name,

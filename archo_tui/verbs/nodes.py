@@ -7,7 +7,7 @@ from typing import Any
 
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
-from archo_tui.robot.acts import Act
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.state import LEVELS, Hosted
 from archo_tui.robot.stops import NOT_SENT
@@ -76,9 +76,9 @@ class _OfNode(Verb):
             outcome = await in_daemon(self.work(station), name)  # It waits for the node's thread.
         if self.starts:
             station.node_started()
-        act = Act(self.id, {"node": name}, outcome.code)
+        record = AuditRecord(self.id, {"node": name}, outcome.code)
         said = f"{self.title.lower()} {name}: {outcome.text}"
-        station.robot.note("YOU", "console", said, act=act)
+        station.robot.note("YOU", "console", said, audit_record=record)
         station.refresh()
         return outcome
 

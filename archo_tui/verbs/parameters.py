@@ -12,7 +12,7 @@ from archo_tui.daemon_threads import in_daemon
 from archo_tui.errors import ArchoError
 from archo_tui.nearest import nearest_hint
 from archo_tui.parameters import save_load
-from archo_tui.robot.acts import Act
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code, Outcome
 from archo_tui.robot.parameter_values import parse, range_text
 from archo_tui.robot.requester import current_requester
@@ -238,8 +238,8 @@ class Save(_File):
         except ArchoError as error:
             return Outcome(Code.REFUSED, str(error))
         said = f"saved to {values['file']}"
-        act = Act(self.id, {"file": str(values["file"])}, Code.DONE)
-        station.robot.note("YOU", "console", f"save parameters: {said}", act=act)
+        record = AuditRecord(self.id, {"file": str(values["file"])}, Code.DONE)
+        station.robot.note("YOU", "console", f"save parameters: {said}", audit_record=record)
         for node in _unreported(station):
             why = f"not saved, {node.lstrip('/')} does not report its parameters"
             station.robot.note("WARN", "console", why)

@@ -18,7 +18,7 @@ from rclpy.parameter_client import AsyncParameterClient
 from rclpy.task import Future
 from std_msgs.msg import String
 
-from archo_tui.robot import acts
+from archo_tui.robot import audit_records
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Goal, Phase
 from archo_tui.session import _robots_nodes
@@ -265,7 +265,7 @@ async def test_two_consoles_see_each_other_come_and_go_and_what_the_other_does(
             assert "PEER" in op.line("reset encoder: Encoder reset to zero")
             events = op.app.view.snapshot.events
             (event,) = [event for event in events if event.text.startswith("reset encoder")]
-            assert event.act == ("reset", {}, Code.DONE)
+            assert event.audit_record == ("reset", {}, Code.DONE)
             await until(lambda: second.snapshot.motion.count == 0)
             await op.press("ctrl+x")
             await until(lambda: any("STOP: " in event.text for event in second.snapshot.events))
@@ -322,9 +322,11 @@ async def test_what_a_console_does_that_does_not_tell_it_is_another_consoles() -
 
 async def test_what_is_no_console_explains_nothing_whatever_it_publishes() -> None:
     async with shared(*FAST) as (op, other):
-        publisher = other.create_publisher(String, acts.TOPIC, 10)
+        publisher = other.create_publisher(String, audit_records.TOPIC, 10)
         await op.until(lambda: publisher.get_subscription_count() == 1)
-        stop = acts.write("nobody", acts.Act("stop", {}, Code.DONE), "STOP: by nobody")
+        stop = audit_records.write(
+            "nobody", audit_records.AuditRecord("stop", {}, Code.DONE), "STOP: by nobody"
+        )
         for form in ("", "\x1b[2J", "[" * 10_000, "{}", stop):
             publisher.publish(String(data=form))
         client = other.create_client(EmergencyStop, "emergency_stop")

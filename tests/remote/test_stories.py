@@ -64,8 +64,12 @@ STORIES: dict[str, tuple[list[Step], str]] = {
 
 def outcomes(station: Station) -> list[str]:
     """Verb and code of all that was done."""
-    acts = [event.act for event in station.robot.snapshot.events if event.act is not None]
-    return [f"{act.verb} {act.code.value}" for act in acts]
+    records = [
+        event.audit_record
+        for event in station.robot.snapshot.events
+        if event.audit_record is not None
+    ]
+    return [f"{record.verb} {record.code.value}" for record in records]
 
 
 def is_over(station: Station, wanted: list[str]) -> bool:

@@ -52,8 +52,8 @@ def kinds_kept() -> Counter[str]:
     """How many objects there are of each kind of the console's robot, but for the event log's."""
     gc.collect()
     ours = [type(it).__name__ for it in gc.get_objects() if "archo_tui.robot" in str(type(it))]
-    # of those a thousand are kept, some with an act
-    return Counter(name for name in ours if name not in ("Event", "Act"))
+    # of those a thousand are kept, some with a record
+    return Counter(name for name in ours if name not in ("Event", "AuditRecord"))
 
 
 @pytest.mark.parametrize("count", corners([24], [100]))

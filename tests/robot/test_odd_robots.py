@@ -22,7 +22,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.task import Future
 from std_msgs.msg import Float32
 
-from archo_tui.robot.acts import Act
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Motion, Phase
 from archo_tui.robot.tracked_goal import TrackedGoal
@@ -195,14 +195,14 @@ def test_the_time_that_is_left_counts_down_between_two_feedbacks() -> None:
     assert moving.seconds_left(NOW + 9.0) == 0.0
 
 
-def set_(node: str, code: Code = Code.DONE, **values: Any) -> Act:
-    return Act("set", {"node": node, "values": values}, code)
+def set_(node: str, code: Code = Code.DONE, **values: Any) -> AuditRecord:
+    return AuditRecord("set", {"node": node, "values": values}, code)
 
 
 def test_what_was_not_answered_in_time_is_ours_when_it_is_done_later() -> None:
     others = UnexplainedChanges({"reset"}, {})
-    others.on_act(set_("/motor", Code.TIMEOUT, speed=0.5), 10.0)
-    others.on_act(set_("/motor", ramp=2.0), 10.0)
+    others.on_audit_record(set_("/motor", Code.TIMEOUT, speed=0.5), 10.0)
+    others.on_audit_record(set_("/motor", ramp=2.0), 10.0)
     others.on_parameter("/motor", "speed", 1.0, 0.5, 15.0)
     others.on_parameter("/motor", "ramp", 2.0, 3.0, 15.0)
     assert others.take_due(19.5) == ["motor ramp changed by another client: 3.0, was 2.0"]
@@ -216,12 +216,12 @@ def test_what_a_console_says_late_is_still_its_doing() -> None:
     others.on_motion(moving, 10.0)
     others.on_motion(replace(moving, stopped=True, received=10.2), 10.2)
     assert others.take_due(13.0) == []
-    others.on_act(Act("stop", {}, Code.TIMEOUT), 13.1)
+    others.on_audit_record(AuditRecord("stop", {}, Code.TIMEOUT), 13.1)
     assert others.take_due(20.0) == []
 
 
 @pytest.mark.parametrize(
-    ("act", "is_explained"),
+    ("record", "is_explained"),
     [
         (set_("/motor", speed=0.5), True),
         (set_("/motor", ramp=1.0, speed=0.5), True),
@@ -229,38 +229,47 @@ def test_what_a_console_says_late_is_still_its_doing() -> None:
         (set_("/motor", Code.CANCELLED, speed=0.5), False),  # it never left
         (set_("/motor", ramp=2.0), False),
         (set_("/other", speed=0.5), False),
-        (Act("stop", {"node": "/motor", "values": {"speed": 0.5}}, Code.DONE), False),
-        (Act("set", {"node": "/motor", "values": "speed"}, Code.DONE), False),
-        (Act("set", {}, Code.DONE), False),
+        (AuditRecord("stop", {"node": "/motor", "values": {"speed": 0.5}}, Code.DONE), False),
+        (AuditRecord("set", {"node": "/motor", "values": "speed"}, Code.DONE), False),
+        (AuditRecord("set", {}, Code.DONE), False),
     ],
 )
 def test_a_change_of_a_parameter_is_explained_by_its_node_and_name(
-    act: Act, is_explained: bool
+    record: AuditRecord, is_explained: bool
 ) -> None:
     others = UnexplainedChanges((), {})
-    others.on_act(act, 10.0)
+    others.on_audit_record(record, 10.0)
     others.on_parameter("/motor", "speed", 1.0, 0.5, 10.5)
     said = [] if is_explained else ["motor speed changed by another client: 0.5, was 1.0"]
     assert others.take_due(15.0) == said
 
 
 @pytest.mark.parametrize(
-    ("act", "said"),
+    ("record", "said"),
     [
-        (Act("reset", {}, Code.DONE), []),
-        (Act("call", {"service": "/r1/reset", "values": {}}, Code.DONE), []),
-        (Act("call", {"service": "/r2/reset"}, Code.DONE), ["encoder reset by another client"]),
-        (Act("call", {"service": ["/r1/reset"]}, Code.DONE), ["encoder reset by another client"]),
-        (Act("go", {"shelf_number": 3}, Code.ACCEPTED), ["encoder reset by another client"]),
+        (AuditRecord("reset", {}, Code.DONE), []),
+        (AuditRecord("call", {"service": "/r1/reset", "values": {}}, Code.DONE), []),
+        (
+            AuditRecord("call", {"service": "/r2/reset"}, Code.DONE),
+            ["encoder reset by another client"],
+        ),
+        (
+            AuditRecord("call", {"service": ["/r1/reset"]}, Code.DONE),
+            ["encoder reset by another client"],
+        ),
+        (
+            AuditRecord("go", {"shelf_number": 3}, Code.ACCEPTED),
+            ["encoder reset by another client"],
+        ),
     ],
 )
 def test_a_robot_files_command_zeroes_the_count_however_it_is_called(
-    act: Act, said: list[str]
+    record: AuditRecord, said: list[str]
 ) -> None:
     others = UnexplainedChanges({"reset"}, {"/r1/reset": ("reset",)})
     others.on_motion(Motion(count=5, received=10.0), 10.0)
     others.on_motion(Motion(count=0, received=10.2), 10.2)
-    others.on_act(act, 10.3)
+    others.on_audit_record(record, 10.3)
     assert others.take_due(15.0) == [f"{line}: 0, was 5" for line in said]
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from archo_tui.paths import journal_file
-from archo_tui.robot.acts import Act
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code
 from archo_tui.station import journal
 from archo_tui.station.journal import MAX_BYTES, Journal, unreleased_stop
@@ -171,7 +171,12 @@ async def test_what_was_done_and_how_goals_ended_is_there_for_programs_too(unlim
         other = replace(SHELF, title="other")  # as it is made without a robot file
         assert not (await ended(robot.send(other, {"shelf_number": 41}))).ok
         assert (await ended(robot.set_parameters("/motor_controller", {"max_speed": 0.5}))).ok
-        robot.note("YOU", "console", "saved", act=Act("save", {"path": "a.yaml"}, Code.DONE))
+        robot.note(
+            "YOU",
+            "console",
+            "saved",
+            audit_record=AuditRecord("save", {"path": "a.yaml"}, Code.DONE),
+        )
         await op.until("saved")
     found = [entry for entry in entries(journal_file()) if "verb" in entry]
     commands, goals = (
@@ -342,7 +347,7 @@ def test_the_last_stop_without_a_release_is_found(
     file = tmp_path / "journal.jsonl"
     kept = Journal(file)
     for time, verb, code, place in lines:
-        kept.write(time, "command", **Act(verb, {}, code)._asdict(), place=place)
+        kept.write(time, "command", **AuditRecord(verb, {}, code)._asdict(), place=place)
     kept.close()
     if lines:
         with file.open("ab") as opened:

@@ -7,8 +7,8 @@ from typing import Any
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from archo_tui.robot import acts
-from archo_tui.robot.acts import Act
+from archo_tui.robot import audit_records
+from archo_tui.robot.audit_records import AuditRecord
 from archo_tui.robot.outcome import Code
 
 
@@ -17,8 +17,8 @@ class Peer(Node):
 
     def __init__(self, **options: Any) -> None:
         super().__init__("_archo_console_other_lab_1", **options)
-        self._acts = self.create_publisher(String, acts.TOPIC, 10)
+        self._records = self.create_publisher(String, audit_records.TOPIC, 10)
 
     def tell(self, verb: str) -> None:
-        said = acts.write("other_lab_1", Act(verb, {}, Code.DONE), f"{verb}: done")
-        self._acts.publish(String(data=said))
+        said = audit_records.write("other_lab_1", AuditRecord(verb, {}, Code.DONE), f"{verb}: done")
+        self._records.publish(String(data=said))

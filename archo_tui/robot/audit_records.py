@@ -25,13 +25,13 @@ from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 
 TOPIC = "_archo_console/acts_1"  # A hidden name, as ROS tools use.
-LONGEST = 16_000  # Characters of a record; a longer one is ignored.
-_MOST = 100  # Items of a list that are kept.
-_DEEPEST = 4  # Levels of nested values that are kept.
+MAX_LENGTH = 16_000  # Characters of a record; a longer one is ignored.
+_MAX_ITEMS = 100  # Items of a list that are kept.
+_MAX_DEPTH = 4  # Levels of nested values that are kept.
 _INT64 = 2**63
 
 
-class Act(NamedTuple):
+class AuditRecord(NamedTuple):
     """The record of a verb that was carried out, or was refused.
 
     Attributes:
@@ -44,38 +44,38 @@ class Act(NamedTuple):
     arguments: Mapping[str, Any]
     code: Code
 
-    def bounded(self) -> Act:
+    def json_safe(self) -> AuditRecord:
         """Return a copy with only what JSON can hold, and with safe texts of bounded length."""
-        return Act(harmless(self.verb), bounded(self.arguments), self.code)
+        return AuditRecord(harmless(self.verb), json_safe(self.arguments), self.code)
 
 
-class Told(NamedTuple):
+class PublishedRecord(NamedTuple):
     """A record that another console published.
 
     Attributes:
         console: The name of the console.
-        act: The record.
+        record: The record.
         text: The line for people; it may hold any characters.
     """
 
     console: str
-    act: Act
+    record: AuditRecord
     text: str
 
 
-def write(console: str, act: Act, text: str) -> str:
-    """Return a record as JSON; if it would exceed LONGEST, the names without their values.
+def write(console: str, record: AuditRecord, text: str) -> str:
+    """Return a record as JSON; if it would exceed MAX_LENGTH, the names without their values.
 
     Args:
         console: The name of this console.
-        act: The record.
+        record: The record.
         text: The line for people.
     """
-    verb, arguments, code = act.bounded()
+    verb, arguments, code = record.json_safe()
     form = {"console": console, "verb": verb, "code": code.value, "text": text}
-    whole = json.dumps({**form, "arguments": arguments})
-    if len(whole) <= LONGEST:
-        return whole
+    as_json = json.dumps({**form, "arguments": arguments})
+    if len(as_json) <= MAX_LENGTH:
+        return as_json
     names = {
         name: dict.fromkeys(value) if isinstance(value, Mapping) else value
         for name, value in arguments.items()
@@ -83,9 +83,9 @@ def write(console: str, act: Act, text: str) -> str:
     return json.dumps({**form, "arguments": names})
 
 
-def read(form: str) -> Told | None:
+def read(form: str) -> PublishedRecord | None:
     """Return the record in a text; None if the text has not this form."""
-    if len(form) > LONGEST:
+    if len(form) > MAX_LENGTH:
         return None
     try:
         found = json.loads(form)
@@ -96,10 +96,10 @@ def read(form: str) -> Told | None:
     are_texts = all(isinstance(item, str) for item in (console, verb, text))
     if not are_texts or not isinstance(arguments, dict):
         return None
-    return Told(console, Act(verb, arguments, code), text)
+    return PublishedRecord(console, AuditRecord(verb, arguments, code), text)
 
 
-def bounded(values: Mapping[str, Any]) -> dict[str, Any]:
+def json_safe(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return values as JSON can hold them, with safe texts of bounded length."""
     return _mapping(values, 0)
 
@@ -115,10 +115,10 @@ def _plain(value: Any, depth: int) -> Any:
         return value
     if isinstance(value, float) and math.isfinite(value):
         return value
-    if isinstance(value, (Mapping, list, tuple)) and depth > _DEEPEST:
+    if isinstance(value, (Mapping, list, tuple)) and depth > _MAX_DEPTH:
         return "..."
     if isinstance(value, Mapping):
         return _mapping(value, depth)
     if isinstance(value, (list, tuple)):
-        return [_plain(item, depth + 1) for item in value[:_MOST]]
+        return [_plain(item, depth + 1) for item in value[:_MAX_ITEMS]]
     return harmless(text_of(value))

@@ -7,12 +7,14 @@ from typing import Any
 
 import pytest
 
-from archo_tui.robot.acts import LONGEST, Act, read, write
+from archo_tui.robot.audit_records import MAX_LENGTH, AuditRecord, read, write
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.outcome import Code
 from archo_tui.robot.state import Event
 
-SET = Act("set", {"node": "/motor", "values": {"speed": 0.5, "names": ["a", "b"]}}, Code.DONE)
+SET = AuditRecord(
+    "set", {"node": "/motor", "values": {"speed": 0.5, "names": ["a", "b"]}}, Code.DONE
+)
 FORM = {"console": "anna", "verb": "stop", "arguments": {}, "code": "done", "text": "STOP"}
 
 
@@ -23,20 +25,20 @@ def test_what_one_console_writes_another_reads() -> None:
 
 def test_what_a_later_console_adds_is_left_alone() -> None:
     told = read(json.dumps({**FORM, "since": [1]}))
-    assert told == ("anna", Act("stop", {}, Code.DONE), "STOP")
+    assert told == ("anna", AuditRecord("stop", {}, Code.DONE), "STOP")
 
 
 @pytest.mark.parametrize(
     "form",
     [
         *("", "STOP", "null", "7", "[]", '"console"', "{}", '{"console": "anna"}'),
-        *("[" * LONGEST, "1" * LONGEST, '{"a":' * 3000),
+        *("[" * MAX_LENGTH, "1" * MAX_LENGTH, '{"a":' * 3000),
         *(json.dumps({**FORM, name: 7}) for name in FORM),
         *(json.dumps({**FORM, name: None}) for name in FORM),
         json.dumps({**FORM, "arguments": []}),
         json.dumps({**FORM, "code": "perhaps"}),
         json.dumps({**FORM, "code": ["done"]}),
-        json.dumps({**FORM, "text": "x" * LONGEST}),
+        json.dumps({**FORM, "text": "x" * MAX_LENGTH}),
     ],
     ids=str.__len__,
 )
@@ -57,19 +59,19 @@ def test_what_it_holds_can_be_kept_and_shown_whatever_it_is() -> None:
     }
     told = read(json.dumps({**FORM, "verb": "\x9b", "arguments": hostile}))
     assert told is not None
-    event = EventLog().add(Event(0.0, "PEER", told.console, told.text, act=told.act))
-    assert event.act is not None
-    kept = json.dumps(event.act, allow_nan=False, ensure_ascii=False)
+    event = EventLog().add(Event(0.0, "PEER", told.console, told.text, audit_record=told.record))
+    assert event.audit_record is not None
+    kept = json.dumps(event.audit_record, allow_nan=False, ensure_ascii=False)
     assert kept.isascii() or "\ufffd" in kept
     assert not set(kept) & set("\x1b\x9b\u202e")
     assert len(kept) < 3000
-    assert event.act.arguments["numbers"][3:] == [-1, 0.5, True, None]
+    assert event.audit_record.arguments["numbers"][3:] == [-1, 0.5, True, None]
 
 
 def test_of_more_values_than_are_read_the_names_are_told() -> None:
     values = {f"parameter_{number}": "x" * 400 for number in range(100)}
-    form = write("anna", Act("set", {"node": "/motor", "values": values}, Code.DONE), "set")
+    form = write("anna", AuditRecord("set", {"node": "/motor", "values": values}, Code.DONE), "set")
     told = read(form)
     assert told is not None
-    assert told.act.arguments["node"] == "/motor"
-    assert told.act.arguments["values"] == dict.fromkeys(values)
+    assert told.record.arguments["node"] == "/motor"
+    assert told.record.arguments["values"] == dict.fromkeys(values)
