@@ -58,13 +58,13 @@ class _AnyOf(VerbCommand):
             console.show_message(str(error))
             return
         with console.opening():  # Message classes are read from disk, on another thread.
-            leaves = await in_daemon(console.station.robot.form, kind)
-        if leaves is None:
+            message_fields = await in_daemon(console.station.robot.form, kind)
+        if message_fields is None:
             console.show_message(not_installed(name, kind))
             return
         typed = console.typed.setdefault(name, {})
         send = partial(self.send, console, name, kind)
-        console.open(MessageForm(f"{name}  {kind}", leaves, send, typed))
+        console.open(MessageForm(f"{name}  {kind}", message_fields, send, typed))
 
     async def send(
         self, console: Console, name: str, kind: str, values: Mapping[str, Any]

@@ -57,7 +57,10 @@ class FormGoalKey(VerbCommand):
         kind = self._go.kind
         if not kind.form:
             return console.run_verb(self._go, {goals.GOALS: [{}]})
-        leaves, typed = console.view.snapshot.forms[kind.id], console.typed.setdefault(kind.id, {})
+        message_fields, typed = (
+            console.view.snapshot.forms[kind.id],
+            console.typed.setdefault(kind.id, {}),
+        )
 
         async def send(values: Mapping[str, Any]) -> Outcome:
             try:
@@ -68,7 +71,7 @@ class FormGoalKey(VerbCommand):
             console.update_screen()  # The goal may wait in the queue.
             return outcome
 
-        console.open(MessageForm(kind.title, leaves, send, typed, kind.form))
+        console.open(MessageForm(kind.title, message_fields, send, typed, kind.form))
         return None
 
 

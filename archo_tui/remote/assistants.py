@@ -80,7 +80,7 @@ class Assistants:
         for verb in self._verbs.values():
             if isinstance(verb, Go):
                 said = schema(verb, snapshot)
-                paths = [leaf.path for leaf in snapshot.forms.get(verb.kind.id, ())]
+                paths = [field.path for field in snapshot.forms.get(verb.kind.id, ())]
                 named = zip(paths, said["properties"].items(), strict=False)
                 said["properties"] = {path: {"title": label, **one} for path, (label, one) in named}
                 said["required"] = paths
@@ -131,12 +131,12 @@ class Assistants:
         Raises:
             ValueError: One is missing, unknown, or not of its type.
         """
-        leaves = self._station.robot.snapshot.forms.get(verb.kind.id)
-        if leaves is None:
+        fields = self._station.robot.snapshot.forms.get(verb.kind.id)
+        if fields is None:
             raise ValueError(f"{verb.kind.type} is not installed here")
         if not isinstance(given, dict):
             raise ValueError("values: expected an object, by name")
-        paths = [leaf.path for leaf in leaves]
+        paths = [field.path for field in fields]
         for name in given:
             if name not in paths:
                 raise ValueError(f"values: no {name[:40]!r}; there are {', '.join(paths)}")
@@ -148,7 +148,7 @@ class Assistants:
             if isinstance(given[path], (dict, list)) or given[path] is None:
                 raise ValueError(f"values: {path} is no number, text, true or false")
             texts[path] = typed_text(given[path])
-        return forms.parse_all(leaves, verb.kind.form, texts)
+        return forms.parse_all(fields, verb.kind.form, texts)
 
     async def _wait(
         self, requester: Requester, words: list[str], request: Mapping[str, Any]

@@ -22,7 +22,7 @@ from archo_tui.robot.state import (
     TOPIC,
     Event,
     Goal,
-    Leaf,
+    MessageField,
     NodeState,
     Snapshot,
     level_word,
@@ -316,6 +316,6 @@ def _parse_state(text: str) -> ConsoleState:
     return from_data(ConsoleState, json.loads(text))  # type: ignore[no-any-return]
 
 
-def _form_fields(kind: GoalKind) -> tuple[Leaf, ...]:
+def _form_fields(kind: GoalKind) -> tuple[MessageField, ...]:
     found = message_classes.load(kind.type)
-    return () if found is None else tuple(messages.leaves(found.Goal()))
+    return () if found is None else tuple(messages.flat_fields(found.Goal()))

@@ -48,7 +48,7 @@ from archo_tui.robot.state import (
     Event,
     Goal,
     Latch,
-    Leaf,
+    MessageField,
     NodeInfo,
     Snapshot,
     level_word,
@@ -375,12 +375,14 @@ class Robot:
 
         return tell
 
-    def form(self, type_name: str) -> tuple[Leaf, ...] | None:
+    def form(self, type_name: str) -> tuple[MessageField, ...] | None:
         """Return the fields of a goal or a request by its type; None: that is not installed."""
         found = message_classes.load(type_name)
         if found is None:
             return None
-        return tuple(messages.leaves(found.Goal() if "/action/" in type_name else found.Request()))
+        return tuple(
+            messages.flat_fields(found.Goal() if "/action/" in type_name else found.Request())
+        )
 
     async def types_anywhere(self, name: str, *, is_action: bool = False) -> tuple[str, ...]:
         """Return the types of whoever serves a name, also outside of the robot's namespace.

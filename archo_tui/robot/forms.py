@@ -8,7 +8,7 @@ from typing import Any
 
 from archo_tui.robot.fields import INTEGERS, checked, element_of
 from archo_tui.robot.parameter_values import typed_text
-from archo_tui.robot.state import Leaf
+from archo_tui.robot.state import MessageField
 from archo_tui.robot.values import (
     parse_any_number,
     parse_bool,
@@ -24,57 +24,57 @@ _LONGEST = 10_000  # Characters of a typed value.
 _FARTHEST = 10**30  # Beyond the range of every type, which is checked separately.
 
 
-def is_integer(leaf: Leaf) -> bool:
+def is_integer(field: MessageField) -> bool:
     """Return True for a field that takes whole numbers only."""
-    return leaf.type in INTEGERS
+    return field.type in INTEGERS
 
 
-def is_number(leaf: Leaf) -> bool:
+def is_number(field: MessageField) -> bool:
     """Return True for a field that takes numbers only."""
-    return is_integer(leaf) or leaf.type in ("float", "double")
+    return is_integer(field) or field.type in ("float", "double")
 
 
-def is_list(leaf: Leaf) -> bool:
+def is_list(field: MessageField) -> bool:
     """Return True for a field that takes a list."""
-    return element_of(leaf.type) is not None
+    return element_of(field.type) is not None
 
 
-def parse(leaf: Leaf, given: FormField, text: str) -> Any:
+def parse(field: MessageField, given: FormField, text: str) -> Any:
     """Return the value that was typed for a field.
 
     Args:
-        leaf: The field.
+        field: The field.
         given: Its label and limits in the robot file.
         text: What was typed.
 
     Raises:
         ValueError: In one line why the text is no value for the field.
     """
-    label = given.label or leaf.path
+    label = given.label or field.path
     shown = text.strip() if len(text) <= _SHOWN else f"{text.strip()[:_SHOWN]} ..."
-    if not text.strip() and "string" not in leaf.type:
+    if not text.strip() and "string" not in field.type:
         raise ValueError(f"{label}: type a value")
     if len(text) > _LONGEST:
         raise ValueError(f"{label}: {len(text)} characters, at most {_LONGEST}")
     try:
-        value = _value(leaf, text)
+        value = _value(field, text)
     except YamlFault as fault:
         raise ValueError(f"{label}: {fault.reason}: {shown}") from None
     except ValueError:
-        kinds = "true or false" if leaf.type == "boolean" else "a number"
-        kinds = "a whole number" if is_integer(leaf) else "a list" if is_list(leaf) else kinds
+        kinds = "true or false" if field.type == "boolean" else "a number"
+        kinds = "a whole number" if is_integer(field) else "a list" if is_list(field) else kinds
         raise ValueError(f"{label}: not {kinds}: {shown}") from None
-    if is_number(leaf):  # The check of the file reports a range for another type.
-        check_range(leaf, given, value, shown)
-    checked(leaf.type, value, label)
+    if is_number(field):  # The check of the file reports a range for another type.
+        check_range(field, given, value, shown)
+    checked(field.type, value, label)
     return value
 
 
-def check_range(leaf: Leaf, given: FormField, value: Any, shown: str) -> None:
+def check_range(field: MessageField, given: FormField, value: Any, shown: str) -> None:
     """Check a number against the limits of a field, as far as these are known.
 
     Args:
-        leaf: The field.
+        field: The field.
         given: Its label and limits in the robot file.
         value: The number.
         shown: The number as an error quotes it.
@@ -82,8 +82,8 @@ def check_range(leaf: Leaf, given: FormField, value: Any, shown: str) -> None:
     Raises:
         ValueError: It is outside the limits, or not finite though it is converted.
     """
-    label = given.label or leaf.path
-    low, high = INTEGERS.get(leaf.type, (None, None))
+    label = given.label or field.path
+    low, high = INTEGERS.get(field.type, (None, None))
     low, high = _known(given.low, low), _known(given.high, high)
     # In this form the comparison also refuses NaN.
     if low is not None and not value >= low:
@@ -95,16 +95,16 @@ def check_range(leaf: Leaf, given: FormField, value: Any, shown: str) -> None:
 
 
 def check_ranges(
-    leaves: Iterable[Leaf], form: Mapping[str, FormField], values: Mapping[str, Any]
+    fields: Iterable[MessageField], form: Mapping[str, FormField], values: Mapping[str, Any]
 ) -> None:
     """Check every number among values by dotted path as `check_range` does.
 
     Raises:
         ValueError: A number is outside its limits.
     """
-    for leaf in filter(is_number, leaves):
-        value = values[leaf.path]
-        check_range(leaf, form.get(leaf.path, FormField()), value, text_of(value))
+    for field in filter(is_number, fields):
+        value = values[field.path]
+        check_range(field, form.get(field.path, FormField()), value, text_of(value))
 
 
 def _known(given: Limit, otherwise: float | None) -> float | None:
@@ -113,7 +113,7 @@ def _known(given: Limit, otherwise: float | None) -> float | None:
 
 
 def parse_all(
-    leaves: Iterable[Leaf], form: Mapping[str, FormField], texts: Mapping[str, str]
+    fields: Iterable[MessageField], form: Mapping[str, FormField], texts: Mapping[str, str]
 ) -> dict[str, Any]:
     """Return the values of all fields by dotted path.
 
@@ -121,20 +121,22 @@ def parse_all(
         ValueError: Why the first wrong text is no value.
     """
     return {
-        leaf.path: parse(leaf, form.get(leaf.path, FormField()), texts[leaf.path])
-        for leaf in leaves
+        field.path: parse(field, form.get(field.path, FormField()), texts[field.path])
+        for field in fields
     }
 
 
 def named(
-    leaves: Iterable[Leaf], form: Mapping[str, FormField], words: list[str]
+    fields: Iterable[MessageField], form: Mapping[str, FormField], words: list[str]
 ) -> dict[str, str]:
     """Return the texts in words such as `x=1.5 y=2`, or `12` for a single field, by path.
 
     Raises:
         ValueError: In one line what was expected.
     """
-    labels = {(form.get(leaf.path, FormField()).label or leaf.path): leaf.path for leaf in leaves}
+    labels = {
+        (form.get(field.path, FormField()).label or field.path): field.path for field in fields
+    }
     if len(labels) == 1 and not any("=" in word for word in words):
         return {path: " ".join(words) for path in labels.values()}
     lower = {path.lower(): path for path in labels.values()}
@@ -157,21 +159,21 @@ def _expected(labels: Iterable[str]) -> str:
     return " ".join(f"{label.lower()}=..." for label in labels) or "nothing"
 
 
-def _value(leaf: Leaf, text: str) -> Any:
-    element = element_of(leaf.type)
+def _value(field: MessageField, text: str) -> Any:
+    element = element_of(field.type)
     if element is not None:
-        return _list(leaf._replace(type=element), text)
-    if "string" in leaf.type:
+        return _list(field._replace(type=element), text)
+    if "string" in field.type:
         return text
     stripped = text.strip()
-    if leaf.type == "boolean":
+    if field.type == "boolean":
         return parse_bool(stripped)
-    if is_integer(leaf):
+    if is_integer(field):
         return parse_integer(stripped, -_FARTHEST, _FARTHEST)
     return parse_any_number(stripped)
 
 
-def _list(element: Leaf, text: str) -> list[Any]:
+def _list(element: MessageField, text: str) -> list[Any]:
     """Parse a list by the type of its elements; YAML decides what a message means."""
     if "/" not in element.type:
         return [_value(element, item) for item in bounded_yaml.scalar_texts(text)]
@@ -181,6 +183,6 @@ def _list(element: Leaf, text: str) -> list[Any]:
     return items
 
 
-def default_text(leaf: Leaf) -> str:
+def default_text(field: MessageField) -> str:
     """Return the text in the field at first, which means the message's default value."""
-    return typed_text(leaf.default)
+    return typed_text(field.default)

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from archo_tui.robot import forms, message_classes, messages, ros2_command
 from archo_tui.robot.fields import checked, filled
 from archo_tui.robot.graph import Graph
-from archo_tui.robot.state import Leaf
+from archo_tui.robot.state import MessageField
 from archo_tui.robot_file import mismatch, model
 
 
@@ -142,13 +142,13 @@ def _form_fault(kind: model.GoalKind, goal: Any) -> str:
     types = messages.types(goal)
     for path, given in kind.form.items():
         where, found = given.where or kind.where, f"{path} is {types[path]}"
-        leaf = Leaf(path, types[path], None)
+        field = MessageField(path, types[path], None)
         if given.convert == "yaw":
             if not {f"{path}.{axis}" for axis in "xyzw"} <= set(types):
                 return f"{where}: {found}: convert: yaw is for a quaternion (x, y, z, w)"
         elif any(other.startswith(f"{path}.") for other in types):
             return f"{where}: {found}: name one of its fields"
-        elif not forms.is_number(leaf) and (given.low is not None or given.high is not None):
+        elif not forms.is_number(field) and (given.low is not None or given.high is not None):
             return f"{where}: {found}: low and high are for numbers"
     return ""
 
@@ -162,14 +162,14 @@ def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
     return ""
 
 
-def _form(kind: model.GoalKind) -> tuple[Leaf, ...] | None:
+def _form(kind: model.GoalKind) -> tuple[MessageField, ...] | None:
     """Return the fields of a goal's form; None if the action's type is not installed here."""
     goal_type = message_classes.load(kind.type)
     if goal_type is None:
         return None
-    types = {leaf.path: leaf for leaf in messages.leaves(goal_type.Goal())}
+    types = {field.path: field for field in messages.flat_fields(goal_type.Goal())}
     turned = {path for path, given in kind.form.items() if given.convert}
-    number = Leaf("", "double", 0.0)
+    number = MessageField("", "double", 0.0)
     return tuple(
         (number if path in turned else types.get(path, number))._replace(path=path)
         for path in kind.form

@@ -469,9 +469,9 @@ class Station:
 
     def _range_error(self, goal: QueuedGoal) -> str:
         """Return which value of a goal is beyond a limit of the robot; "" if none is."""
-        leaves = self._snapshot.forms.get(goal.kind.id) or ()
+        fields = self._snapshot.forms.get(goal.kind.id) or ()
         try:
-            forms.check_ranges(leaves, self._snapshot.form(goal.kind), goal.values)
+            forms.check_ranges(fields, self._snapshot.form(goal.kind), goal.values)
         except ValueError as error:
             return str(error)
         return ""

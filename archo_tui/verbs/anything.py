@@ -8,7 +8,7 @@ from typing import Any
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot import forms
-from archo_tui.robot.state import Leaf, Snapshot, in_namespace
+from archo_tui.robot.state import MessageField, Snapshot, in_namespace
 from archo_tui.robot.typed_request import mapping
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField
@@ -72,17 +72,17 @@ async def fields_of(
     Raises:
         ValueError: The type has no such field, or a value does not fit.
     """
-    leaves = await in_daemon(station.robot.form, type_name)  # Reads files.
-    if leaves is None:
+    fields = await in_daemon(station.robot.form, type_name)  # Reads files.
+    if fields is None:
         raise ValueError(mismatch.not_installed(name, type_name))
     if len(words) == 1 and words[0].startswith("{"):
         return mapping(words[0])
-    by_path = {leaf.path: leaf for leaf in leaves}
+    by_path = {field.path: field for field in fields}
     found: dict[str, Any] = {}
     for word in words:
         path, equals, text = word.partition("=")
         if not equals or path not in by_path or path in found:
-            raise ValueError(f"expected {_expected(leaves)}, not {word[:_SHOWN]}")
+            raise ValueError(f"expected {_expected(fields)}, not {word[:_SHOWN]}")
         found[path] = forms.parse(by_path[path], FormField(), text)
     return found
 
@@ -90,5 +90,5 @@ async def fields_of(
 _SHOWN = 40  # Characters of a wrong word that an error quotes.
 
 
-def _expected(leaves: Sequence[Leaf]) -> str:
-    return " ".join(f"{leaf.path}=..." for leaf in leaves) or "no values"
+def _expected(fields: Sequence[MessageField]) -> str:
+    return " ".join(f"{field.path}=..." for field in fields) or "no values"

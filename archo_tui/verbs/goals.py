@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Sequence
 
 from archo_tui.robot import forms
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import Leaf, Phase, Snapshot
+from archo_tui.robot.state import MessageField, Phase, Snapshot
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.station.ledger import RELEASE
@@ -26,20 +26,22 @@ class Go(Verb):
 
     acts = moves = has_goals = True
 
-    def __init__(self, kind: GoalKind, leaves: Sequence[Leaf] | None, verb: str = "") -> None:
+    def __init__(
+        self, kind: GoalKind, fields: Sequence[MessageField] | None, verb: str = ""
+    ) -> None:
         """Create the verb.
 
         Args:
             kind: The goal of the robot file.
-            leaves: The fields that the operator fills in; None if the type is not installed.
+            fields: The fields that the operator fills in; None if the type is not installed.
             verb: The word of the verb; "" means the goal's id.
         """
-        self.kind, self._leaves = kind, leaves
+        self.kind, self._fields = kind, fields
         self.id = verb or kind.id
         self.title = self.help = kind.title
         self.service = kind.action
-        several = leaves is not None and len(leaves) == 1 and forms.is_number(leaves[0])
-        self.arguments = tuple(_argument(kind, leaf, several) for leaf in leaves or ())
+        several = fields is not None and len(fields) == 1 and forms.is_number(fields[0])
+        self.arguments = tuple(_argument(kind, field, several) for field in fields or ())
 
     @property
     def usage(self) -> str:
@@ -64,13 +66,13 @@ class Go(Verb):
 
         If a goal is one number, each word is a goal of its own.
         """
-        if self._leaves is None:
+        if self._fields is None:
             raise ValueError(mismatch.not_installed(self.kind.action, self.kind.type))
         several = any(argument.many for argument in self.arguments) and "=" not in "".join(words)
         rows = [[word] for word in words] if several and words else [list(words)]
         form = self.kind.form
-        texts = [forms.named(self._leaves, form, row) for row in rows]
-        return {GOALS: [forms.parse_all(self._leaves, form, row) for row in texts]}
+        texts = [forms.named(self._fields, form, row) for row in rows]
+        return {GOALS: [forms.parse_all(self._fields, form, row) for row in texts]}
 
     def is_ready(self, station: Station, values: Values) -> bool:
         """Return True if the action is found, and its limits are known or had time to arrive."""
@@ -88,17 +90,17 @@ class Go(Verb):
         """Check numbers against the robot's limits; raise ValueError for one beyond them."""
         form = station.robot.snapshot.form(self.kind)
         for goal in values[GOALS]:
-            forms.check_ranges(self._leaves or (), form, goal)
+            forms.check_ranges(self._fields or (), form, goal)
         return values
 
     def run(self, station: Station, values: Values) -> Awaitable[Outcome]:
         return station.drive([QueuedGoal(self.kind, given) for given in values[GOALS]])
 
 
-def _argument(kind: GoalKind, leaf: Leaf, several: bool) -> Argument:
-    given = kind.form.get(leaf.path, FormField())
-    label = given.label or leaf.path
-    return Argument(label, leaf.type, several, low=given.low, high=given.high, unit=given.unit)
+def _argument(kind: GoalKind, field: MessageField, several: bool) -> Argument:
+    given = kind.form.get(field.path, FormField())
+    label = given.label or field.path
+    return Argument(label, field.type, several, low=given.low, high=given.high, unit=given.unit)
 
 
 class SendGoal(Verb):

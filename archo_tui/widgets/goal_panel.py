@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from archo_tui.robot.forms import is_integer, is_number, parse
-from archo_tui.robot.state import WATCHING, Leaf, Snapshot
+from archo_tui.robot.state import WATCHING, MessageField, Snapshot
 from archo_tui.station.reason import Reason, limits, obstacles
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
@@ -55,17 +55,17 @@ class GoalPanel(Panel):
             self.title_text = self._kind.title
         super().__init__()
         form = {} if self._kind is None else self._kind.form
-        self._leaves = () if self._kind is None else snapshot.forms.get(self._kind.id, ())
+        self._message_fields = () if self._kind is None else snapshot.forms.get(self._kind.id, ())
         self.fields = [
             Field(
                 id=f"goal-{number}",
-                takes=_allowed_characters(leaf),
+                takes=_allowed_characters(message_field),
                 changed=self.hint,
                 submitted=self.submit,
                 stepped=self._recall_typed,
                 refused=self.hint,
             )
-            for number, leaf in enumerate(self._leaves)
+            for number, message_field in enumerate(self._message_fields)
         ]
         for field, following in zip(self.fields, self.fields[1:], strict=False):
             field.next_field = following
@@ -245,14 +245,18 @@ class GoalPanel(Panel):
             return
         if self.fields and not any(text.strip() for text in typed):
             return
-        several = len(self._leaves) == 1 and is_number(self._leaves[0])
+        several = len(self._message_fields) == 1 and is_number(self._message_fields[0])
         rows = [[word] for word in typed[0].split()] if several else [typed]
         goals, form = [], self._snapshot.form(self._kind)
         for row in rows:
             values: dict[str, Any] = {}
-            for leaf, field, text in zip(self._leaves, self.fields, row, strict=True):
+            for message_field, field, text in zip(
+                self._message_fields, self.fields, row, strict=True
+            ):
                 try:
-                    values[leaf.path] = parse(leaf, form[leaf.path], text)
+                    values[message_field.path] = parse(
+                        message_field, form[message_field.path], text
+                    )
                 except ValueError as error:
                     self.hint(str(error), Reason(limits))
                     self.screen.set_focus(field)
@@ -266,7 +270,7 @@ class GoalPanel(Panel):
         self.send(goals, typed)
 
 
-def _allowed_characters(leaf: Leaf) -> str:
-    if is_integer(leaf):
+def _allowed_characters(message_field: MessageField) -> str:
+    if is_integer(message_field):
         return INTEGER
-    return NUMBER if is_number(leaf) else ""
+    return NUMBER if is_number(message_field) else ""

@@ -86,10 +86,10 @@ def selectable_numbers(snapshot: Snapshot, kind: GoalKind) -> range | None:
     None means that the goal is not one whole number, that a limit is unknown, or that there are too
     many numbers for a board.
     """
-    leaves = snapshot.forms.get(kind.id, ())
-    if len(leaves) != 1 or leaves[0].type not in INTEGERS:
+    fields = snapshot.forms.get(kind.id, ())
+    if len(fields) != 1 or fields[0].type not in INTEGERS:
         return None
-    given = kind.form[leaves[0].path]
+    given = kind.form[fields[0].path]
     low, high = snapshot.limit(given.low), snapshot.limit(given.high)
     if low is None or high is None or not 0 <= high - low < _MAX_NUMBERS:
         return None

@@ -93,9 +93,9 @@ async def test_a_service_with_nested_messages_and_arrays_is_called() -> None:
         for _ in range(6):
             await op.press("enter")
         typed = {"waypoints": "[{x: 1.0}, {y: 2}]", "weights": "[1, 2.5]", "fast": "yes"}
-        for number, leaf in enumerate(op.app.screen._message_fields):  # type: ignore[attr-defined]
-            if leaf.path in typed:
-                op.app.screen._fields[number].value = typed[leaf.path]  # type: ignore[attr-defined]
+        for number, field in enumerate(op.app.screen._message_fields):  # type: ignore[attr-defined]
+            if field.path in typed:
+                op.app.screen._fields[number].value = typed[field.path]  # type: ignore[attr-defined]
         await op.press("ctrl+s")
         await op.until("legs 2, route by the wall")
         request = node.planned[0]
@@ -118,7 +118,7 @@ async def test_a_service_form_that_is_typed_in_one_burst_calls_what_was_typed() 
 async def test_a_wrong_element_of_an_array_is_said_and_nothing_is_sent() -> None:
     async with counting() as (op, node):
         screen = await form(op, "C", *"plan", "enter")
-        places = {leaf.path: number for number, leaf in enumerate(screen._message_fields)}
+        places = {field.path: number for number, field in enumerate(screen._message_fields)}
         for path, text, said in (
             ("waypoints", "[{q: 1}]", "there is no field waypoints[0].q: x, y, z"),
             ("waypoints", "[3]", "waypoints[0]: 3 is not the fields of depot_interfaces/Vector"),
