@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
-from archo_tui.robot.period import Pace
+from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.state import (
     Event,
     Goal,
@@ -66,7 +66,7 @@ class ConsoleState(NamedTuple):
     actions: Names = {}
     services: Names = {}
     resources: tuple[Resource, ...] = ()
-    paces: Mapping[str, Pace] = {}
+    paces: Mapping[str, MessageRate] = {}  # As in Snapshot.message_rates.
     charge: tuple[tuple[float, float], ...] = ()
     open_stop: OpenStop | None = None
     outlived: tuple[str, ...] = ()
@@ -91,7 +91,7 @@ def all_times(state: ConsoleState) -> Iterator[float | None]:
         yield from (line.time, line.first)
     yield from (node.heard for node in state.nodes)
     yield from (hosted.saved for hosted in state.hosted)
-    yield from (pace.heard for pace in state.paces.values())
+    yield from (rate.heard for rate in state.paces.values())
     yield from (time for time, _ in state.charge)
     if state.open_stop:
         yield state.open_stop.asked
@@ -156,7 +156,8 @@ def console_state(view: View, *, with_events: bool) -> ConsoleState:
         services=snapshot.services,
         resources=snapshot.resources,
         paces={
-            name: pace._replace(heard=pace.heard + since) for name, pace in snapshot.paces.items()
+            name: rate._replace(heard=rate.heard + since)
+            for name, rate in snapshot.message_rates.items()
         },
         charge=tuple((time + since, percentage) for time, percentage in snapshot.charge),
         open_stop=None if stop is None else stop._replace(asked=stop.asked + since),

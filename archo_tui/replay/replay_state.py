@@ -16,7 +16,7 @@ from archo_tui.robot import message_classes, messages
 from archo_tui.robot.consoles import author
 from archo_tui.robot.events import EventLog
 from archo_tui.robot.graph import is_hidden
-from archo_tui.robot.period import Pace
+from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.state import (
     OWN_LEVELS,
     TOPIC,
@@ -65,8 +65,8 @@ class Checkpoint(NamedTuple):
     state_json: str
     goal: Goal | None
     log: EventLog
-    paces: Mapping[str, Pace]
-    nodes: Mapping[str, tuple[float | None, Pace | None]]
+    message_rates: Mapping[str, MessageRate]
+    nodes: Mapping[str, tuple[float | None, MessageRate | None]]
     board: AlarmBoard
     evaluated_until: float
 
@@ -101,9 +101,9 @@ class ReplayState:
         self.console, self._state_json = self._initial, ""
         self.goal: Goal | None = None
         self._log = EventLog()
-        self._paces: dict[str, Pace] = {}  # Of each topic, by its full name.
+        self._message_rates: dict[str, MessageRate] = {}  # Of each topic, by its full name.
         # Of each node: when it was last heard, and the period of its messages.
-        self._nodes: dict[str, tuple[float | None, Pace | None]] = {}
+        self._nodes: dict[str, tuple[float | None, MessageRate | None]] = {}
         self._board, self._evaluated_until = AlarmBoard(), 0.0
 
     @property
@@ -124,7 +124,7 @@ class ReplayState:
             self._state_json,
             self.goal,
             self._log.copy(),
-            dict(self._paces),
+            dict(self._message_rates),
             dict(self._nodes),
             self._board.copy(),
             self._evaluated_until,
@@ -140,7 +140,7 @@ class ReplayState:
             )
         self.goal = checkpoint.goal
         self._log, self._board = checkpoint.log.copy(), checkpoint.board.copy()
-        self._paces, self._nodes = dict(checkpoint.paces), dict(checkpoint.nodes)
+        self._message_rates, self._nodes = dict(checkpoint.message_rates), dict(checkpoint.nodes)
         self._evaluated_until = checkpoint.evaluated_until
 
     def apply(self, time: float, topic: str, message: Any) -> None:
@@ -199,11 +199,11 @@ class ReplayState:
         if not self._telemetry.charge:
             self._telemetry.charge = state.charge
         # The state may be older than the messages received meanwhile.
-        self._paces = {**state.paces, **self._paces}
+        self._message_rates = {**state.paces, **self._message_rates}
         for node in state.nodes:
             if node.heard is not None and node.name not in self._nodes:
-                pace = Pace(node.heard, 1 / node.rate) if node.rate else None
-                self._nodes[node.name] = node.heard, pace
+                rate = MessageRate(node.heard, 1 / node.rate) if node.rate else None
+                self._nodes[node.name] = node.heard, rate
 
     def _with_file_kind(self, goal: Goal) -> Goal:
         """Return a goal whose kind is the robot file's."""
@@ -230,19 +230,19 @@ class ReplayState:
         below = f"{self.console.namespace.rstrip('/')}/"
         if author(node) or not node.startswith(below) or is_hidden(node):
             return  # The journal has what consoles log; other robots do not matter here.
-        _, pace = self._nodes.get(node, (None, None))
-        self._nodes[node] = self._clock.time, pace
+        _, rate = self._nodes.get(node, (None, None))
+        self._nodes[node] = self._clock.time, rate
         level = level_word(message.level)
         self._log.add(Event(self._clock.time, level, message.name, message.msg))
 
     def _on_reading(self, topic: str, _news: News) -> None:
         full, now = self._topics.resolve_topic_name(topic), self._clock.time
-        pace = self._paces.get(full)
-        self._paces[full] = Pace(now) if pace is None else pace.again(now)
+        rate = self._message_rates.get(full)
+        self._message_rates[full] = MessageRate(now) if rate is None else rate.with_message_at(now)
         for resource in self.console.resources:
             if (resource.kind, resource.name) == (TOPIC, full) and resource.nodes:
-                _, pace = self._nodes.get(resource.nodes[0], (None, None))
-                beat = Pace(now) if pace is None else pace.again(now)
+                _, rate = self._nodes.get(resource.nodes[0], (None, None))
+                beat = MessageRate(now) if rate is None else rate.with_message_at(now)
                 self._nodes[resource.nodes[0]] = now, beat
 
     def _on_feedback(self, kind: GoalKind, feedback: Any) -> None:
@@ -293,12 +293,12 @@ class ReplayState:
             actions=state.actions,
             services=state.services,
             resources=state.resources,
-            paces=dict(self._paces),
+            message_rates=dict(self._message_rates),
         )
 
     def _node(self, node: NodeState) -> NodeState:
-        heard, pace = self._nodes.get(node.name, (None, None))
-        return node._replace(heard=heard, rate=None if pace is None else pace.rate)
+        heard, rate = self._nodes.get(node.name, (None, None))
+        return node._replace(heard=heard, rate=None if rate is None else rate.hertz)
 
     def alarms(self, snapshot: Snapshot, now: float) -> tuple[Alarm, ...]:
         """Return the alarms with their texts at a Unix time."""

@@ -933,7 +933,7 @@ class Robot:
                 actions=self._graph.actions,
                 services=self._graph.served,
                 resources=self._graph.resources,
-                paces=self._graph.paces(),
+                message_rates=self._graph.message_rates(),
             )
         )
 

@@ -538,7 +538,7 @@ class Goals:
             now: Monotonic time in seconds.
             motion: The last message about the robot's motion.
         """
-        self._pause = self._pause.look(now)
+        self._pause = self._pause.checked_at(now)
         for tracked in list(self._running.values()):
             tracked.check(now, motion, self._pause.resumed)
 

@@ -13,7 +13,7 @@ from rclpy.node import Node
 
 from archo_tui.robot.audit_records import TOPIC
 from archo_tui.robot.consoles import author
-from archo_tui.robot.period import Pace
+from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.resources import SEND, Resources, Types
 from archo_tui.robot.state import NodeState, Resource, in_namespace
 from archo_tui.robot_file.model import RobotFile
@@ -50,8 +50,8 @@ class Graph:
         self._seen: object = None  # at the last look, of what a snapshot shows
         self._resources = Resources(node, self.is_ours)
         self._heard: dict[str, float] = {}  # by node, as all below
-        self._paces: dict[str, Pace] = {}
-        self._paces_of_topics: dict[str, Pace] = {}
+        self._node_rates: dict[str, MessageRate] = {}
+        self._topic_rates: dict[str, MessageRate] = {}
         self._publisher: dict[str, str] = {}
         self.names: list[str] = []
         self.count: dict[str, int] = {}  # how many nodes have each of the names
@@ -116,8 +116,8 @@ class Graph:
         )
         rivals = {name: self.rivals(name) for name in self._alone}
         self.several = {name: nodes for name, nodes in rivals.items() if nodes}
-        for name in set(self._paces) - set(names):  # its rate starts over when it comes back
-            del self._paces[name]
+        for name in set(self._node_rates) - set(names):  # its rate starts over when it comes back
+            del self._node_rates[name]
         there = (
             names,
             offered,
@@ -204,10 +204,10 @@ class Graph:
 
     def heard_topic(self, topic: str, now: float) -> None:
         """Take note of a message on one of the console's topics at `now`, in monotonic s."""
-        _heard(self._paces_of_topics, topic, now)
+        _heard(self._topic_rates, topic, now)
         name = self._publisher.get(topic)
         if name is not None:
-            _heard(self._paces, name, now)
+            _heard(self._node_rates, name, now)
             self._heard[name] = now
 
     def heard_log(self, name: str, now: float) -> None:
@@ -221,7 +221,7 @@ class Graph:
             NodeState(
                 name,
                 self._heard.get(name),
-                self._paces[name].rate if name in self._paces else None,
+                self._node_rates[name].hertz if name in self._node_rates else None,
             )
             for name in self.names
         )
@@ -241,16 +241,15 @@ class Graph:
         """Topics, services and actions; the same object until something changes."""
         return self._resources.all
 
-    def paces(self) -> dict[str, Pace]:
+    def message_rates(self) -> dict[str, MessageRate]:
         """Return how often each topic that the console hears comes, by its full name."""
         return {
-            in_namespace(self.namespace, topic): pace
-            for topic, pace in self._paces_of_topics.items()
+            in_namespace(self.namespace, topic): rate for topic, rate in self._topic_rates.items()
         }
 
 
-def _heard(paces: dict[str, Pace], name: str, now: float) -> None:
-    paces[name] = paces[name].again(now) if name in paces else Pace(now)
+def _heard(rates: dict[str, MessageRate], name: str, now: float) -> None:
+    rates[name] = rates[name].with_message_at(now) if name in rates else MessageRate(now)
 
 
 def is_of_every_node(types: Sequence[str]) -> bool:

@@ -10,7 +10,6 @@ UNMEASURED = 90.0  # Silence allowed before the period is known: longer than mos
 LONGEST_SET = 10.0  # A parameter with a larger value is not taken for a period.
 _MEASURED = 5  # Intervals, of which the median is the period.
 _ALIKE = 0.1  # A period that differs from a parameter by less than this share may be set by it.
-_SMOOTHING = 0.2  # The weight of the newest interval in a rate.
 _MAYBE_A_BURST = 15.0  # Silence allowed after a few quick messages, longer than most bursts' gaps.
 _FEW = 3  # So many intervals may be one burst.
 _DENSE = LEAST_SILENCE / 3  # Shorter intervals allow no less silence than LEAST_SILENCE.
@@ -63,7 +62,7 @@ class Period(NamedTuple):
             seconds = max(seconds, min(float(new), LONGEST_SET))
         return Period(known=seconds)
 
-    def heard(self, now: float) -> Period:
+    def with_message_at(self, now: float) -> Period:
         """Return the period with one more message at `now`, in monotonic seconds."""
         if self.last is None:
             return self._replace(last=now)
@@ -164,7 +163,7 @@ class Pause(NamedTuple):
     notice a silence.
 
     Attributes:
-        checked: When `look` was called last, in monotonic seconds; None if never.
+        checked: When `checked_at` was called last, in monotonic seconds; None if never.
         is_over: True unless the last call ended a pause.
         resumed: The end of the last pause, in monotonic seconds; silence counts from then.
     """
@@ -173,7 +172,7 @@ class Pause(NamedTuple):
     is_over: bool = True
     resumed: float = float("-inf")
 
-    def look(self, now: float) -> Pause:
+    def checked_at(self, now: float) -> Pause:
         """Return the pauses up to `now` (monotonic seconds); call it about once a second."""
         paused = self.checked is not None and now - self.checked > LEAST_SILENCE
         resumed = now if paused and self.is_over else self.resumed
@@ -183,37 +182,6 @@ class Pause(NamedTuple):
 def is_number(value: object) -> TypeGuard[float]:
     """Return True for a number that is no bool."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-class Pace(NamedTuple):
-    """The present rate of messages, measured from the start again after a silence.
-
-    Attributes:
-        heard: When the last message came, in monotonic seconds.
-        interval: The smoothed interval in seconds; None before two messages.
-    """
-
-    heard: float
-    interval: float | None = None
-
-    def again(self, now: float) -> Pace:
-        """Return the rate with one more message at `now`, in monotonic seconds."""
-        if self.is_silent(now):
-            return Pace(now)
-        since = now - self.heard
-        if since <= 0:
-            return self
-        before = since if self.interval is None else self.interval
-        return Pace(now, before + _SMOOTHING * (since - before))
-
-    @property
-    def rate(self) -> float | None:
-        """The rate in Hz; None before two messages."""
-        return 1 / self.interval if self.interval else None
-
-    def is_silent(self, now: float) -> bool:
-        """Return True after a silence of three intervals, at least 2.5 s, if two messages came."""
-        return is_silent(self.heard, self.interval, now, None)
 
 
 def is_silent(

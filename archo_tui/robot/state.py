@@ -16,8 +16,9 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from archo_tui.robot.audit_records import AuditRecord
+from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.period import UNMEASURED, Pace, is_silent
+from archo_tui.robot.period import UNMEASURED, is_silent
 from archo_tui.robot.readings import number
 from archo_tui.robot.secret_names import MASK
 from archo_tui.robot.values import same, text_of
@@ -432,7 +433,7 @@ class Snapshot(NamedTuple):
     actions: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
     services: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
     resources: tuple[Resource, ...] = ()  # all but ROS's own
-    paces: Mapping[str, Pace] = _NOTHING  # of the topics that the console hears
+    message_rates: Mapping[str, MessageRate] = _NOTHING  # of the topics that the console hears
 
     @property
     def is_stopped(self) -> bool:

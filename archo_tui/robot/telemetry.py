@@ -316,7 +316,7 @@ class Telemetry:
         return _news(last, new, *_GAUGE)
 
     def _measured(self, key: object, now: float) -> float | None:
-        self._periods[key] = self._periods.get(key, Period()).heard(now)
+        self._periods[key] = self._periods.get(key, Period()).with_message_at(now)
         return self._periods[key].typical
 
     def _grace(self, key: object) -> float | None:

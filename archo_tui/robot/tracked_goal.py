@@ -223,7 +223,7 @@ class TrackedGoal:
     def on_feedback(self, feedback: Any) -> None:
         """Record a feedback message of this goal."""
         goal, now = self.goal, self._clock.monotonic()
-        self._feedback_period = self._feedback_period.heard(now)
+        self._feedback_period = self._feedback_period.with_message_at(now)
         doubtful = goal.phase in (Phase.UNKNOWN, Phase.LOST)
         changes = feedback_changes(goal, feedback)
         if goal.is_found and goal.first is None and "remaining" in changes:

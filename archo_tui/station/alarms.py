@@ -282,7 +282,7 @@ class AlarmBoard:
             The alarms whose state has changed.
         """
         changed: list[Alarm] = []
-        self._pause = self._pause.look(monotonic)
+        self._pause = self._pause.checked_at(monotonic)
         just_resumed = monotonic - self._pause.resumed < LEAST_SILENCE
         for alarm in list(self._alarms.values()):
             if alarm.shelf_ends is not None and monotonic >= alarm.shelf_ends:

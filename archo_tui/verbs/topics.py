@@ -25,14 +25,14 @@ class Topics(Verb):
         return Outcome(Code.DONE, "\n".join(lines) or "nothing on the graph")
 
     def data(self, station: Station, values: Values) -> Any:
-        paces = station.robot.snapshot.paces
+        rates = station.robot.snapshot.message_rates
         return [
             {
                 "kind": row.resource.kind,
                 "name": row.resource.name,
                 "types": list(row.resource.types),
                 "nodes": list(row.resource.nodes),
-                "rate": None if row.rate in ("", SILENT) else paces[row.resource.name].rate,
+                "rate": None if row.rate in ("", SILENT) else rates[row.resource.name].hertz,
                 "silent": row.rate == SILENT,
                 "mismatches": list(row.resource.mismatches),
             }

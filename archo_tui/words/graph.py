@@ -71,9 +71,9 @@ def resource_rows(view: View) -> tuple[ResourceRow, ...]:
 
 
 def _rate_text(view: View, topic: str) -> str:
-    pace = view.snapshot.paces.get(topic)
-    if pace is None:
+    rate = view.snapshot.message_rates.get(topic)
+    if rate is None:
         return ""
-    if pace.is_silent(view.second):
+    if rate.is_silent(view.second):
         return SILENT
-    return "" if pace.rate is None else f"{pace.rate:.1f} Hz"
+    return "" if rate.hertz is None else f"{rate.hertz:.1f} Hz"

@@ -187,7 +187,7 @@ def test_silence_is_three_of_the_robots_own_periods() -> None:
     for at in (0.0, 30.0):
         assert period.seconds is None
         assert not is_silent(at, period.seconds, at + 29, UNMEASURED)  # before two messages
-        period = period.heard(at)
+        period = period.with_message_at(at)
     assert period.seconds == 30.0
     assert not is_silent(30.0, period.seconds, 30.0 + 89, UNMEASURED)
     assert is_silent(30.0, period.seconds, 30.0 + 91, UNMEASURED)
@@ -196,7 +196,7 @@ def test_silence_is_three_of_the_robots_own_periods() -> None:
 def test_a_link_that_grows_slower_is_judged_by_its_first_pace() -> None:
     period = Period()
     for at in (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 15.0, 35.0, 75.0):
-        period = period.heard(at)
+        period = period.with_message_at(at)
     assert period.seconds == 1.0
 
 

@@ -48,7 +48,7 @@ async def test_live_both_are_read_and_the_rate_is_that_of_the_publisher(file: Pa
         await until(lambda: it.snapshot.battery.percentage == 80.0)
         await until(lambda: it.snapshot.gauges[0].value == 80.0)
         await while_passes(3)
-        rate = it.snapshot.paces["/level"].rate
+        rate = it.snapshot.message_rates["/level"].hertz
         assert rate is not None
         assert 8.0 < rate < 13.0
         assert made[0].count_subscribers("level") == 1

@@ -157,9 +157,9 @@ async def test_a_node_that_hangs_after_a_set_is_missed_as_soon_as_any_other() ->
 def test_a_period_is_known_until_it_is_measured_anew(
     measured: float, old: Any, new: Any, known: float
 ) -> None:
-    period = Period().heard(7.0).heard(7.0 + measured).measured_again(old, new)
+    period = Period().with_message_at(7.0).with_message_at(7.0 + measured).measured_again(old, new)
     assert period.seconds == pytest.approx(known)
-    assert period.heard(20.0).heard(23.0).seconds == 3.0
+    assert period.with_message_at(20.0).with_message_at(23.0).seconds == 3.0
 
 
 def bursts(count: int, each: float, pause: float, total: float = 300.0) -> Iterator[float]:
@@ -188,10 +188,10 @@ def test_silence_is_judged_by_what_is_typical_and_noticed(
     times: Iterator[float], lost: float
 ) -> None:
     period, last = Period(), next(times)
-    period = period.heard(last)
+    period = period.with_message_at(last)
     for at in times:
         assert not is_silent(last, period.typical, at, period.grace), at
-        period, last = period.heard(at), at
+        period, last = period.with_message_at(at), at
     assert not is_silent(last, period.typical, last + lost - 0.1, period.grace)
     assert is_silent(last, period.typical, last + lost + 0.1, period.grace)
 
@@ -202,7 +202,7 @@ def lost(times: Iterable[float]) -> tuple[Period, list[float]]:
     for at in times:
         if is_silent(last, period.typical, at, period.grace):
             found.append(round(at, 1))
-        period, last = period.heard(at), at
+        period, last = period.with_message_at(at), at
     return period, found
 
 
@@ -260,6 +260,6 @@ async def test_what_holds_is_old_when_its_node_has_left() -> None:
 def test_a_robot_that_dies_after_its_first_words_is_soon_missed() -> None:
     period = Period()
     for number in range(5):
-        period = period.heard(100.0 + 0.2 * number)
+        period = period.with_message_at(100.0 + 0.2 * number)
     assert not is_silent(100.8, period.typical, 115.7, period.grace)  # it may have been a burst
     assert is_silent(100.8, period.typical, 115.9, period.grace)

@@ -177,7 +177,7 @@ async def desk(state: str) -> AsyncIterator[Desk]:
         battery=shown.battery._replace(received=_LATER),
         motion=replace(shown.motion, received=_LATER),
         nodes=tuple(node._replace(heard=_LATER) for node in shown.nodes),
-        paces={},
+        message_rates={},
     )
     robot, clock = StandingRobot(snapshot), StandingClock()
     with sized(_SIZE):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-from archo_tui.robot.period import Pace
+from archo_tui.robot.message_rate import MessageRate
 from archo_tui.robot.state import (
     Battery,
     Event,
@@ -111,7 +111,10 @@ NORMAL = Snapshot(
     offered=ALL,
     events=EVENTS,
     resources=RESOURCES,
-    paces={"/battery_level": Pace(NOW - 0.4, 1.0), "/motor_status": Pace(NOW - 0.1, 0.2)},
+    message_rates={
+        "/battery_level": MessageRate(NOW - 0.4, 1.0),
+        "/motor_status": MessageRate(NOW - 0.1, 0.2),
+    },
 )
 
 
@@ -177,7 +180,9 @@ STATES: dict[str, Snapshot] = {
         battery=BATTERY._replace(received=NOW - 9.5),
         motion=replace(MOTOR, received=NOW - 9.1),
         nodes=tuple(node._replace(heard=NOW - 9.1) for node in NORMAL.nodes),
-        paces={name: pace._replace(heard=NOW - 9.1) for name, pace in NORMAL.paces.items()},
+        message_rates={
+            name: rate._replace(heard=NOW - 9.1) for name, rate in NORMAL.message_rates.items()
+        },
     ),
     "motor moving": goal(Phase.MOVING)._replace(
         motion=Motion(1_234_567, 0.8, True, False, NOW - 0.1)

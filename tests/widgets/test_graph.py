@@ -191,11 +191,11 @@ async def test_it_costs_nothing_while_nothing_in_it_changes(
         monkeypatch.setattr(shown, "refresh", lambda *_, **__: drawn.append(1))
         for second in range(3):
             clock.passed += 1.0
-            paces = {
-                name: pace._replace(heard=pace.heard + second)
-                for name, pace in NORMAL.paces.items()
+            rates = {
+                name: rate._replace(heard=rate.heard + second)
+                for name, rate in NORMAL.message_rates.items()
             }
-            robot.put(NORMAL._replace(paces=paces))
+            robot.put(NORMAL._replace(message_rates=rates))
             app.tick()
             await quiet.settle()
         assert drawn == []
