@@ -370,7 +370,7 @@ FAULTS = [
     Fault("station/alarms.py", "{(alarm.name, alarm.since): alarm", "{(alarm.name, 0.0): alarm", "tests/station/test_alarms.py"),
     Fault("station/alarms.py", "if alarm.name == LOW_BATTERY and BATTERY_EMPTY in found:", "if False:", "tests/station/test_alarms.py"),
     Fault("station/alarms.py", "if low is not None and low.is_over and", "if False and low is not None and", "tests/station/test_alarms.py"),
-    Fault("station/alarm_conditions.py", "    if snapshot.outlived:\n", "    if False:\n", "tests/station/test_alarms.py"),
+    Fault("station/alarm_conditions.py", "    if snapshot.still_running_after_stop:\n", "    if False:\n", "tests/station/test_alarms.py"),
     Fault("robot/values.py", "if not _WHOLE.fullmatch(stripped):", "if not stripped.lstrip('+-').isdecimal():", ROBOT + "/test_forms.py"),
     Fault("robot/values.py", "if not _NUMBER.fullmatch(text.strip()):", "if False:", ROBOT + "/test_forms.py"),
     Fault("robot/values.py", 'lstrip("+-0")', 'lstrip("+-")', ROBOT + "/test_forms.py"),

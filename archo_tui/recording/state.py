@@ -69,7 +69,7 @@ class ConsoleState(NamedTuple):
     paces: Mapping[str, MessageRate] = {}  # As in Snapshot.message_rates.
     charge: tuple[tuple[float, float], ...] = ()
     open_stop: OpenStop | None = None
-    outlived: tuple[str, ...] = ()
+    outlived: tuple[str, ...] = ()  # As in Snapshot.still_running_after_stop.
     goal: Goal | None = None
     running: int = 0
     history: tuple[Goal, ...] = ()
@@ -115,7 +115,7 @@ def change_key(view: View) -> tuple[object, ...]:
         snapshot.consoles,
         snapshot.resources,
         snapshot.open_stop,
-        snapshot.outlived,
+        snapshot.still_running_after_stop,
         None if goal is None else (goal.number, goal.phase, goal.length, goal.message),
         snapshot.running,
         tuple([(alarm.name, alarm.state, alarm.reason) for alarm in view.alarms]),
@@ -161,7 +161,7 @@ def console_state(view: View, *, with_events: bool) -> ConsoleState:
         },
         charge=tuple((time + since, percentage) for time, percentage in snapshot.charge),
         open_stop=None if stop is None else stop._replace(asked=stop.asked + since),
-        outlived=snapshot.outlived,
+        outlived=snapshot.still_running_after_stop,
         goal=None if goal is None else _with_unix_times(goal, since),
         running=snapshot.running,
         history=tuple(_with_unix_times(ended, since) for ended in snapshot.history),

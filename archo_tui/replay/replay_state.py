@@ -280,7 +280,7 @@ class ReplayState:
             events=self._log.all(),
             charge=telemetry.charge,
             open_stop=state.open_stop,
-            outlived=state.outlived,
+            still_running_after_stop=state.outlived,
             namespace=state.namespace,
             faults={**telemetry.faults, **state.faults},
             publishers=state.publishers,

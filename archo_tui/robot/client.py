@@ -111,7 +111,7 @@ class Robot:
         self._log = EventLog()
         self._dirty = self._streams = False  # whether a snapshot is to go up, soon or later
         self._unseen = False  # something was heard that differs in its time only
-        self._outlived: tuple[str, ...] = ()  # goals that still run after an answered STOP
+        self._still_running: tuple[str, ...] = ()  # Names of goals, after an answered STOP.
         self._faults: dict[str, str] = {}
         self._mismatches: frozenset[str] = frozenset()  # that were said
         self._consoles: set[str] | None = None  # the others, at the last look
@@ -738,8 +738,8 @@ class Robot:
     def _watch(self) -> None:
         if not self._goals.running:
             self._watcher.cancel()
-            if self._outlived:
-                self._outlived = ()
+            if self._still_running:
+                self._still_running = ()
                 self._mark()
             return
         now = self._clock.monotonic()
@@ -747,8 +747,9 @@ class Robot:
         self._goals.check(now, self._telemetry.motion)
         stopped = self._stopping.obeyed_since
         if stopped is not None:
-            before, self._outlived = self._outlived, self._goals.cancel_older(stopped)
-            if self._outlived != before:
+            before = self._still_running
+            self._still_running = self._goals.cancel_older(stopped)
+            if self._still_running != before:
                 self._mark()
 
     def _measure_anew(self, node: str, old: object, new: object) -> None:
@@ -920,7 +921,7 @@ class Robot:
                 latch_time=self._stopping.latch.time,
                 released=self._stopping.latch.released,
                 moves_on=self._stopping.latch.is_not_obeyed,
-                outlived=self._outlived,
+                still_running_after_stop=self._still_running,
                 namespace=self._graph.namespace,
                 faults=self._faults,
                 publishers=self._graph.publishers,

@@ -420,7 +420,7 @@ class Snapshot(NamedTuple):
     latch_time: float = 0.0  # Unix time of that STOP
     released: float | None = None  # when the robot confirmed a release, monotonic s
     moves_on: bool = False  # the robot, though it has confirmed a STOP
-    outlived: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
+    still_running_after_stop: tuple[str, ...] = ()  # goals that run on after the answer to a STOP
     namespace: str = "/"  # of the robot that is operated
     faults: Mapping[str, str] = _NOTHING  # why one of these is not used
     publishers: Mapping[str, tuple[str, ...]] = _NOTHING  # nodes, by topic

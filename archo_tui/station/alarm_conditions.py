@@ -113,11 +113,11 @@ def _stop_conditions(snapshot: Snapshot, now: float, earlier_stop: float | None)
             f"STOP OF {time_of_day(earlier_stop)[:-3]} HAS NO RELEASE IN THE JOURNAL: "
             "the robot may still be stopped",
         )
-    if snapshot.outlived:
-        runs = "RUNS" if len(snapshot.outlived) == 1 else "RUN"
+    if snapshot.still_running_after_stop:
+        runs = "RUNS" if len(snapshot.still_running_after_stop) == 1 else "RUN"
         yield (
             MOVES_AFTER_STOP,
-            f"STOP WAS ANSWERED, BUT {', '.join(snapshot.outlived)} STILL {runs}: "
+            f"STOP WAS ANSWERED, BUT {', '.join(snapshot.still_running_after_stop)} STILL {runs}: "
             "use the hardware stop",
         )
     elif _moves_after_stop(snapshot, now):

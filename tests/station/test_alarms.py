@@ -129,7 +129,9 @@ def test_what_moves_on_after_a_stop_was_answered_is_the_gravest_alarm(
     goals: tuple[str, ...], said: str
 ) -> None:
     board = AlarmBoard()
-    found = conditions(NORMAL._replace(outlived=goals, open_stop=OpenStop(NOW - 3)), NOW)
+    found = conditions(
+        NORMAL._replace(still_running_after_stop=goals, open_stop=OpenStop(NOW - 3)), NOW
+    )
     board.update(found, 0, 100)
     board.update(found, 3, 103)
     assert [alarm.name for alarm in board.all()] == [MOVES_AFTER_STOP, STOP_UNCONFIRMED]

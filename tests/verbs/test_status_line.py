@@ -23,7 +23,7 @@ def line(snapshot: Snapshot, *hosted: Hosted) -> str:
     return in_line(station)
 
 
-OUTLIVED = STATES["motor stopped"]._replace(outlived=("shelf 12",))
+STILL_RUNNING = STATES["motor stopped"]._replace(still_running_after_stop=("shelf 12",))
 CRASHED = Hosted("/dashboard", Life.CRASHED, "ZeroDivisionError: division by zero")
 
 
@@ -33,7 +33,7 @@ CRASHED = Hosted("/dashboard", Life.CRASHED, "ZeroDivisionError: division by zer
         (NORMAL, (), "ARCHO 88 % IDLE"),
         (STATES["battery old"], (), "ARCHO -- % IDLE"),
         (NORMAL, (CRASHED,), "ARCHO 88 % IDLE alarm: node crashed /dashboard"),
-        (OUTLIVED, (), "ARCHO 88 % STOPPED alarm: moves after stop"),
+        (STILL_RUNNING, (), "ARCHO 88 % STOPPED alarm: moves after stop"),
         (STATES["battery empty"], (), "ARCHO 0 % IDLE alarm: battery empty"),
     ],
 )
