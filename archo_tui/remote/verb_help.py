@@ -36,14 +36,14 @@ def own(verb: str) -> str:
 
 def verbs_of_file(path: Path | None = None) -> dict[str, Verb]:
     """Return the verbs of a console of that robot file by what is typed; None: ARCHO's file."""
-    from archo_tui.robot.state import MessageField
+    from archo_tui.robot.state import TypedField
     from archo_tui.robot_file.load import default_path, load
     from archo_tui.verbs import verbs
 
     robot = load(path or default_path())
     return verbs(
         robot,
-        {goal.id: [MessageField(path, "int32", 0) for path in goal.form] for goal in robot.goals},
+        {goal.id: [TypedField(path, "int32", 0) for path in goal.form] for goal in robot.goals},
     )
 
 

@@ -22,9 +22,9 @@ from archo_tui.robot.state import (
     TOPIC,
     Event,
     Goal,
-    MessageField,
     NodeState,
     Snapshot,
+    TypedField,
     level_word,
     logger_node,
 )
@@ -316,6 +316,6 @@ def _parse_state(text: str) -> ConsoleState:
     return from_data(ConsoleState, json.loads(text))  # type: ignore[no-any-return]
 
 
-def _form_fields(kind: GoalKind) -> tuple[MessageField, ...]:
+def _form_fields(kind: GoalKind) -> tuple[TypedField, ...]:
     found = message_classes.load(kind.type)
     return () if found is None else tuple(messages.flat_fields(found.Goal()))

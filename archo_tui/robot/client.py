@@ -48,9 +48,9 @@ from archo_tui.robot.state import (
     Event,
     Goal,
     Latch,
-    MessageField,
     NodeInfo,
     Snapshot,
+    TypedField,
     level_word,
     linked,
     logger_node,
@@ -375,7 +375,7 @@ class Robot:
 
         return tell
 
-    def form(self, type_name: str) -> tuple[MessageField, ...] | None:
+    def form(self, type_name: str) -> tuple[TypedField, ...] | None:
         """Return the fields of a goal or a request by its type; None: that is not installed."""
         found = message_classes.load(type_name)
         if found is None:

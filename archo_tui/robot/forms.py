@@ -8,7 +8,7 @@ from typing import Any
 
 from archo_tui.robot.fields import INTEGERS, checked, element_of
 from archo_tui.robot.parameter_values import typed_text
-from archo_tui.robot.state import MessageField
+from archo_tui.robot.state import TypedField
 from archo_tui.robot.values import (
     parse_any_number,
     parse_bool,
@@ -24,22 +24,22 @@ _LONGEST = 10_000  # Characters of a typed value.
 _FARTHEST = 10**30  # Beyond the range of every type, which is checked separately.
 
 
-def is_integer(field: MessageField) -> bool:
+def is_integer(field: TypedField) -> bool:
     """Return True for a field that takes whole numbers only."""
     return field.type in INTEGERS
 
 
-def is_number(field: MessageField) -> bool:
+def is_number(field: TypedField) -> bool:
     """Return True for a field that takes numbers only."""
     return is_integer(field) or field.type in ("float", "double")
 
 
-def is_list(field: MessageField) -> bool:
+def is_list(field: TypedField) -> bool:
     """Return True for a field that takes a list."""
     return element_of(field.type) is not None
 
 
-def parse(field: MessageField, given: FormField, text: str) -> Any:
+def parse(field: TypedField, given: FormField, text: str) -> Any:
     """Return the value that was typed for a field.
 
     Args:
@@ -70,7 +70,7 @@ def parse(field: MessageField, given: FormField, text: str) -> Any:
     return value
 
 
-def check_range(field: MessageField, given: FormField, value: Any, shown: str) -> None:
+def check_range(field: TypedField, given: FormField, value: Any, shown: str) -> None:
     """Check a number against the limits of a field, as far as these are known.
 
     Args:
@@ -95,7 +95,7 @@ def check_range(field: MessageField, given: FormField, value: Any, shown: str) -
 
 
 def check_ranges(
-    fields: Iterable[MessageField], form: Mapping[str, FormField], values: Mapping[str, Any]
+    fields: Iterable[TypedField], form: Mapping[str, FormField], values: Mapping[str, Any]
 ) -> None:
     """Check every number among values by dotted path as `check_range` does.
 
@@ -113,7 +113,7 @@ def _known(given: Limit, otherwise: float | None) -> float | None:
 
 
 def parse_all(
-    fields: Iterable[MessageField], form: Mapping[str, FormField], texts: Mapping[str, str]
+    fields: Iterable[TypedField], form: Mapping[str, FormField], texts: Mapping[str, str]
 ) -> dict[str, Any]:
     """Return the values of all fields by dotted path.
 
@@ -127,7 +127,7 @@ def parse_all(
 
 
 def named(
-    fields: Iterable[MessageField], form: Mapping[str, FormField], words: list[str]
+    fields: Iterable[TypedField], form: Mapping[str, FormField], words: list[str]
 ) -> dict[str, str]:
     """Return the texts in words such as `x=1.5 y=2`, or `12` for a single field, by path.
 
@@ -159,7 +159,7 @@ def _expected(labels: Iterable[str]) -> str:
     return " ".join(f"{label.lower()}=..." for label in labels) or "nothing"
 
 
-def _value(field: MessageField, text: str) -> Any:
+def _value(field: TypedField, text: str) -> Any:
     element = element_of(field.type)
     if element is not None:
         return _list(field._replace(type=element), text)
@@ -173,7 +173,7 @@ def _value(field: MessageField, text: str) -> Any:
     return parse_any_number(stripped)
 
 
-def _list(element: MessageField, text: str) -> list[Any]:
+def _list(element: TypedField, text: str) -> list[Any]:
     """Parse a list by the type of its elements; YAML decides what a message means."""
     if "/" not in element.type:
         return [_value(element, item) for item in bounded_yaml.scalar_texts(text)]
@@ -183,6 +183,6 @@ def _list(element: MessageField, text: str) -> list[Any]:
     return items
 
 
-def default_text(field: MessageField) -> str:
+def default_text(field: TypedField) -> str:
     """Return the text in the field at first, which means the message's default value."""
     return typed_text(field.default)

@@ -13,7 +13,7 @@ from rclpy.node import Node
 from archo_tui.robot import forms, message_classes, messages, ros2_command
 from archo_tui.robot.fields import checked, filled
 from archo_tui.robot.graph import Graph
-from archo_tui.robot.state import MessageField
+from archo_tui.robot.state import TypedField
 from archo_tui.robot_file import mismatch, model
 
 
@@ -142,7 +142,7 @@ def _form_fault(kind: model.GoalKind, goal: Any) -> str:
     types = messages.types(goal)
     for path, given in kind.form.items():
         where, found = given.where or kind.where, f"{path} is {types[path]}"
-        field = MessageField(path, types[path], None)
+        field = TypedField(path, types[path], None)
         if given.convert == "yaw":
             if not {f"{path}.{axis}" for axis in "xyzw"} <= set(types):
                 return f"{where}: {found}: convert: yaw is for a quaternion (x, y, z, w)"
@@ -162,14 +162,14 @@ def _fixed_fault(kind: model.GoalKind, goal: Any) -> str:
     return ""
 
 
-def _form(kind: model.GoalKind) -> tuple[MessageField, ...] | None:
+def _form(kind: model.GoalKind) -> tuple[TypedField, ...] | None:
     """Return the fields of a goal's form; None if the action's type is not installed here."""
     goal_type = message_classes.load(kind.type)
     if goal_type is None:
         return None
     types = {field.path: field for field in messages.flat_fields(goal_type.Goal())}
     turned = {path for path, given in kind.form.items() if given.convert}
-    number = MessageField("", "double", 0.0)
+    number = TypedField("", "double", 0.0)
     return tuple(
         (number if path in turned else types.get(path, number))._replace(path=path)
         for path in kind.form

@@ -10,7 +10,7 @@ from typing import Any
 
 from archo_tui.robot.fields import NESTED, checked, put
 from archo_tui.robot.message_classes import EMPTY
-from archo_tui.robot.state import MessageField
+from archo_tui.robot.state import TypedField
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import GoalKind
@@ -19,10 +19,10 @@ from archo_tui.yaml_text.dump import flow
 _SHOWN = 20  # Elements of an array that a text shows.
 
 
-def flat_fields(message: Any) -> Iterator[MessageField]:
+def flat_fields(message: Any) -> Iterator[TypedField]:
     """Yield the fields of a message in order; for a field that is a message, its own fields."""
     for path, kind, value in _fields(message):
-        yield MessageField(path, kind, _plain(value))
+        yield TypedField(path, kind, _plain(value))
 
 
 def _fields(message: Any, before: str = "") -> Iterator[tuple[str, str, Any]]:

@@ -222,7 +222,7 @@ class Goal(NamedTuple):
         return min(max(1 - self.remaining / self.length, 0.0), 1.0)
 
 
-class MessageField(NamedTuple):
+class TypedField(NamedTuple):
     """A field of a message with a path and a type: a primitive, or an array of anything."""
 
     path: str  # dotted
@@ -429,7 +429,7 @@ class Snapshot(NamedTuple):
     has_clock: bool = False  # somebody publishes /clock
     elsewhere: tuple[str, ...] = ()  # namespaces with nodes, beside this one
     consoles: tuple[str, ...] = ()  # the others of this namespace: user_host_pid
-    forms: Mapping[str, tuple[MessageField, ...]] = _NOTHING  # by id of the goal
+    forms: Mapping[str, tuple[TypedField, ...]] = _NOTHING  # by id of the goal
     actions: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
     services: Mapping[str, tuple[str, ...]] = _NOTHING  # types, of all served
     resources: tuple[Resource, ...] = ()  # all but ROS's own

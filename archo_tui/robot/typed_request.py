@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from archo_tui.robot import forms
-from archo_tui.robot.state import MessageField
+from archo_tui.robot.state import TypedField
 from archo_tui.robot_file.model import FormField, Scalar
 from archo_tui.yaml_text import bounded_yaml
 from archo_tui.yaml_text.core_schema import YamlFault
@@ -58,7 +58,7 @@ def typed_request(service: str, words: Sequence[str], form: Request) -> dict[str
 
 
 def _parsed(name: str, example: Scalar, value: Any) -> Any:
-    return forms.parse(MessageField(name, _TYPES[type(example)], None), FormField(), str(value))
+    return forms.parse(TypedField(name, _TYPES[type(example)], None), FormField(), str(value))
 
 
 def written(request: Request) -> str:

@@ -15,7 +15,7 @@ from textual.widgets import Label, Static
 
 from archo_tui.robot.forms import default_text, parse
 from archo_tui.robot.outcome import NOT_TAKEN_BACK, Outcome
-from archo_tui.robot.state import MessageField
+from archo_tui.robot.state import TypedField
 from archo_tui.robot_file.model import FormField
 from archo_tui.screens.dialog import Dialog
 from archo_tui.terminal.app import COMMANDS, start_worker
@@ -42,7 +42,7 @@ class MessageForm(Dialog[None]):
     def __init__(
         self,
         title: str,
-        message_fields: Sequence[MessageField],
+        message_fields: Sequence[TypedField],
         send: Send,
         typed: dict[str, str],
         form: Mapping[str, FormField] | None = None,
@@ -110,7 +110,7 @@ class MessageForm(Dialog[None]):
         if not self._message_fields:
             yield Static(Content("It takes no values."))
 
-    def _label(self, message_field: MessageField) -> str:
+    def _label(self, message_field: TypedField) -> str:
         form_field = self._form.get(message_field.path, FormField())
         label = form_field.label or message_field.path
         return f"{label} ({form_field.unit})" if form_field.unit else label
@@ -182,7 +182,7 @@ class MessageForm(Dialog[None]):
         self.finish(outcome)
 
 
-def default_yaml(message_fields: Sequence[MessageField]) -> str:
+def default_yaml(message_fields: Sequence[TypedField]) -> str:
     """Return the default values as a YAML text, nested as the message is."""
     nested: dict[str, Any] = {}
     for field in message_fields:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from archo_tui.robot.state import MessageField
+from archo_tui.robot.state import TypedField
 from archo_tui.robot_file.model import RobotFile
 from archo_tui.verbs.alarms import Acknowledge, Alarms, Shelve
 from archo_tui.verbs.base import Verb
@@ -18,7 +18,7 @@ from archo_tui.verbs.tell import Events, Past, Status
 from archo_tui.verbs.topics import Topics
 
 
-def verbs(robot: RobotFile, forms: Mapping[str, Sequence[MessageField]]) -> dict[str, Verb]:
+def verbs(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> dict[str, Verb]:
     """Return all verbs by the word that is typed, the most common first.
 
     Args:
@@ -28,7 +28,7 @@ def verbs(robot: RobotFile, forms: Mapping[str, Sequence[MessageField]]) -> dict
     return {verb.id: verb for verb in _all(robot, forms)}
 
 
-def _all(robot: RobotFile, forms: Mapping[str, Sequence[MessageField]]) -> Iterator[Verb]:
+def _all(robot: RobotFile, forms: Mapping[str, Sequence[TypedField]]) -> Iterator[Verb]:
     ask = ""
     for number, kind in enumerate(robot.goals):
         go = Go(kind, forms.get(kind.id), "" if number else "go")

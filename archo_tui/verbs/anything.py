@@ -8,7 +8,7 @@ from typing import Any
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.nearest import nearest_hint
 from archo_tui.robot import forms
-from archo_tui.robot.state import MessageField, Snapshot, in_namespace
+from archo_tui.robot.state import Snapshot, TypedField, in_namespace
 from archo_tui.robot.typed_request import mapping
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField
@@ -90,5 +90,5 @@ async def fields_of(
 _SHOWN = 40  # Characters of a wrong word that an error quotes.
 
 
-def _expected(fields: Sequence[MessageField]) -> str:
+def _expected(fields: Sequence[TypedField]) -> str:
     return " ".join(f"{field.path}=..." for field in fields) or "no values"

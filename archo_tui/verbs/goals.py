@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Sequence
 
 from archo_tui.robot import forms
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import MessageField, Phase, Snapshot
+from archo_tui.robot.state import Phase, Snapshot, TypedField
 from archo_tui.robot_file import mismatch
 from archo_tui.robot_file.model import FormField, GoalKind, ParameterRef
 from archo_tui.station.ledger import RELEASE
@@ -26,9 +26,7 @@ class Go(Verb):
 
     acts = moves = has_goals = True
 
-    def __init__(
-        self, kind: GoalKind, fields: Sequence[MessageField] | None, verb: str = ""
-    ) -> None:
+    def __init__(self, kind: GoalKind, fields: Sequence[TypedField] | None, verb: str = "") -> None:
         """Create the verb.
 
         Args:
@@ -97,7 +95,7 @@ class Go(Verb):
         return station.drive([QueuedGoal(self.kind, given) for given in values[GOALS]])
 
 
-def _argument(kind: GoalKind, field: MessageField, several: bool) -> Argument:
+def _argument(kind: GoalKind, field: TypedField, several: bool) -> Argument:
     given = kind.form.get(field.path, FormField())
     label = given.label or field.path
     return Argument(label, field.type, several, low=given.low, high=given.high, unit=given.unit)

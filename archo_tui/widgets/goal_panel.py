@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from archo_tui.robot.forms import is_integer, is_number, parse
-from archo_tui.robot.state import WATCHING, MessageField, Snapshot
+from archo_tui.robot.state import WATCHING, Snapshot, TypedField
 from archo_tui.station.reason import Reason, limits, obstacles
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button
@@ -270,7 +270,7 @@ class GoalPanel(Panel):
         self.send(goals, typed)
 
 
-def _allowed_characters(message_field: MessageField) -> str:
+def _allowed_characters(message_field: TypedField) -> str:
     if is_integer(message_field):
         return INTEGER
     return NUMBER if is_number(message_field) else ""

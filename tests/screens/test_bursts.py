@@ -23,7 +23,7 @@ from archo_tui.app import ArchoApp
 from archo_tui.keyed_app import HELD
 from archo_tui.parameters import save_load
 from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import MessageField, Snapshot
+from archo_tui.robot.state import Snapshot, TypedField
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.station import form_history
 from archo_tui.terminal.stop_marks import dispatch
@@ -89,9 +89,9 @@ class StandingRobot(StubRobot):
 
         return ask if verb not in ("note", "send_no_more") else super().__getattr__(verb)
 
-    def form(self, _: str) -> tuple[MessageField, ...]:
+    def form(self, _: str) -> tuple[TypedField, ...]:
         """The fields of any type."""
-        return (MessageField("shelf_number", "int32", 0),)
+        return (TypedField("shelf_number", "int32", 0),)
 
 
 class Desk:

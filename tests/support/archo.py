@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from archo_tui.robot.client import Robot
 from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import MessageField
+from archo_tui.robot.state import TypedField
 from archo_tui.robot_file.load import default_path, load
 
 ARCHO = load(default_path())
 SHELF = ARCHO.goals[0]
-FORMS = {SHELF.id: (MessageField("shelf_number", "int32", 0),)}
+FORMS = {SHELF.id: (TypedField("shelf_number", "int32", 0),)}
 
 
 async def go(robot: Robot, shelf: int) -> Outcome:

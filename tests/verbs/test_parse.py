@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from archo_tui.robot.fields import INTEGERS
-from archo_tui.robot.state import MessageField
+from archo_tui.robot.state import TypedField
 from archo_tui.robot_file.model import FormField, GoalKind
 from archo_tui.verbs import verbs
 from archo_tui.verbs.goals import GOALS, Go
@@ -26,10 +26,10 @@ POSE = Go(
         form={"target.x": FormField(label="x", unit="m", low=-5, high=5)},
     ),
     (
-        MessageField("target.x", "double", 0.0),
-        MessageField("speeds", "sequence<uint8>", []),
-        MessageField("careful", "boolean", False),
-        MessageField("note", "string<8>", ""),
+        TypedField("target.x", "double", 0.0),
+        TypedField("speeds", "sequence<uint8>", []),
+        TypedField("careful", "boolean", False),
+        TypedField("note", "string<8>", ""),
     ),
 )
 
