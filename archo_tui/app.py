@@ -16,8 +16,8 @@ from archo_tui.commands.base import EVERYWHERE, Answers, Command, Work
 from archo_tui.daemon_threads import in_daemon
 from archo_tui.hosting.node_output import NodeOutput
 from archo_tui.keyed_app import KeyedApp
-from archo_tui.robot.outcome import Code, Outcome
-from archo_tui.robot.state import WATCHING, Snapshot
+from archo_tui.robot.outcome import WATCHING, Code, Outcome
+from archo_tui.robot.state import Snapshot
 from archo_tui.robot.stops import NOT_SENT
 from archo_tui.screens.dismissable import Dismissable
 from archo_tui.screens.main import MainScreen

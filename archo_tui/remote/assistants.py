@@ -8,10 +8,10 @@ from typing import Any
 from archo_tui.remote.protocol import words_of
 from archo_tui.remote.waits import RanOut, timeout_of, wait_for
 from archo_tui.robot import forms
-from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.outcome import WATCHING, Code, Outcome
 from archo_tui.robot.parameter_values import typed_text
 from archo_tui.robot.requester import Requester
-from archo_tui.robot.state import WATCHING, values_text
+from archo_tui.robot.state import values_text
 from archo_tui.robot.text import harmless, hides
 from archo_tui.station.approvals import LIFETIME, ApprovalRequest, ApprovalStatus, quoted
 from archo_tui.station.queue import QueuedGoal

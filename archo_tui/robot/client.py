@@ -36,7 +36,7 @@ from archo_tui.robot.limits import Limits
 from archo_tui.robot.listener import Heard, Listener
 from archo_tui.robot.mailbox import Mailbox, Receiver
 from archo_tui.robot.nodes import Nodes, set_level_command
-from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, Answer, Code, Outcome, answer_of
+from archo_tui.robot.outcome import CALL_WAIT, SLOW_CALL, WATCHING, Answer, Code, Outcome, answer_of
 from archo_tui.robot.parameters import Parameters, without_secrets
 from archo_tui.robot.requester import YOU, Requester, current_requester
 from archo_tui.robot.resources import SEND
@@ -44,7 +44,6 @@ from archo_tui.robot.sampling import Sample, Sampling
 from archo_tui.robot.secret_names import MASK, SecretNames
 from archo_tui.robot.services import Services
 from archo_tui.robot.state import (
-    WATCHING,
     Event,
     Goal,
     Latch,
@@ -52,7 +51,7 @@ from archo_tui.robot.state import (
     Snapshot,
     TypedField,
     level_word,
-    linked,
+    linked_number,
     logger_node,
     not_offered,
     values_text,
@@ -575,7 +574,9 @@ class Robot:
         """Return the length of the whole way to a goal; None: it is not known."""
         length = None if kind.remaining is None else kind.remaining.length
         if isinstance(length, model.ParameterRef):
-            return linked(self._parameters.all(), self._graph.namespace, length, 0.0, FARTHEST)
+            return linked_number(
+                self._parameters.all(), self._graph.namespace, length, 0.0, FARTHEST
+            )
         return length
 
     async def _call(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from os.path import basename
 
-from archo_tui.robot.state import Parameter, in_namespace, linked
+from archo_tui.robot.state import Parameter, in_namespace, linked_number
 from archo_tui.robot.text import harmless
 from archo_tui.robot.values import text_of
 from archo_tui.robot_file.model import ParameterRef, RobotFile
@@ -81,7 +81,7 @@ def _why(
     if link.parameter not in own:
         return f"{name} has no parameter {link.parameter}", "INFO"
     sure = ParameterRef(link.node, link.parameter)
-    if linked(own.values(), namespace, sure) is None:
+    if linked_number(own.values(), namespace, sure) is None:
         value = harmless(text_of(own[link.parameter].value))
         return f"{link.parameter} of {name} is {value[:20]}, not a number", "WARN"
     return "", ""

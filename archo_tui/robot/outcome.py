@@ -9,6 +9,7 @@ SLOW_CALL = 2.0  # Seconds after which a call without an answer is reported as r
 CALL_WAIT = 30.0  # Seconds to wait for the answer to `call SERVICE`.
 # The text for a request for which nobody waits any more.
 NOT_TAKEN_BACK = "waiting no longer: the robot may still do it"
+WATCHING = "watching only: start archo-tui without --watch to operate the robot"
 
 
 class Code(str, Enum):

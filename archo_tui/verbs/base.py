@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from archo_tui.robot.outcome import Outcome
-from archo_tui.robot.state import WATCHING
+from archo_tui.robot.outcome import WATCHING, Outcome
 from archo_tui.robot_file.model import Limit
 from archo_tui.station.station import Station
 

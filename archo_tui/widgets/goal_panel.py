@@ -11,7 +11,8 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from archo_tui.robot.forms import is_integer, is_number, parse
-from archo_tui.robot.state import WATCHING, Snapshot, TypedField
+from archo_tui.robot.outcome import WATCHING
+from archo_tui.robot.state import Snapshot, TypedField
 from archo_tui.station.reason import Reason, limits, obstacles
 from archo_tui.widgets.board import Board
 from archo_tui.widgets.button import Button

@@ -10,7 +10,7 @@ import pytest
 from rclpy.node import Node
 
 from archo_tui.robot.limits import Limits
-from archo_tui.robot.state import Parameter, linked
+from archo_tui.robot.state import Parameter, linked_number
 from archo_tui.robot_file.model import FormField, ParameterRef
 from tests.support.archo import ARCHO
 from tests.support.console import console
@@ -73,8 +73,8 @@ def test_of_a_goal_that_nobody_serves_nothing_is_said() -> None:
 def test_a_node_that_is_named_from_the_root_is_not_of_the_namespace() -> None:
     fleet = Parameter("/fleet", "racks", "integer", 40, 40)
     ours = fleet._replace(node="/tb1/fleet", value=7)
-    assert linked([fleet, ours], "/tb1", ParameterRef("fleet", "racks")) == 7
-    assert linked([fleet, ours], "/tb1", ParameterRef("/fleet", "racks")) == 40
+    assert linked_number([fleet, ours], "/tb1", ParameterRef("fleet", "racks")) == 7
+    assert linked_number([fleet, ours], "/tb1", ParameterRef("/fleet", "racks")) == 40
     shelf = ARCHO.goals[0]
     form = {"shelf_number": FormField("Shelf", high=ParameterRef("/fleet", "racks"))}
     limits = Limits(replace(ARCHO, goals=(replace(shelf, form=form),)))

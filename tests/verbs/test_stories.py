@@ -17,7 +17,8 @@ from rclpy.action import ActionServer
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from archo_tui.robot.state import WATCHING, OpenStop, Snapshot
+from archo_tui.robot.outcome import WATCHING
+from archo_tui.robot.state import OpenStop, Snapshot
 from archo_tui.verbs.alarms import Alarms
 from tests.robots.rover import Counting
 from tests.support import clock

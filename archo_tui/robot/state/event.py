@@ -1,0 +1,38 @@
+"""A line of the list of events."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from archo_tui.robot.audit_records import AuditRecord
+
+# The levels of the console's own events: what the person, a shell or an assistant did, how goals
+# ended, and what other consoles did.
+OWN_LEVELS = ("YOU", "SHELL", "AI", "GOAL", "PEER")
+
+
+@dataclass(frozen=True)  # A tuple has a `count` of its own.
+class Event:
+    """A log line of a node, or an event of the console. The times are Unix times of the receipt.
+
+    Attributes:
+        time: When it was received; for equal events, when the last of them was.
+        level: `DEBUG`, `INFO`, `WARN`, `ERROR`, `FATAL`, or one of OWN_LEVELS.
+        source: The name of the logger, or who or what it is about.
+        text: The line.
+        command: The `ros2` command line that does the same; "" if there is none.
+        count: How many equal events it stands for.
+        first: When the first of them was received.
+        number: The number of the first of them, which no other event has.
+        audit_record: The record of what was done; None if nothing was.
+    """
+
+    time: float
+    level: str
+    source: str
+    text: str
+    command: str = ""
+    count: int = 1
+    first: float = 0.0
+    number: int = 0
+    audit_record: AuditRecord | None = None

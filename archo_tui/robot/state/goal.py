@@ -1,0 +1,173 @@
+"""A goal and its phase."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import Any, NamedTuple
+
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.values import text_of
+from archo_tui.robot_file.model import GoalKind
+
+GIVEN_UP = 30.0  # Our choice: the seconds that a goal is LOST until its end is not awaited more.
+
+
+class Phase(Enum):
+    """The phase of a goal; the value is the word on the screen."""
+
+    SENT = "SENT"
+    REFUSED = "REFUSED"
+    MOVING = "MOVING"
+    CANCELLING = "CANCELLING"
+    CANCELLED = "CANCELLED"
+    ARRIVED = "ARRIVED"
+    ABORTED = "ABORTED"
+    UNKNOWN = "UNKNOWN"  # The server has not answered in time.
+    LOST = "LOST"  # No server is found, or the feedback ended.
+    DISPUTED = "ENDED"  # The status of the action and its result differ.
+    GONE = "GONE"  # Its node has left: no message will tell how it ended.
+
+
+_CODES = {  # Of the phases of ended goals.
+    Phase.ARRIVED: Code.ARRIVED,
+    Phase.CANCELLED: Code.CANCELLED,
+    Phase.ABORTED: Code.ABORTED,
+    Phase.REFUSED: Code.REFUSED,
+    Phase.DISPUTED: Code.NOT_CONFIRMED,
+    Phase.GONE: Code.TIMEOUT,
+}
+RUNNING = (Phase.SENT, Phase.MOVING, Phase.CANCELLING, Phase.UNKNOWN, Phase.LOST)
+
+
+def values_text(kind: GoalKind, values: Mapping[str, Any]) -> str:
+    """Return the values of a goal for people: `12`, or `x 1.5, y 2`."""
+    if len(values) == 1:
+        return text_of(*values.values())
+    labels = {path: kind.form[path].label or path for path in values if path in kind.form}
+    return ", ".join(f"{labels.get(path, path)} {text_of(v)}" for path, v in values.items())
+
+
+class Goal(NamedTuple):
+    """A goal of this console or of another client.
+
+    Recordings have the names of the attributes.
+
+    Attributes:
+        kind: Its kind in the robot file.
+        fields: The values that were typed, by dotted path.
+        phase: Its phase.
+        sent: When it was sent.
+        time: The Unix time of the last change of its phase.
+        length: The length of the whole way, in the unit of `remaining`; None if not known.
+        remaining: The way that is left by the last feedback, in the unit of the robot file.
+        heard: When the last feedback or answer came.
+        started: When it was accepted.
+        ended: When it ended.
+        cancel_asked: When its cancel was requested.
+        lost: Since when it is LOST.
+        unreadable: The last remaining way as received, if it is none; else "".
+        feedback: The last feedback as text, field by field.
+        message: The robot's words about the end, or the reason of a refusal.
+        mine: False for another client's goal, whose values are not on the graph.
+        number: A number that no other goal of this session has.
+        length_is_guessed: True if `length` is the longest remaining way so far: no node tells it.
+        result: The result message of the action.
+        is_found: True if it was underway when it was first seen.
+        first: For a goal that `is_found`, the time of the first remaining way, and that way.
+    """
+
+    kind: GoalKind
+    fields: Mapping[str, Any]
+    phase: Phase
+    sent: float
+    time: float
+    length: float | None = None
+    remaining: float | None = None
+    heard: float | None = None
+    started: float | None = None
+    ended: float | None = None
+    cancel_asked: float | None = None
+    lost: float | None = None
+    unreadable: str = ""
+    feedback: str = ""
+    message: str = ""
+    mine: bool = True
+    number: int = 0
+    length_is_guessed: bool = False
+    result: Any = None
+    is_found: bool = False
+    first: tuple[float, float] | None = None
+
+    @property
+    def target(self) -> str:
+        """The values as typed: `12`, or `x 1.5, y 2`."""
+        return values_text(self.kind, self.fields)
+
+    @property
+    def name(self) -> str:
+        """The goal's name in a sentence: `shelf 12`, `fibonacci 10`."""
+        if not self.mine:
+            return "another client's goal"
+        return f"{self.kind.noun or self.kind.title.lower()} {self.target}".rstrip()
+
+    @property
+    def word(self) -> str:
+        """The word for its phase; a goal without a place runs and succeeds instead of moving."""
+        if self.phase == Phase.GONE:
+            return str(Phase.LOST.value)
+        words = {} if self.kind.noun else {Phase.MOVING: "RUNNING", Phase.ARRIVED: "SUCCEEDED"}
+        return words.get(self.phase, str(self.phase.value))
+
+    @property
+    def code(self) -> Code | None:
+        """The code of its outcome; None while it runs."""
+        return _CODES.get(self.phase)
+
+    def outcome_at(self, now: float) -> Outcome | None:
+        """Return the outcome for a client that waits for the end; None while the goal runs.
+
+        A goal that is LOST for GIVEN_UP has an outcome though it is still tracked: its end may
+        never be reported.
+
+        Args:
+            now: Monotonic time in seconds.
+        """
+        if self.lost is not None and now - self.lost >= GIVEN_UP:
+            silent = now - (self.heard or self.sent)
+            reason = f"no word from it for {silent:.0f} s, the robot may still be moving"
+            return Outcome(Code.TIMEOUT, f"goal lost: {reason}")
+        if self.code is None:
+            return None
+        text = self.message or self.word.lower()
+        return Outcome(self.code, f"goal lost: {text}" if self.phase == Phase.GONE else text)
+
+    @property
+    def is_running(self) -> bool:
+        """True until its end or refusal was reported, or cannot be any more."""
+        return self.phase in RUNNING
+
+    def elapsed(self, now: float) -> float:
+        """Return the seconds from its start to `now`, or to its end."""
+        start = self.sent if self.started is None else self.started
+        return (now if self.ended is None else self.ended) - start
+
+    def seconds_left(self, now: float) -> float | None:
+        """Return an estimate from the way that was driven; None before there is any.
+
+        For a goal that was found underway, the way since its first feedback counts: the robot's
+        clock may differ, so that its start is not known, and no node tells the length of its way.
+        """
+        since, before = self.first or (None if self.is_found else self.started, self.length)
+        if not before or self.remaining is None or self.heard is None or since is None:
+            return None
+        driven, took = before - self.remaining, self.heard - since
+        if driven <= 0 or took <= 0:
+            return None
+        return max(self.remaining * took / driven - (now - self.heard), 0.0)
+
+    def fraction(self) -> float:
+        """Return the driven share of the way, 0 .. 1; 0 if it is not known."""
+        if not self.length or self.remaining is None:
+            return 0.0
+        return min(max(1 - self.remaining / self.length, 0.0), 1.0)

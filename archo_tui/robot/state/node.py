@@ -1,0 +1,79 @@
+"""A node on the graph: when its messages came, what it has, and the level of its log."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+LEVELS = {"UNSET": 0, "DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
+_WORDS = {number: word for word, number in LEVELS.items() if number}
+
+Names = tuple[tuple[str, str], ...]  # Each with its type.
+
+
+class NodeState(NamedTuple):
+    """A node on the graph.
+
+    Recordings have the names of the attributes.
+
+    Attributes:
+        name: Its full name.
+        heard: When its last message or log line came; None before the first.
+        rate: The rate in Hz of its messages that the console reads; None if not known.
+    """
+
+    name: str
+    heard: float | None = None
+    rate: float | None = None
+
+    def is_silent(self, now: float) -> bool:
+        """Return True if nothing was received for three of its intervals, at least 2.5 s."""
+        if self.heard is None or not self.rate:
+            return False
+        return now - self.heard > max(3 / self.rate, 2.5)
+
+
+def level_word(number: Any) -> str:
+    """Return the word for a log message's level; INFO for an unknown number."""
+    return _WORDS.get(number, "INFO") if isinstance(number, int) else "INFO"
+
+
+class LogLevel(NamedTuple):
+    """The level of a node's log, as words of LEVELS.
+
+    Attributes:
+        own: The level that was set for it; UNSET if none was.
+        in_force: The level that holds: its own, or that of its process.
+    """
+
+    own: str
+    in_force: str
+
+    @property
+    def text(self) -> str:
+        """`DEBUG and above`, or `INFO and above, as its process`."""
+        process = ", as its process" if self.own == "UNSET" else ""
+        return f"{self.in_force} and above{process}"
+
+
+class NodeInfo(NamedTuple):
+    """The topics, services and actions of one node, without those that every node has.
+
+    Attributes:
+        publishes: The topics that it publishes.
+        subscribes: The topics to which it subscribes.
+        serves: The services that it serves.
+        calls: The services for which it has a client.
+        actions: The actions that it serves.
+        sends: The actions for which it has a client.
+        level: The level of its log; None if it does not tell it.
+        no_level: Why it does not tell it.
+    """
+
+    publishes: Names = ()
+    subscribes: Names = ()
+    serves: Names = ()
+    calls: Names = ()
+    actions: Names = ()
+    sends: Names = ()
+    level: LogLevel | None = None
+    no_level: str = ""

@@ -1,0 +1,177 @@
+"""A snapshot: everything that is known of the robot at one moment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from archo_tui.robot.message_rate import MessageRate
+from archo_tui.robot.state.event import Event
+from archo_tui.robot.state.goal import Goal
+from archo_tui.robot.state.names import in_namespace, not_offered
+from archo_tui.robot.state.node import NodeState
+from archo_tui.robot.state.parameter import Parameter, linked_number
+from archo_tui.robot.state.resource import Resource
+from archo_tui.robot.state.stop import Latch, OpenStop
+from archo_tui.robot.state.telemetry import Battery, Motion, Reading
+from archo_tui.robot.state.typed_field import TypedField
+from archo_tui.robot_file.model import FormField, GoalKind, Limit, ParameterRef, RobotFile
+
+_NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+class Snapshot(NamedTuple):
+    """Everything that a front end can show of the robot, at one moment.
+
+    Attributes:
+        file: The robot file.
+        battery: The last reading of the battery.
+        motion: The last reading of the motion.
+        gauges: The last readings of the gauges, in the order of the robot file.
+        goal: The goal to show: that of this console, else another, else the last that ended.
+        running: The number of goals that run.
+        history: The goals that ended, newest first.
+        parameters: The parameters of all nodes.
+        nodes: The nodes in the robot's namespace.
+        offered: The names of the robot file for which a node publishes or serves something.
+        events: The events, newest last.
+        charge: Samples of the charge since charging began or ended: monotonic seconds and percent.
+        open_stop: The STOP that is not confirmed; None if there is none.
+        latch: The state of the last confirmed STOP.
+        latch_lost: Why a latch that is UNCERTAIN is so.
+        latch_time: The Unix time of that STOP.
+        released: When the robot last confirmed a release.
+        moves_on: True if the robot moves though it has confirmed a STOP.
+        still_running_after_stop: The names of goals that still run after a STOP was answered.
+        namespace: The namespace of the robot.
+        faults: Why a topic, a service or an action is not used, by its name in the robot file.
+        publishers: The nodes of each topic of the robot file that several nodes publish.
+        twice: The names that several nodes have.
+        several: The nodes of each service or action that several nodes serve, where one must.
+        has_clock: True if a node publishes simulated time on /clock.
+        elsewhere: The other namespaces that have nodes.
+        consoles: The other consoles in this namespace: `user_host_pid`.
+        forms: The fields of each goal, by the goal's id.
+        actions: The types of each action that is served, by its name.
+        services: The types of each service that is served, by its name.
+        resources: The topics, services and actions, without those that every node has.
+        message_rates: The rate of each topic that the console reads, by its full name.
+    """
+
+    file: RobotFile = RobotFile()
+    battery: Battery = Battery()
+    motion: Motion = Motion()
+    gauges: tuple[Reading, ...] = ()
+    goal: Goal | None = None
+    running: int = 0
+    history: tuple[Goal, ...] = ()
+    parameters: tuple[Parameter, ...] = ()
+    nodes: tuple[NodeState, ...] = ()
+    offered: frozenset[str] = frozenset()
+    events: tuple[Event, ...] = ()
+    charge: tuple[tuple[float, float], ...] = ()
+    open_stop: OpenStop | None = None
+    latch: Latch = Latch.NONE
+    latch_lost: str = ""
+    latch_time: float = 0.0
+    released: float | None = None
+    moves_on: bool = False
+    still_running_after_stop: tuple[str, ...] = ()
+    namespace: str = "/"
+    faults: Mapping[str, str] = _NOTHING
+    publishers: Mapping[str, tuple[str, ...]] = _NOTHING
+    twice: tuple[str, ...] = ()
+    several: Mapping[str, tuple[str, ...]] = _NOTHING
+    has_clock: bool = False
+    elsewhere: tuple[str, ...] = ()
+    consoles: tuple[str, ...] = ()
+    forms: Mapping[str, tuple[TypedField, ...]] = _NOTHING
+    actions: Mapping[str, tuple[str, ...]] = _NOTHING
+    services: Mapping[str, tuple[str, ...]] = _NOTHING
+    resources: tuple[Resource, ...] = ()
+    message_rates: Mapping[str, MessageRate] = _NOTHING
+
+    @property
+    def is_stopped(self) -> bool:
+        """True while the robot reports it, a STOP holds, is not confirmed, or is in doubt."""
+        in_doubt = self.open_stop is not None or self.latch is Latch.UNCERTAIN
+        return in_doubt or self.says_stopped or self.stop_holds
+
+    @property
+    def stop_holds(self) -> bool:
+        """True while a confirmed STOP is not released, for a robot that does not report its stops.
+
+        Where no service releases a STOP, it is over as soon as it is confirmed.
+        """
+        stop = self.file.stop
+        is_latched = self.latch is Latch.HELD and stop is not None and bool(stop.release)
+        return is_latched and self.motion.stopped is None
+
+    @property
+    def is_at_rest(self) -> bool:
+        """True if the robot reports that it is stopped, or does not move while a STOP holds."""
+        return self.says_stopped or (self.stop_holds and not self.motion.moving)
+
+    @property
+    def says_stopped(self) -> bool:
+        """True if the robot's last report is that it is stopped, and nothing speaks against it.
+
+        A release that was confirmed since, or a node that has left, does.
+        """
+        heard, released = self.motion.received, self.released
+        is_past = heard is not None and released is not None and heard <= released
+        return bool(self.motion.stopped) and not is_past and self.latch is not Latch.UNCERTAIN
+
+    @property
+    def running_goal(self) -> Goal | None:
+        """The goal, while it runs."""
+        return self.goal if self.goal is not None and self.goal.is_running else None
+
+    def full(self, name: str) -> str:
+        """Return the full name of a name in the robot file."""
+        return in_namespace(self.namespace, name)
+
+    def unavailable(self, name: str) -> str:
+        """Return why a service or action of the robot file cannot be used, or ""."""
+        return self.faults.get(name, "") if name in self.offered else not_offered(name)
+
+    @property
+    def absent(self) -> frozenset[str]:
+        """The names in the robot file that no node serves, or not as the file says."""
+        actions = (kind.action for kind in self.file.goals)
+        names = (*self.file.topics, *self.file.services, *actions)
+        return frozenset(name for name in names if self.unavailable(name))
+
+    def parameter(self, name: str) -> Parameter | None:
+        """Return the first parameter of that name on any node; None if there is none."""
+        return next((p for p in self.parameters if p.name == name), None)
+
+    @property
+    def threshold(self) -> float | None:
+        """The charge in % below which it is low, now; None if neither file nor robot tells it."""
+        low = None if self.file.battery is None else self.file.battery.low
+        if isinstance(low, ParameterRef):
+            return linked_number(self.parameters, self.namespace, low, 0.0, 100.0)
+        return low
+
+    @property
+    def time_factor(self) -> float | None:
+        """The simulated seconds in a real one; None if it is one, or is not reported."""
+        link = None if self.file.motion is None else self.file.motion.time_factor
+        found = None if link is None else linked_number(self.parameters, self.namespace, link, 0.0)
+        return None if found == 1.0 else found
+
+    def limit(self, given: Limit) -> float | None:
+        """Return the present number of a limit in the robot file; None if it is not known."""
+        if isinstance(given, ParameterRef):
+            return linked_number(self.parameters, self.namespace, given)
+        return given
+
+    def form(self, kind: GoalKind) -> Mapping[str, FormField]:
+        """Return the form of a goal with the present limits."""
+        return {
+            path: replace(given, low=self.limit(given.low), high=self.limit(given.high))
+            for path, given in kind.form.items()
+        }

@@ -1,0 +1,38 @@
+"""A STOP: not confirmed yet, or the last one that was."""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import NamedTuple
+
+
+class StopAnswer(Enum):
+    """The answer so far to a STOP that is not confirmed; the value is the word for it."""
+
+    AWAITED = ""
+    NONE = "no answer"  # Not from every server: it is sent again.
+    NOT_SENT = "NOT SENT"
+    REFUSED = "REFUSED"
+    UNCONFIRMED = "ANSWERED, NOT CONFIRMED"
+
+
+class OpenStop(NamedTuple):
+    """A STOP that was requested and that the robot has not confirmed.
+
+    Attributes:
+        asked: When it was requested.
+        answer: The answer so far.
+        why: Details of the answer for people; "" if there are none.
+    """
+
+    asked: float
+    answer: StopAnswer = StopAnswer.AWAITED
+    why: str = ""
+
+
+class Latch(Enum):
+    """The state of the last STOP that the robot has confirmed or reported."""
+
+    NONE = "none"  # There was none, or it was released.
+    HELD = "held"
+    UNCERTAIN = "uncertain"  # The node that held it has left, or was restarted.
