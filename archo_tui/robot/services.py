@@ -48,6 +48,12 @@ def hold_open(
     return answers
 
 
+def wake(node: Node) -> None:
+    """Wake the executor of a node, so that it goes on with tasks whose futures are done."""
+    if node.executor is not None:
+        node.executor.wake()
+
+
 class Services:
     """The service clients of a node, made as they are needed, and their pending calls.
 
@@ -160,8 +166,7 @@ class Services:
             is_late = in_time.cancelled()
             in_time.set_result(True)
             on_end(is_late)
-            if self._node.executor is not None:
-                self._node.executor.wake()
+            wake(self._node)
 
         future.add_done_callback(on_answer)
         self.watch(in_time, wait=wait)

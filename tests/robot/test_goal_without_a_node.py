@@ -84,8 +84,8 @@ async def test_elsewhere_it_is_lost_soon_and_ours_again_when_its_node_is_seen_ag
         executor.create_task(executor.add_node, server)
         await until(lambda: "move_to_shelf" in it.snapshot.offered)
         assert (await ended(go(it, 3))).ok
-        assert it._goals._ours is not None
-        goal_id = it._goals._ours.id
+        assert it._goals._register.ours is not None
+        goal_id = it._goals._register.ours.id
 
         def leave(node: Node) -> None:
             executor.remove_node(node)

@@ -1,0 +1,157 @@
+"""Requests to cancel goals, and their answers. ROS thread only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable
+from typing import Any
+
+from action_msgs.srv import CancelGoal
+from rclpy.node import Node
+from rclpy.task import Future
+
+from archo_tui.clock import Clock
+from archo_tui.robot import services
+from archo_tui.robot.goal_action import GoalAction
+from archo_tui.robot.outcome import Code, Outcome
+from archo_tui.robot.services import Services
+from archo_tui.robot.state import Phase
+from archo_tui.robot.tracked_goal import TrackedGoal
+
+FIND_PERIOD = 0.05  # Seconds between two looks for a server, or for an answer.
+
+
+class GoalCanceller:
+    """Requests actions to cancel goals, and reports what they answer."""
+
+    def __init__(
+        self, node: Node, clock: Clock, pending: Services, note: Callable[[str, str], None]
+    ) -> None:
+        """Cancel nothing yet.
+
+        Args:
+            node: The console's node.
+            clock: The clock of all times.
+            pending: Calls services, and watches deadlines.
+            note: Called with level and text of an event that no verb reports any more.
+        """
+        self._node, self._clock, self._services, self._note = node, clock, pending, note
+
+    async def cancel(self, tracked: TrackedGoal) -> Outcome:
+        """Request the cancel of a goal that was sent; return the answer."""
+        if tracked.handle is None:
+            return Outcome(Code.REFUSED, "the goal has ended")
+        before = tracked.goal.phase
+        tracked.update(phase=Phase.CANCELLING, cancel_asked=self._clock.monotonic())
+        future = tracked.handle.cancel_goal_async()
+        services.hold_open(future, tracked.action.servers, lambda a: len(a.goals_canceling) > 0)
+        answer = await self._in_time(future)
+        if answer is not None and len(answer.goals_canceling):
+            return Outcome(Code.ACCEPTED, "accepted")
+        if tracked.goal.phase == Phase.CANCELLING:
+            tracked.update(phase=before, cancel_asked=None)
+        if answer is None:
+            return Outcome(Code.TIMEOUT, f"no answer to the cancel in {services.DEADLINE:g} s")
+        if tracked.goal.is_running:  # A restarted server does not know it, which its answer shows.
+            tracked.ask_result()
+        return Outcome(
+            Code.REFUSED, "the robot rejected the cancel: the goal continues or has ended"
+        )
+
+    def begin(self, tracked: TrackedGoal) -> None:
+        """Begin to cancel a goal that was sent, without waiting for the answer."""
+        self._task(self.cancel, tracked)
+
+    async def cancel_at_acceptance(self, tracked: TrackedGoal) -> Outcome:
+        """Wait for the answer to the cancel that begins when a goal is accepted."""
+        end = self._clock.monotonic() + services.DEADLINE
+        while tracked.goal.phase == Phase.SENT and self._clock.monotonic() < end:
+            await self._services.pause(FIND_PERIOD)
+        if tracked.goal.phase in (Phase.SENT, Phase.UNKNOWN):
+            return Outcome(Code.TIMEOUT, "the goal is not accepted yet: it is cancelled when it is")
+        while tracked.cancel_outcome is None and tracked.goal.is_running:
+            await self._services.pause(FIND_PERIOD)
+        if tracked.cancel_outcome is not None:
+            return tracked.cancel_outcome
+        return Outcome(Code.DONE, f"the goal was not driven: {tracked.goal.message}".rstrip(": "))
+
+    def cancel_if_unwanted(self, tracked: TrackedGoal) -> None:
+        """Begin to cancel a goal that was accepted too late; only once, as a second is refused."""
+
+        async def cancel() -> None:
+            tracked.cancel_outcome = await self.cancel(tracked)
+
+        if tracked.is_unwanted and tracked.goal.phase == Phase.MOVING and not tracked.cancel_began:
+            tracked.cancel_began = True
+            self._task(cancel)
+
+    async def cancel_all(
+        self, actions: Callable[[], Collection[GoalAction]], others: Iterable[str], until: float
+    ) -> Outcome:
+        """Request actions to cancel all their goals, whoever sent them.
+
+        All requests leave at once: an action that does not answer delays no other.
+
+        Args:
+            actions: Returns the actions that the console knows; their servers are waited for.
+            others: The full names of further actions.
+            until: How long to wait for servers that are not found yet, in monotonic seconds.
+        """
+        asked: dict[str, Any] = {}
+        while True:
+            for name in (*others, *(action.name for action in actions() if action.is_served)):
+                if name not in asked:
+                    asked[name] = self._task(self._cancel_every, name)
+            is_found = all(action.is_served for action in actions())
+            if is_found or self._clock.monotonic() >= until:
+                break
+            await self._services.pause(FIND_PERIOD)
+        if not asked:
+            return Outcome(Code.NOT_OFFERED, "no action is offered by any node")
+        taken, silent = 0, []
+        for name, task in asked.items():
+            cancelling, is_answered = await task
+            taken += cancelling
+            if not is_answered:
+                silent.append(name)
+        if silent:
+            waited = f"{services.DEADLINE:g} s"
+            return Outcome(
+                Code.TIMEOUT, f"no answer to the cancel in {waited}: {', '.join(silent)}"
+            )
+        if not taken:
+            return Outcome(Code.REFUSED, "none was cancelled")
+        return Outcome(Code.ACCEPTED, f"cancelling {taken} {'goal' if taken == 1 else 'goals'}")
+
+    async def _cancel_every(self, action: str) -> tuple[int, bool]:
+        """Request an action, by its full name, to cancel all its goals.
+
+        Returns:
+            How many it cancels, and True if all its servers have answered.
+        """
+        name = f"{action}/_action/cancel_goal"
+        servers = max(self._node.count_services(name), 1)
+        answers = await self._services.call_all(
+            CancelGoal,
+            name,
+            CancelGoal.Request(),  # In action_msgs, no id and no time mean all goals.
+            servers,
+            services.DEADLINE,
+        )
+        return sum(len(answer.goals_canceling) for answer in answers), len(answers) >= servers
+
+    async def _in_time(self, future: Any) -> Any:
+        """Return the answer to a cancel; None after DEADLINE. A later rejection is an event."""
+        in_time: Future[bool] = Future(executor=self._node.executor)
+
+        def on_answer(done: Any) -> None:
+            if in_time.cancelled() and not len(done.result().goals_canceling):
+                self._note("WARN", "the robot rejected the cancel (its answer came late)")
+            in_time.set_result(True)
+            services.wake(self._node)
+
+        future.add_done_callback(on_answer)
+        self._services.watch(in_time)
+        return future.result() if await in_time else None
+
+    def _task(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        return self._node.executor.create_task(function, *arguments)  # type: ignore[union-attr]
